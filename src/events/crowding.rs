@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!     Σ (1 + contacts/4) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or a step that cannot be made:    a crowd
+//!     Σ iterations (rates + 3 contacts)² over the steps of 1e-2 s > 1.2e7, or > 2e6 soon after a crowd, four of which have ended at events:    a crowd
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!
@@ -16,6 +17,12 @@ const FINE: usize = 16;
 const LONGER: usize = 10;
 /// So much work within such times (s) is a crowd, in steps of what has no contacts.
 const CROWDS: [(usize, f64); 2] = [(100, 1e-5), (400, 1e-3)];
+/// So much work of iterations within such a time (s) is one, too, with so many events: what an iteration costs grows with the square of its unknowns, about
+/// 2e-7 s each on one core. The break of ten billiard balls has 1e7, in impacts that are all true; soon after a crowd less is enough.
+const LABOUR: f64 = 1.2e7;
+const LABOUR_AGAIN: f64 = 2e6;
+const LABOUR_WITHIN: f64 = 1e-2;
+const LABOUR_EVENTS: usize = 4;
 /// A crowd is left by one such step; if another follows within so many of them by twice as many as before,
 const SOON: f64 = 10.0;
 /// up to so many, in steps of the least length.
@@ -26,6 +33,8 @@ const LONGEST: usize = 512;
 pub(super) struct Crowding {
     /// Work since a time (s), for each kind of crowd.
     counts: [(usize, f64); CROWDS.len()],
+    /// Work of iterations, and events, since a time (s).
+    labour: (f64, usize, f64),
     /// What is still to be made of the last crowd, and what it was, in steps of the least length; and when it ended (s).
     left: usize,
     made: usize,
@@ -34,12 +43,27 @@ pub(super) struct Crowding {
 
 impl Crowding {
     /// Nothing has happened yet.
-    pub const CALM: Crowding =
-        Crowding { counts: [(0, f64::NEG_INFINITY); CROWDS.len()], left: 0, made: 0, ended: f64::NEG_INFINITY };
+    pub const CALM: Crowding = Crowding {
+        counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
+        labour: (0.0, 0, f64::NEG_INFINITY),
+        left: 0,
+        made: 0,
+        ended: f64::NEG_INFINITY,
+    };
 
     /// Counts steps that would only repeat what has happened, and are not made.
     pub fn count_repeated(&mut self, steps: usize) {
         self.counts.iter_mut().for_each(|(count, _)| *count += steps);
+    }
+
+    /// Counts the iterations of a step from a time (s) on, with this number of unknowns, that has ended at an event or not.
+    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, event: bool) {
+        let (work, events, since) = &mut self.labour;
+        if time - *since > LABOUR_WITHIN {
+            (*work, *events, *since) = (0.0, 0, time);
+        }
+        *work += iterations as f64 * (unknowns as f64).powi(2);
+        *events += usize::from(event);
     }
 
     /// Counts a step that begins at a time (s), with its work in steps of what has no contacts; whether it is to be one of first order.
@@ -53,10 +77,15 @@ impl Crowding {
                 *count += work;
                 crowded |= *count > most;
             }
-            if !crowded {
+            let (work, events, _) = self.labour;
+            // So much work takes that long to be seen again.
+            let soon = 2.0 * LABOUR_WITHIN;
+            let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
+            let laboured = work > most && events >= LABOUR_EVENTS;
+            if !crowded && !laboured {
                 return false;
             }
-            self.begin(time);
+            self.begin(time, if crowded { 0.0 } else { soon });
         }
         self.make(time);
         true
@@ -65,7 +94,7 @@ impl Crowding {
     /// A step that begins at a time (s) could not be made, however short, and one of first order is made in its place. To try in vain is the dearest of
     /// all: those that follow soon are left by more and more of these, as crowds are.
     pub fn fail(&mut self, time: f64) {
-        self.begin(time);
+        self.begin(time, 0.0);
         self.make(time);
     }
 
@@ -78,8 +107,14 @@ impl Crowding {
         (self.made / FINE).clamp(1, LONGER)
     }
 
-    fn begin(&mut self, time: f64) {
-        let again = time - self.ended <= SOON * self.made as f64 * STEP;
+    /// Whether a crowd has ended less than so long ago (s), or soon for its length.
+    fn is_soon(&self, time: f64, soon: f64) -> bool {
+        time - self.ended <= soon.max(SOON * self.made as f64 * STEP)
+    }
+
+    /// A crowd begins, the same as the last one if that is soon.
+    fn begin(&mut self, time: f64, soon: f64) {
+        let again = self.is_soon(time, soon);
         self.made = if again { (2 * self.made).min(LONGEST) } else { 1 };
         self.left = self.made;
     }
@@ -87,7 +122,7 @@ impl Crowding {
     fn make(&mut self, time: f64) {
         self.left = self.left.saturating_sub(self.longer());
         self.ended = time + self.longer() as f64 * STEP;
-        self.counts = Crowding::CALM.counts;
+        (self.counts, self.labour) = (Crowding::CALM.counts, Crowding::CALM.labour);
     }
 }
 
@@ -119,6 +154,26 @@ mod tests {
         assert!(bare <= 29 * 401 && coarse <= 2000, "{bare} and {coarse} of first order");
         let (closed, coarse) = made(9, None);
         assert!(closed <= 29 * 45 && coarse <= 2000, "{closed} and {coarse} of first order");
+    }
+
+    #[test]
+    fn costly_events_are_left_for_longer_and_longer_and_costly_steps_without_events_are_not() {
+        // Steps of 50 µs with ten iterations of 100 unknowns, every second of which ends at an event: 120 of them are a crowd, and 20 soon after it.
+        let run = |events: bool| {
+            let (mut crowding, mut time, mut steps, mut coarse) = (Crowding::CALM, 0.0, 0, 0);
+            while time < 1.0 {
+                if crowding.count(time, 5) {
+                    (coarse, time) = (coarse + 1, time + crowding.length());
+                } else {
+                    crowding.labour(time, 10, 100, events && steps % 2 == 0);
+                    (steps, time) = (steps + 1, time + 5e-5);
+                }
+            }
+            (steps, coarse)
+        };
+        let (steps, coarse) = run(true);
+        assert!(steps <= 121 + 29 * 21 && coarse <= 2000, "{steps} and {coarse} of first order");
+        assert_eq!(run(false).1, 0);
     }
 
     #[test]

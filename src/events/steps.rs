@@ -62,7 +62,9 @@ impl Eventful {
             self.stepped_in = Some(self.mode.clone());
         }
         let until = until.min(self.soon_after_stop(inputs, since, state));
+        let contacts = self.mode.contacts.len();
         let piece = &mut self.pieces[self.current];
+        let unknowns = piece.moving.mechanism.velocity_count + 3 * contacts;
         piece.begin(&self.whole, inputs, &self.efforts, &self.origin);
         let mut outcome = self.step_towards(inputs, since, until)?;
         let mut triggers = Vec::new();
@@ -99,6 +101,7 @@ impl Eventful {
             if outcome.step <= JAM {
                 return Err(StepError::NotAccurate { time: since, step: outcome.step });
             }
+            self.note_labour(since, outcome.iterations, unknowns, false);
             self.pieces[self.current].go_back(since, &self.recipe);
             state.copy_from(&self.origin);
             let mut shorter = self.advance(inputs, state, since + SHORTER * outcome.step)?;
@@ -158,7 +161,15 @@ impl Eventful {
         }
         self.steps += 1;
         self.stepped += outcome.step;
+        self.note_labour(since, outcome.iterations, unknowns, !triggers.is_empty());
         Ok(outcome)
+    }
+
+    /// Counts what a step from a time (s) on has cost; given steps may be many where nothing happens.
+    fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, event: bool) {
+        if self.recipe.tolerance().is_some() {
+            self.crowding.labour(since, iterations, unknowns, event);
+        }
     }
 
     /// How long a step may be that does not look at everything (s).

@@ -113,7 +113,8 @@ pub(crate) fn transit(
     if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
         jump_to_bounds(elements, mode, state, &mut done);
     }
-    let mut unsolved = false;
+    // What is seized each time has not been decided.
+    let mut unsolved = true;
     for _ in 0..CALMING {
         done.lost += contacts.come_to_rest(scene, state, &yielding);
         let known = efforts(mode, state);
@@ -132,19 +133,14 @@ pub(crate) fn transit(
         match decided {
             Ok(decided) => {
                 done.unsolved += usize::from(!decided.exact);
+                unsolved = false;
                 break;
             }
             Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
                 Some(lost) => done.lost += lost,
-                None => {
-                    unsolved = true;
-                    break;
-                }
+                None => break,
             },
-            Err(Undecided::Unsolved) => {
-                unsolved = true;
-                break;
-            }
+            Err(Undecided::Unsolved) => break,
         }
     }
     if unsolved {

@@ -87,10 +87,11 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
     };
     let solved = start.is_some_and(|start| best.take(&scaled, from(scaled.scale(start), EVERYDAY)))
         || best.take(&scaled, from(swept(&scaled), EVERYDAY));
+    let solved = solved || soft(&scaled).is_some_and(|forces| best.take(&scaled, forces));
+    // Where Newton's method has stopped short of an answer what it holds closed may be a paradox of its own.
     if !solved && let Some((block, mobility)) = paradox(problem, &settle(problem, &scaled, &best.forces)) {
         return Err(Unsolved::Inconsistent { block, mobility });
     }
-    let solved = solved || soft(&scaled).is_some_and(|forces| best.take(&scaled, forces));
     if !solved {
         // Each start is made only if those before it have failed.
         let near = SPREADS.into_iter().map(|spread| interior(&scaled, spread));
