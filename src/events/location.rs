@@ -154,9 +154,7 @@ impl Eventful {
             let until = first.map_or(end, |known| known.high);
             let found = match first_closing([since, until], SAMPLES, noise, [speed, RESOLUTION * size], &mut gap) {
                 None => continue,
-                Some(Closing::AtStart) => {
-                    Bracket { watched, low: since, high: since, root: since, slope: 0.0, at_start: true }
-                }
+                Some(Closing::AtStart) => Bracket::at_start(watched, since),
                 Some(Closing::Between(low, high)) => close_in(watched, low, high, false, end - since, &mut gap),
             };
             if first.is_none_or(|known| found.root < known.root) {
