@@ -40,6 +40,8 @@ const FALLS: f64 = 0.8;
 const STALE: usize = 3;
 /// In steps below this (s) that is so for slips as well.
 const SHORT: f64 = 1e-6;
+/// And where the bracket of one that has not fallen is narrower than this part of the step.
+const NARROW: f64 = 1e-2;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
 
@@ -152,9 +154,7 @@ impl Eventful {
             let until = first.map_or(end, |known| known.high);
             let found = match first_closing([since, until], SAMPLES, noise, [speed, RESOLUTION * size], &mut gap) {
                 None => continue,
-                Some(Closing::AtStart) => {
-                    Bracket { watched, low: since, high: since, root: since, slope: 0.0, at_start: true }
-                }
+                Some(Closing::AtStart) => Bracket::at_start(watched, since),
                 Some(Closing::Between(low, high)) => close_in(watched, low, high, false, end - since, &mut gap),
             };
             if first.is_none_or(|known| found.root < known.root) {
@@ -321,7 +321,7 @@ impl Eventful {
             stale = if value.abs() < FALLS * smallest { 0 } else { stale + 1 };
             smallest = smallest.min(value.abs());
             // It is noise, or has no root here. In a long step the attempts may still find the stop of a slip that turns.
-            if stale >= STALE && (!stops || full < SHORT) {
+            if stale >= STALE && (!stops || full < SHORT || high - low < NARROW * full) {
                 break;
             }
             let change = -value / slope;
@@ -345,6 +345,10 @@ impl Eventful {
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
             length = if wanted > from.max(0.0) && wanted < to {
                 wanted
+            } else if stops && !passed && wanted >= to && high < full {
+                // The step could be made to its end, and the stop is further than the dense output says.
+                high = full;
+                wanted.min(full)
             } else if passed || stops {
                 0.5 * (low + high)
             } else if length < high {

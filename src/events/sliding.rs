@@ -6,8 +6,10 @@
 //!
 //! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
+use crate::events::effects::contacts::STOPPED;
 use crate::events::effects::resting::energy;
-use crate::events::forces::closed_forces::{Slipping, slipping};
+use crate::events::finding::watched::Watched;
+use crate::events::forces::closed_forces::{Slipping, Stop, slipping};
 use crate::events::integrator::Eventful;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::present::Present;
@@ -31,6 +33,8 @@ const SHORT_OF: f64 = 0.98;
 const TURNS: f64 = 2.0;
 /// Slips below this part of the fastest that a body has been are none.
 const NO_SLIP: f64 = 1e-10;
+/// A slip that turns aside by less than this part of how it falls stops.
+const STRAIGHT: f64 = 0.1;
 /// It is no shorter than this for it (s).
 const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
@@ -58,19 +62,29 @@ impl Eventful {
         if self.mode.contacts.is_empty() { 1e-14 * since.abs().max(1.0) } else { SHORTEST }
     }
 
-    /// A time soon after the first contact that slides would stop (s); infinite if none slows down.
-    pub(super) fn soon_after_stop(&mut self, inputs: Inputs, since: f64, state: &State) -> f64 {
+    /// A time soon after the first contact that slides would stop (s); infinite if none slows down. And the slip that stops so soon that it is at its stop.
+    pub(super) fn soon_after_stop(&mut self, inputs: Inputs, since: f64, state: &State) -> (f64, Option<Watched>) {
         if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
-            return f64::INFINITY;
+            return (f64::INFINITY, None);
         }
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
         let mut all = vec![0.0; efforts.len()];
         mode.efforts_at(elements, inputs, since, state, &mut all);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let rest = NO_SLIP * self.memory.fastest;
-        let Slipping { stops, turns } = slipping(&present, response, state, &all, holding.is_unique(), rest);
+        let unique = holding.is_unique();
+        let Slipping { first, turns } = slipping(&present, response, state, &all, unique, rest);
+        let stops = first.map_or(f64::INFINITY, |stop| stop.time());
+        let is_there = |stop: &Stop| {
+            let Stop { speed, falls, across, .. } = *stop;
+            stops <= SHORTEST && speed > rest && speed <= STOPPED * rest && across <= STRAIGHT * falls
+        };
+        let here = first.filter(is_there).map(|stop| match unique {
+            true => Watched::Slips(stop.contact),
+            false => Watched::SlipsTogether(stop.pair),
+        });
         let stops = if stops < SOON { SHORT_OF * stops } else { BEYOND * stops };
-        since + stops.min(TURNS * turns).max(SOONEST)
+        (since + stops.min(TURNS * turns).max(SOONEST), here)
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.

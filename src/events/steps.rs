@@ -6,7 +6,7 @@
 //! ```
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
-use crate::events::finding::detection::ONE_INSTANT;
+use crate::events::finding::detection::{Bracket, ONE_INSTANT};
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::displacement;
@@ -61,19 +61,24 @@ impl Eventful {
         if !self.touching.pairs.is_empty() {
             self.stepped_in = Some(self.mode.clone());
         }
-        let until = until.min(self.soon_after_stop(inputs, since, state));
+        let (soon, stopped) = self.soon_after_stop(inputs, since, state);
+        let stopped = stopped.filter(|_| !blind).and_then(|slip| self.watched.iter().position(|known| *known == slip));
+        let until = until.min(soon);
         let contacts = self.mode.contacts.len();
         let piece = &mut self.pieces[self.current];
         let unknowns = piece.moving.mechanism.velocity_count + 3 * contacts;
         piece.begin(&self.whole, inputs, &self.efforts, &self.origin);
-        let mut outcome = self.step_towards(inputs, since, until)?;
         let mut triggers = Vec::new();
-        let mut bracket = self.detect(inputs, since, None);
+        let (mut outcome, mut bracket) = match stopped {
+            // A step to a stop that is nearer than steps are long can be solved seldom, and would end here.
+            Some(slip) => (StepOutcome::default(), Some(Bracket::at_start(slip, since))),
+            None => (self.step_towards(inputs, since, until)?, self.detect(inputs, since, None)),
+        };
         // A function that is negative from the start on may be so on the dense output of a long step alone.
         for _ in 0..SHORTENED {
             let piece = &mut self.pieces[self.current];
             let shorter = since + SHORTER * (piece.small.time - since);
-            if bracket.is_none_or(|found| !found.at_start) || shorter - since < shortest {
+            if stopped.is_some() || bracket.is_none_or(|found| !found.at_start) || shorter - since < shortest {
                 break;
             }
             piece.go_back(since, &self.recipe);

@@ -45,7 +45,7 @@ const SLOWEST: f64 = 1e-13;
 /// The contacts of a pair are at rest if none of them is faster than this many times what is rest for one.
 const TOGETHER: f64 = 100.0;
 /// Slips that have been seen to stop may be faster by this factor: a step that ends at the stop leaves what lies across them.
-const STOPPED: f64 = 1e4;
+pub(crate) const STOPPED: f64 = 1e4;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
 /// Points of a flat end whose gaps fall with less than this part of the largest acceleration do not: laws are solved to 1e-10.
@@ -206,14 +206,14 @@ impl Contacts {
         }
         rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
         let lost = bring_rows_to_rest(scene, state, rows);
-        self.close_gaps(scene, state, &bodies, &still);
+        let closed = self.close_gaps(scene, state, &bodies, &still);
         still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
         // Slips that are next to nothing turn when others come to rest.
         let bodies = body_states(scene.whole, state);
         for candidate in self.candidates.iter_mut().filter(|candidate| candidate.slip != Vector3::zeros()) {
             candidate.slip = touch_motion(&candidate.contact.joint, &bodies).slip;
         }
-        lost
+        lost + closed
     }
 
     /// Moves apart what overlaps, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that was found
@@ -237,12 +237,13 @@ impl Contacts {
         keep_from_gaining(scene, state, before)
     }
 
-    /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step.
-    fn close_gaps(&self, scene: &mut Scene, state: &mut State, bodies: &[BodyState], still: &[usize]) {
+    /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step. What they gain in height
+    /// is taken from the velocities: small bounces would live on it. Returns the energy that this takes (J).
+    fn close_gaps(&self, scene: &mut Scene, state: &mut State, bodies: &[BodyState], still: &[usize]) -> f64 {
         let gap = |candidate: &Candidate| touch_motion(&candidate.contact.joint, bodies).gap;
         let mut gaps: Vec<f64> = self.candidates.iter().map(gap).collect();
         if gaps.iter().all(|gap| gap.abs() <= CLOSED) {
-            return;
+            return 0.0;
         }
         let normal = |candidate: &Candidate| rows_of_contact(scene.whole, bodies, &candidate.contact.joint, false);
         let mut rows: Vec<Vec<f64>> = self.candidates.iter().flat_map(normal).collect();
@@ -254,7 +255,9 @@ impl Contacts {
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&pushes, &mut change);
         still.iter().for_each(|&freedom| change[freedom] = 0.0);
+        let before = energy(scene.whole, state).total();
         state.displace(scene.whole, &change);
+        keep_from_gaining(scene, state, before).max(0.0)
     }
 
     /// Adds the points that flat ends lack after an impact; `holding` are the normal impulses that would hold all. Whether there are any.

@@ -38,6 +38,13 @@ pub(crate) struct Bracket {
     pub at_start: bool,
 }
 
+impl Bracket {
+    /// Of a function that is negative from the start (s) on.
+    pub fn at_start(watched: usize, start: f64) -> Self {
+        Bracket { watched, low: start, high: start, root: start, slope: 0.0, at_start: true }
+    }
+}
+
 /// Instants that are nearer to each other are one (relative to one second, or to the time if that is more).
 pub(crate) const ONE_INSTANT: f64 = 1e-12;
 

@@ -201,8 +201,8 @@ pub(crate) fn accelerations(
 /// How slips go on from a state, if their rates stay as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slipping {
-    /// When the first contact that slides, or all of a pair together, would stop (s); infinite if none falls.
-    pub stops: f64,
+    /// The contact that slides, or those of a pair together, that would stop first.
+    pub first: Option<Stop>,
     /// When the first slip that is faster than rest would have turned by half a right angle (s).
     pub turns: f64,
 }
@@ -220,7 +220,7 @@ pub(crate) fn slipping(
     let Closing { bodies, blocks, rows, offset, .. } = &held;
     let rates = &rows.square * DVector::from_vec(held.forces(unique)) + DVector::from_column_slice(offset);
     // Where forces are not unique those of one pair stop together.
-    let mut stops: Vec<(usize, f64, f64)> = Vec::new();
+    let mut stops: Vec<Stop> = Vec::new();
     let mut turns = f64::INFINITY;
     let mut row = 0;
     for block in blocks {
@@ -232,15 +232,35 @@ pub(crate) fn slipping(
             if speed > rest && across > 0.0 {
                 turns = turns.min(speed / across);
             }
-            match stops.iter_mut().find(|(of, ..)| !unique && of == pair) {
-                Some((_, all, fall)) => (*all, *fall) = (*all + speed, *fall + falls),
-                None => stops.push((*pair, speed, falls)),
+            match stops.iter_mut().find(|known| !unique && known.pair == *pair) {
+                Some(Stop { speed: all, falls: fall, across: aside, .. }) => {
+                    (*all, *fall, *aside) = (*all + speed, *fall + falls, *aside + across);
+                }
+                None => stops.push(Stop { contact: index, pair: *pair, speed, falls, across }),
             }
         }
         row += block.rows.len();
     }
-    let time = |&(_, speed, falls): &(usize, f64, f64)| if falls > 0.0 { speed / falls } else { f64::INFINITY };
-    Slipping { stops: stops.iter().map(time).fold(f64::INFINITY, f64::min), turns }
+    Slipping { first: stops.into_iter().min_by(|one, other| one.time().total_cmp(&other.time())), turns }
+}
+
+/// A slip, or all of a pair together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stop {
+    /// The contact, the first of its pair where forces are not unique; and its pair.
+    pub contact: usize,
+    pub pair: usize,
+    /// Its speed [m/s], and how fast it falls and turns aside [m/s²].
+    pub speed: f64,
+    pub falls: f64,
+    pub across: f64,
+}
+
+impl Stop {
+    /// When it would stop (s); infinite if it does not fall.
+    pub fn time(&self) -> f64 {
+        if self.falls > 0.0 { self.speed / self.falls } else { f64::INFINITY }
+    }
 }
 
 /// Which rows are equations, and what their forces push with.
