@@ -111,8 +111,8 @@ pub(crate) enum Undecided {
 /// What the decided accelerations are of.
 #[derive(Clone, Debug)]
 pub(crate) struct Decided {
-    /// Whether the law was solved to its accuracy; if not the best that was found is taken.
-    pub exact: bool,
+    /// By how much the law is not met, as a part of the largest force: zero where it was solved to its accuracy; if not the best that was found is taken.
+    pub off: f64,
     /// One entry a degree of freedom.
     pub accelerations: Vec<f64>,
     /// λ_N of every candidate (N) that would hold all of them; zero where none is at the rim of a flat end.
@@ -165,7 +165,7 @@ pub(crate) fn decide(
     let mut free = vec![0.0; state.velocity.len()];
     let mut pressures = vec![0.0; candidates.len()];
     if blocks.is_empty() {
-        return Ok(Decided { exact: true, accelerations: free, pressures });
+        return Ok(Decided { off: 0.0, accelerations: free, pressures });
     }
     response.accelerations(state, &efforts, &mut free);
     let rows = Rows::of(response, state, &blocks);
@@ -192,9 +192,12 @@ pub(crate) fn decide(
     let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
     let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
-    let (found, exact) = match solve_as_steps_share(&blocks, &problem) {
-        Ok(found) => (found, true),
-        Err(Unsolved::Stopped { best }) => (*best, false),
+    let (found, off) = match solve_as_steps_share(&blocks, &problem) {
+        Ok(found) => (found, 0.0),
+        Err(Unsolved::Stopped { best }) => {
+            let off = best.residual;
+            (*best, off)
+        }
         Err(Unsolved::Inconsistent { block, .. }) => {
             return Err(match blocks[block].of {
                 Of::Contact(index) => Undecided::Inconsistent(index),
@@ -273,7 +276,7 @@ pub(crate) fn decide(
         }
     }
     rows.add(&found.forces, &mut free);
-    Ok(Decided { exact, accelerations: free, pressures })
+    Ok(Decided { off, accelerations: free, pressures })
 }
 
 /// The flat ends of which a point leaves, with the largest of the forces at their points (N).

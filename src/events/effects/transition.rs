@@ -35,6 +35,8 @@ const SLOWEST: f64 = 1e-14;
 const BEYOND: f64 = 1e-12;
 /// Rounds in which limits that kick each other open are brought to rest.
 const CALMING: usize = 8;
+/// The best that was found of a law decides nothing if it is off by more than this part of the largest force.
+const FAR_OFF: f64 = 1e-6;
 
 /// Points that are added to flat ends, at most.
 const COMPLETING: usize = 48;
@@ -122,17 +124,18 @@ pub(crate) fn transit(
         for round in 0..COMPLETING {
             let Ok(found) = &decided else { break };
             // What is not exact is off at every point.
-            if !found.exact || !contacts.complete_decision(scene, state, found, round == 0) {
+            if found.off > 0.0 || !contacts.complete_decision(scene, state, found, round == 0) {
                 break;
             }
             decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
         }
-        if decided.as_ref().is_ok_and(|decided| !decided.exact) && contacts.jams() {
+        if decided.as_ref().is_ok_and(|decided| decided.off > 0.0) && contacts.jams() {
             continue;
         }
         match decided {
             Ok(decided) => {
-                done.unsolved += usize::from(!decided.exact);
+                done.unsolved += usize::from(decided.off > 0.0);
+                done.undecided = decided.off > FAR_OFF;
                 unsolved = false;
                 break;
             }
