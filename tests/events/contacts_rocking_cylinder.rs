@@ -90,7 +90,8 @@ fn a_cylinder_that_rocks_in_a_plane_lands_on_the_opposite_point_of_its_rim_when_
         // It stands.
         assert!(end.angular_velocity.norm() == 0.0 && end.velocity.norm() == 0.0, "{end:?}");
         near(end.position.z, HALF, 1e-10);
-        assert!(found.summary.max_relative_energy_error <= 1e-9, "{:?}", found.summary);
+        // Closing gaps gains nothing: where it did, small bounces lived on it, 1.5e-10 and more.
+        assert!(found.summary.max_relative_energy_error <= 5e-11, "{:?}", found.summary);
         assert!(found.summary.contact.penetration <= 1e-11, "{:?}", found.summary.contact);
     }
 }
