@@ -212,8 +212,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
     }
     let coordinates = |name: &str| joints.get(name).map(|(q, w)| (q.as_slice(), w.as_slice()));
     let other_model = || {
-        let has_joints = !scalar.names.is_empty() || !others.names.is_empty();
-        let why = if has_joints { "its samples are not of the model it carries" } else { BARE };
+        let why = if frame.has_joints() { "its samples are not of the model it carries" } else { BARE };
         anyhow!("{}: {why}", log.display())
     };
     let state = model.state_of_report(frame.time(), coordinates).ok_or_else(other_model)?;

@@ -31,16 +31,7 @@ impl Eventful {
             let touch = touch_motion(&closed.contact.joint, &bodies);
             let [first, second] = tangents(&touch.normal);
             let on_second = touch.normal * pressure + first * along + second * across;
-            // Of the joint's bodies; reports name those of the pair.
-            let sign = if closed.contact.is_swapped() { 1.0 } else { -1.0 };
-            ContactPoint {
-                pair: touching.pairs[closed.contact.pair].number,
-                position: touch.point,
-                normal: touch.normal * sign,
-                force: on_second * sign,
-                gap: touch.gap,
-                sticks: closed.slides.is_none(),
-            }
+            touching.reported(&closed.contact, &touch, &on_second, closed.slides.is_none())
         }));
     }
 }

@@ -15,7 +15,7 @@ use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView};
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
@@ -43,8 +43,7 @@ pub(crate) fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidat
     for (index, candidate) in open.iter().enumerate() {
         let (own, pair) = (count + index, candidate.contact.pair);
         let row = square.view((own, 0), (1, count));
-        let taken = (row * &inverse * row.transpose())[(0, 0)];
-        if square[(own, own)] - taken <= IMMOBILE * square[(own, own)] && !idle.contains(&pair) {
+        if !idle.contains(&pair) && cannot_move(square[(own, own)], row, &inverse) {
             idle.push(pair);
         }
     }
@@ -81,15 +80,18 @@ pub(crate) fn held_bodies(
     let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
     let mut answers = response.diagonal(state, freedoms).into_iter();
     for &body in &others {
-        // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
         held[body] = true;
         for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
-            let row = rows.columns().row(freedom);
-            let taken = (row * &inverse * row.transpose())[(0, 0)];
-            held[body] &= answer - taken <= IMMOBILE * answer;
+            held[body] &= cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), &inverse);
         }
     }
     held
+}
+
+/// Whether nothing is left of an answer Y_ii beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.
+fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bool {
+    let taken = (row * inverse * row.transpose())[(0, 0)];
+    answer - taken <= IMMOBILE * answer
 }
 
 /// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows.

@@ -124,6 +124,9 @@ impl Exerted {
 
     /// The contacts of a state in which motors alone drive, in the order of their pairs; none where there is an impact.
     pub fn contacts(mechanism: &Mechanism, state: &State) -> Vec<ContactPoint> {
+        if mechanism.nonsmooth.pairs.is_empty() {
+            return Vec::new();
+        }
         let Some(mut exerted) = Exerted::new(mechanism) else { return Vec::new() };
         let effort = |motor: &Motor| {
             let at = motor.coordinate;
@@ -192,7 +195,7 @@ impl Exerted {
                 let force: Vector3<f64> =
                     directions.iter().zip(&forces[first..first + block.rows.len()]).map(|(d, f)| d * *f).sum();
                 if touch.rate >= -AT_REST {
-                    points.push(contact_point(touching, contact, touch, &force));
+                    points.push(touching.reported(contact, touch, &force, touch.slip.norm() <= AT_REST));
                 }
                 for (end, sign) in [(contact.joint.a.body, -1.0), (contact.joint.b.body, 1.0)] {
                     if let Some(body) = end {
@@ -203,23 +206,5 @@ impl Exerted {
             }
             first += block.rows.len();
         }
-    }
-}
-
-/// A contact with the force on the second body of its joint (N), as reports name it: by the colliders of its pair.
-fn contact_point(
-    touching: &Touching,
-    contact: &Contact,
-    touch: &TouchMotion,
-    on_second: &Vector3<f64>,
-) -> ContactPoint {
-    let sign = if contact.is_swapped() { 1.0 } else { -1.0 };
-    ContactPoint {
-        pair: touching.pairs[contact.pair].number,
-        position: touch.point,
-        normal: sign * touch.normal,
-        force: sign * on_second,
-        gap: touch.gap,
-        sticks: touch.slip.norm() <= AT_REST,
     }
 }

@@ -9,6 +9,7 @@ use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Grip, Touch, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::touches::{TouchMotion, touch_motion};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
@@ -87,6 +88,25 @@ pub struct RimOf {
 }
 
 impl Touching {
+    /// A contact in a state as reports name it, by the colliders of its pair, with the force on the second body of its joint (N).
+    pub fn reported(
+        &self,
+        contact: &Contact,
+        touch: &TouchMotion,
+        on_second: &Vector3<f64>,
+        sticks: bool,
+    ) -> ContactPoint {
+        let sign = if contact.is_swapped() { 1.0 } else { -1.0 };
+        ContactPoint {
+            pair: self.pairs[contact.pair].number,
+            position: touch.point,
+            normal: touch.normal * sign,
+            force: on_second * sign,
+            gap: touch.gap,
+            sticks,
+        }
+    }
+
     /// The pairs of a mechanism. Those whose shapes cannot be are left out; who reads a scene refuses them.
     pub fn new(mechanism: &Mechanism) -> Self {
         let nonsmooth = &mechanism.nonsmooth;

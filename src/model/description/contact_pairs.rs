@@ -102,21 +102,32 @@ pub(crate) fn contact_pairs(
     (pairs, left_out)
 }
 
+/// Why the shapes of two are not even looked at. The last can be mended by another `pairs`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
+pub(crate) enum NeverAsked {
+    #[error("contact is left out")]
+    NoContact,
+    #[error("obstacles do not touch each other")]
+    Obstacles,
+    #[error("links of one robot do not touch each other")]
+    OneRobot,
+    #[error("links of different robots touch with pairs = \"all\" in [contact] only")]
+    Robots,
+}
+
 /// Why the shapes of these two are not even looked at; `None` if they are.
-fn never_asked(touching: Touching, owners: [Owner; 2]) -> Option<&'static str> {
+fn never_asked(touching: Touching, owners: [Owner; 2]) -> Option<NeverAsked> {
     match owners {
-        _ if touching == Touching::None => Some("contact is left out"),
-        [Owner::Obstacle(_), Owner::Obstacle(_)] => Some("obstacles do not touch each other"),
-        [Owner::Robot(one), Owner::Robot(other)] if one == other => Some("links of one robot do not touch each other"),
-        [Owner::Robot(_), Owner::Robot(_)] if touching != Touching::All => {
-            Some("links of different robots touch with pairs = \"all\" in [contact] only")
-        }
+        _ if touching == Touching::None => Some(NeverAsked::NoContact),
+        [Owner::Obstacle(_), Owner::Obstacle(_)] => Some(NeverAsked::Obstacles),
+        [Owner::Robot(one), Owner::Robot(other)] if one == other => Some(NeverAsked::OneRobot),
+        [Owner::Robot(_), Owner::Robot(_)] if touching != Touching::All => Some(NeverAsked::Robots),
         _ => None,
     }
 }
 
 /// The rules that name no two things that may touch, by number, and why: among `named`, all links with collision shapes and all obstacles.
-pub(crate) fn rules_of_nothing(settings: &ContactSettings, named: &[(&str, Owner)]) -> Vec<(usize, &'static str)> {
+pub(crate) fn rules_of_nothing(settings: &ContactSettings, named: &[(&str, Owner)]) -> Vec<(usize, NeverAsked)> {
     if settings.touching == Touching::None {
         return Vec::new();
     }
@@ -126,9 +137,8 @@ pub(crate) fn rules_of_nothing(settings: &ContactSettings, named: &[(&str, Owner
         };
         let (ones, others) = (of(&rule.a), of(&rule.b));
         let pairs = ones.iter().flat_map(|one| others.iter().map(|other| [*one, *other]));
-        // Of the reasons that which can be mended by another `pairs`.
         let reasons: Option<Vec<_>> = pairs.map(|owners| never_asked(settings.touching, owners)).collect();
-        reasons?.into_iter().max_by_key(|reason| reason.contains("[contact]"))
+        reasons?.into_iter().max()
     };
     settings.rules.iter().enumerate().filter_map(|(number, rule)| Some((number, why(rule)?))).collect()
 }

@@ -124,8 +124,7 @@ impl<'m> Motion<'m> {
     fn take(&mut self, frame: &Frame) {
         if self.try_take(frame).is_none() {
             self.misfit = Some(frame.time());
-            self.is_bare =
-                frame.links.is_empty() || (frame.joints.names.is_empty() && frame.multi_dof.names.is_empty());
+            self.is_bare = frame.links.is_empty() || !frame.has_joints();
         }
     }
 

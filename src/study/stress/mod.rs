@@ -15,7 +15,7 @@ pub mod cell;
 pub mod map;
 pub mod method;
 mod page;
-pub mod picture;
+mod picture;
 pub mod problem;
 pub mod problems;
 pub mod report;

@@ -64,6 +64,11 @@ impl Frame {
     pub fn time(&self) -> f64 {
         seconds(self.nanoseconds)
     }
+
+    /// Whether it has joints: logs of chosen topics may have none.
+    pub fn has_joints(&self) -> bool {
+        !(self.joints.names.is_empty() && self.multi_dof.names.is_empty())
+    }
 }
 
 /// The topics of a frame, and the schemas of their messages; logs of earlier versions have Foxglove's transforms.
