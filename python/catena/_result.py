@@ -45,6 +45,7 @@ class Result:
         scheme conserves it is ``summary["energy"]["max_relative_error"]``.
     poses : by link, x, y, z, w, x, y, z of its frame in the world (samples, 7)
     reactions : by joint, force and torque of the parent on the child, in the world (samples, 6) [N, N m]
+    contact_forces : by pair, as ``"foot|floor"``, the force of all its contacts on the first of the two, in the world (samples, 3) [N]
     summary : the report as a dict, as ``catena simulate --json`` prints it
     """
 
@@ -60,6 +61,7 @@ class Result:
         self.energy = parts.sum(axis=1)
         self.poses = _ByName(model.link_names, inner.poses)
         self.reactions = _ByName(model.joint_names, inner.reactions)
+        self.contact_forces = _ByName(list(dict.fromkeys(model._inner.contact_pairs())), self._contact_force)
         self.summary = json.loads(inner.report)
 
     @property
@@ -71,6 +73,35 @@ class Result:
     def events(self) -> list[dict]:
         """The first thousand events: time, kind, joint or pair, impulse."""
         return self.summary["events"]["list"]
+
+    @property
+    def contacts(self) -> dict[str, np.ndarray]:
+        """The closed contacts of all samples, as columns of a table with a row for each contact at each sample, in the order of time.
+
+        ``t`` [s]; ``pair``, as ``"foot|floor"``; ``position`` of the point [m], ``normal`` from the second of the pair to the first, and ``force`` on the
+        first [N], in the world (rows, 3); ``gap`` [m], negative where they overlap; ``sticks``, whether friction holds it.
+        """
+        samples, pairs, numbers, sticks = self._inner.contacts()
+        numbers = numbers.reshape(len(pairs), 10)
+        return {
+            "t": self.t[np.array(samples, dtype=int)],
+            "pair": np.array(pairs, dtype=str),
+            "position": numbers[:, 0:3],
+            "normal": numbers[:, 3:6],
+            "force": numbers[:, 6:9],
+            "gap": numbers[:, 9],
+            "sticks": np.array(sticks, dtype=bool),
+        }
+
+    def _contact_force(self, name):
+        if name not in self.contact_forces:
+            known = ", ".join(self.contact_forces) or "none"
+            raise InputError(f"there is no pair of shapes {name!r} that may touch; there are: {known}")
+        samples, pairs, numbers, _ = self._inner.contacts()
+        of = np.array(pairs, dtype=str) == name
+        force = np.zeros((len(self.t), 3))
+        np.add.at(force, np.array(samples, dtype=int)[of], numbers.reshape(len(pairs), 10)[of, 6:9])
+        return force
 
     def _columns(self):
         columns = {"t": self.t}

@@ -107,6 +107,11 @@ impl Model {
         self.inner.warnings()
     }
 
+    /// Names `a|b` of the pairs of shapes that may touch.
+    fn contact_pairs(&self) -> Vec<String> {
+        self.inner.contact_pairs()
+    }
+
     /// First and last entry of each joint in q.
     fn q_places(&self) -> Vec<(&str, usize, usize)> {
         self.places(|joint| &joint.q)

@@ -28,6 +28,8 @@ pub struct Recorded {
 }
 
 type Rows<'py> = Bound<'py, PyArray2<f64>>;
+/// The sample, the names, numbers and state of each contact.
+type Contacts<'py> = (Vec<usize>, Vec<String>, Rows<'py>, Vec<bool>);
 
 fn rows<'py>(py: Python<'py>, numbers: Vec<f64>, count: usize) -> PyResult<Rows<'py>> {
     let width = numbers.len().checked_div(count).unwrap_or(0);
@@ -111,6 +113,26 @@ impl Recorded {
             all.extend(reactions[body].force.iter().chain(reactions[body].torque.iter()));
         }
         rows(py, all, self.recording.times.len())
+    }
+
+    /// The closed contacts of all samples, a row each: the index of the sample; the pair `a|b`; point (m), normal from b to a, force on a (N), all in the
+    /// world, and gap (m); whether it sticks.
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Contacts<'py>> {
+        let names = self.model.contact_pairs();
+        let (mut samples, mut pairs, mut numbers, mut sticks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let all =
+            self.recording.contacts().flat_map(|(sample, points)| points.iter().map(move |point| (sample, point)));
+        for (sample, point) in all {
+            samples.push(sample);
+            pairs.push(names[point.pair].clone());
+            for vector in [&point.position, &point.normal, &point.force] {
+                numbers.extend(vector.iter());
+            }
+            numbers.push(point.gap);
+            sticks.push(point.sticks);
+        }
+        let count = samples.len();
+        Ok((samples, pairs, rows(py, numbers, count)?, sticks))
     }
 
     /// Time, kind, joint or pair, impulse of the first thousand events, as the report lists them.

@@ -45,6 +45,28 @@ def test_report_and_log_are_those_of_the_command_line(robots, name, tmp_path):
     assert compared.returncode in (0, 2), compared.stderr
 
 
+def test_contacts_carry_the_weight_of_what_stands(robots):
+    model = catena.load(robots / "quadruped_dropped.toml")
+    result = catena.Sim(model, tolerance=1e-6).run(3.0, rate=60)
+    contacts, forces = result.contacts, result.contact_forces
+    feet = sorted(set(contacts["pair"]))
+    assert len(feet) == 4 and set(forces) == {*feet, "trunk|floor"} and not forces["trunk|floor"].any()
+    # The feet meet the floor after 0.101 s; nothing touches before.
+    assert 0.1 < contacts["t"][0] < 0.12
+    last = contacts["t"] == result.t[-1]
+    assert last.sum() == 4 and contacts["sticks"][last].all()
+    # No force is outside of its cone; no shape is deep in another.
+    normal = (contacts["normal"] * contacts["force"]).sum(axis=1)
+    across = np.linalg.norm(contacts["force"] - normal[:, None] * contacts["normal"], axis=1)
+    assert (normal >= 0).all() and (across <= 0.8 * normal + 1e-10).all() and (contacts["gap"] >= -1e-12).all()
+    # 11.2 kg; it still sinks into its knees by a micrometre a second or less.
+    on_feet = sum(forces[foot][-1] for foot in feet)
+    assert np.allclose(on_feet, [0, 0, 11.2 * 9.81], rtol=0, atol=1e-3)
+    with pytest.raises(catena.InputError, match="front_left_foot"):
+        forces["tail|floor"]
+    assert len(catena.Sim(catena.load(robots / "double_pendulum.urdf")).run(0.1).contacts["t"]) == 0
+
+
 def test_a_run_goes_on_where_the_last_one_ended(double_pendulum):
     whole, parts = (catena.Sim(double_pendulum, tolerance=1e-9) for _ in range(2))
     for sim in (whole, parts):

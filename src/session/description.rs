@@ -85,6 +85,8 @@ pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeM
         ("energy_max_relative_error", summary.max_relative_energy_error.to_string()),
         ("constraint_max_position", summary.max_violation.position.to_string()),
         ("constraint_max_velocity", summary.max_violation.velocity.to_string()),
+        ("contact_max_penetration", summary.contact.penetration.to_string()),
+        ("contact_max_cone_violation", summary.contact.cone_violation.to_string()),
     ];
     let estimated = estimated_error.map(|error| ("estimated_error", error.to_string()));
     figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value)).collect()

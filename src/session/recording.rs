@@ -47,6 +47,11 @@ impl Recording {
         self.events.iter().map(|(_, event)| event)
     }
 
+    /// The closed contacts at samples: the index of a sample, and its contacts. Samples without any may be left out.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &[ContactPoint])> {
+        self.contacts.iter().map(|(sample, points)| (*sample, points.as_slice()))
+    }
+
     /// Replays the run to another observer.
     ///
     /// # Errors

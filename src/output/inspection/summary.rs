@@ -9,7 +9,7 @@ use crate::output::log::reading::records::{Completeness, ReadError};
 use crate::output::log::reading::recovery::{MISSING, RECOVERY};
 use crate::output::log::recording::accuracy_lines::ACCURACY;
 use crate::output::log::{is_locked, seconds};
-use crate::output::report::KindCounts;
+use crate::output::report::{KindCounts, contact_words};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -51,6 +51,9 @@ pub struct Summary {
     pub energy: Option<EnergySummary>,
     /// Constraint violation over the run.
     pub constraint: Option<ConstraintSummary>,
+    /// Contacts, in a log that has any place for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactSummary>,
     /// The error that is expected of positions (m), of the order of magnitude, if the log says it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<f64>,
@@ -105,6 +108,27 @@ pub struct ConstraintSummary {
     pub max_velocity: f64,
 }
 
+/// Contacts at the end of a run, and the worst of all.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct ContactSummary {
+    /// How many are closed in the last sample.
+    pub at_end: usize,
+    /// How many of these slip.
+    pub slipping: usize,
+    /// The deepest overlap (m), of all steps if the log is complete, else of the samples that are in it.
+    pub max_penetration: f64,
+    /// The farthest of a force from its friction cone (N), of all steps, if the log says it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_cone_violation: Option<f64>,
+}
+
+impl ContactSummary {
+    /// In words, as the report of a run has them.
+    pub(crate) fn words(&self) -> String {
+        contact_words(self.at_end, self.slipping, self.max_penetration, self.max_cone_violation)
+    }
+}
+
 /// What the steps took.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct SolverSummary {
@@ -154,6 +178,12 @@ impl Visitor for Collector {
         // Of the last sample of a log that was cut some messages may be missing.
         summary.links = summary.links.max(frame.links.len());
         summary.joints = summary.joints.max(frame.joints.names.len() + frame.multi_dof.names.len());
+        if let Some(contact) = &mut summary.contact {
+            contact.at_end = frame.contacts.len();
+            contact.slipping = frame.contacts.iter().filter(|contact| contact.state == "slip").count();
+            let deepest = frame.contacts.iter().map(|contact| -contact.gap).fold(0.0, worse);
+            contact.max_penetration = worse(contact.max_penetration, deepest);
+        }
         ControlFlow::Continue(())
     }
 
@@ -184,6 +214,9 @@ impl Visitor for Collector {
         }
         if channel.topic == "/events" {
             self.summary.events.get_or_insert_default();
+        }
+        if channel.topic == "/contacts" {
+            self.summary.contact.get_or_insert_default();
         }
     }
 
@@ -248,6 +281,10 @@ impl Collector {
             max_position: number("constraint_max_position").unwrap_or(position),
             max_velocity: number("constraint_max_velocity").unwrap_or(velocity),
         });
+        if let Some(contact) = &mut summary.contact {
+            contact.max_penetration = number("contact_max_penetration").unwrap_or(contact.max_penetration);
+            contact.max_cone_violation = number("contact_max_cone_violation");
+        }
         if let (Some(steps), Some(iterations), Some(rejected_steps)) =
             (number("steps"), number("iterations"), number("rejected_steps"))
         {

@@ -68,6 +68,9 @@ impl fmt::Display for Summary {
                 constraint.max_position, constraint.max_velocity
             )?;
         }
+        if let Some(contact) = &self.contact {
+            writeln!(out, "  contact     {}", contact.words())?;
+        }
         for topic in &self.topics {
             write!(out, "  topic       {:24} {:8} messages", topic.topic, topic.messages)?;
             match topic.rate.filter(|_| !WITHOUT_RATE.contains(&topic.schema.as_str())) {

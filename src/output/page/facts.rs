@@ -67,6 +67,9 @@ pub(super) fn of_run(summary: &Summary, model: &Model) -> Vec<Fact> {
             format!("largest error {:.1e} m, {:.1e} m/s", constraint.max_position, constraint.max_velocity),
         ));
     }
+    if let Some(contact) = &summary.contact {
+        facts.push(("contacts", contact.words()));
+    }
     if let Some(version) = entry("version") {
         facts.push(("made by", format!("catena {version}: {}", entry("command_line").unwrap_or("?"))));
     }

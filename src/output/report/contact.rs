@@ -68,17 +68,24 @@ impl ContactsReport {
         }
     }
 
-    /// What there is at the end, in words: `4 contacts at the end, 1 of them slips`.
+    /// What there is at the end and the worst of all contacts, in words.
     pub(crate) fn words(&self) -> String {
         let slipping = self.points.iter().filter(|point| point.state == "slip").count();
-        let all = counted(self.points.len(), "contact", "contacts");
-        match slipping {
-            0 => format!("{all} at the end"),
-            slipping => {
-                format!("{all} at the end, {slipping} of them {}", if slipping == 1 { "slips" } else { "slip" })
-            }
-        }
+        contact_words(self.points.len(), slipping, self.max_penetration, Some(self.max_cone_violation))
     }
+}
+
+/// The contacts at the end, how many of them slip, the deepest overlap (m) and, if it is known, the farthest of a force from its cone (N):
+/// `4 contacts at the end, 1 of them slips; deepest overlap 1.0e-16 m, largest error of friction cones 0.0e0 N`.
+pub(crate) fn contact_words(count: usize, slipping: usize, penetration: f64, cone_violation: Option<f64>) -> String {
+    let all = counted(count, "contact", "contacts");
+    let slip = match slipping {
+        0 => String::new(),
+        1 => ", 1 of them slips".to_string(),
+        slipping => format!(", {slipping} of them slip"),
+    };
+    let cones = cone_violation.map_or(String::new(), |off| format!(", largest error of friction cones {off:.1e} N"));
+    format!("{all} at the end{slip}; deepest overlap {penetration:.1e} m{cones}")
 }
 
 /// What friction does at a contact, as reports and logs name it.
@@ -118,9 +125,12 @@ mod tests {
             let points = states.iter().map(|state| point(state)).collect();
             ContactsReport { points, ..ContactsReport::default() }.words()
         };
-        assert_eq!(words(&[]), "0 contacts at the end");
-        assert_eq!(words(&["stick"]), "1 contact at the end");
-        assert_eq!(words(&["stick", "slip"]), "2 contacts at the end, 1 of them slips");
-        assert_eq!(words(&["slip", "slip"]), "2 contacts at the end, 2 of them slip");
+        let worst = "; deepest overlap 0.0e0 m, largest error of friction cones 0.0e0 N";
+        assert_eq!(words(&[]), format!("0 contacts at the end{worst}"));
+        assert_eq!(words(&["stick"]), format!("1 contact at the end{worst}"));
+        assert_eq!(words(&["stick", "slip"]), format!("2 contacts at the end, 1 of them slips{worst}"));
+        assert_eq!(words(&["slip", "slip"]), format!("2 contacts at the end, 2 of them slip{worst}"));
+        // What a log that was cut off knows.
+        assert_eq!(contact_words(1, 0, 2e-16, None), "1 contact at the end; deepest overlap 2.0e-16 m");
     }
 }

@@ -151,13 +151,7 @@ impl fmt::Display for Report {
         )?;
         let contact = &self.contact;
         if contact.may_touch {
-            writeln!(
-                out,
-                "  contact     {}; deepest overlap {:.1e} m, largest error of friction cones {:.1e} N",
-                contact.words(),
-                contact.max_penetration,
-                contact.max_cone_violation
-            )?;
+            writeln!(out, "  contact     {}", contact.words())?;
         }
         if let Some(log) = &self.log {
             writeln!(out, "  log         {}", log.display())?;

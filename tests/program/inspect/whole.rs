@@ -108,6 +108,32 @@ fn the_summary_has_the_figures_of_the_report() {
 }
 
 #[test]
+fn the_contacts_of_a_summary_and_of_a_page_are_those_of_the_report() {
+    let folder = folder("contacts");
+    for (scene, duration) in [("quadruped_dropped", "0.3"), ("block_on_incline", "0.5")] {
+        let input = format!("{}/robots/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
+        let arguments =
+            ["simulate", &input, "--duration", duration, "-o", "log.mcap", "--report", "page.html", "--json"];
+        let report = json(&run(&folder, &arguments));
+        let (contact, said) = (&report["contact"], inspect(&folder, &["log.mcap"])["contact"].take());
+        let points = contact["points"].as_array().expect("contacts");
+        assert_eq!(said["at_end"], points.len(), "{said}");
+        assert_eq!(said["slipping"], points.iter().filter(|point| point["state"] == "slip").count(), "{said}");
+        for figure in ["max_penetration", "max_cone_violation"] {
+            assert_eq!(said[figure], contact[figure], "{figure}");
+        }
+        let words = text(&run(&folder, &["inspect", "log.mcap"]).stdout).to_string();
+        let line = words.lines().find_map(|line| line.strip_prefix("  contact     ")).expect("a line of contacts");
+        assert!(line.starts_with("4 contacts at the end") && line.contains("cones"), "{line}");
+        assert_eq!(line.contains("4 of them slip"), scene == "block_on_incline", "{line}");
+        let page = std::fs::read_to_string(folder.join("page.html")).expect("a page");
+        assert!(page.contains(line), "{line}");
+    }
+    simulate(&folder, &[]);
+    assert!(inspect(&folder, &["pendulum.mcap"]).get("contact").is_none());
+}
+
+#[test]
 fn the_table_has_a_row_for_every_sample_and_units_in_its_head() {
     let folder = folder("table");
     let report = simulate(&folder, &["--velocity", "hinge=1"]);
