@@ -15,7 +15,7 @@ const WIDTH: f64 = 0.1;
 const HEIGHT: f64 = 0.3;
 
 /// The block of C8, at rest and tilted by 0.15 about its lower edge.
-fn rocking() -> (Mechanism, State) {
+pub fn rocking() -> (Mechanism, State) {
     let mut block = loose(DOWN, &[(1.0, cuboid(WIDTH, 0.15, HEIGHT))]);
     on_floor(&mut block, 0.8, 0.0);
     let (sine, cosine) = 0.15_f64.sin_cos();
