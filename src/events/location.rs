@@ -106,7 +106,7 @@ impl Eventful {
                 | Watched::Slips(contact)
                 | Watched::Feature(contact) => self.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
-            if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements, &self.touching, &self.mode) }
+            if fresh { f64::INFINITY } else { watched.nearly(TOGETHER, &self.elements, &self.touching, &self.mode) }
         }));
         let end = self.pieces[self.current].small.time;
         let found = first_sign_change(room, which.len(), since, end, noise, |time, of, values| {
@@ -140,9 +140,9 @@ impl Eventful {
         }
         let mut first: Option<Bracket> = None;
         for (watched, pair) in open {
-            let Pair { bodies, reach, size, .. } = self.touching.pairs[pair];
-            let speed = speeds.closing(bodies, reach);
-            let noise = if self.fresh_pairs[pair] { f64::INFINITY } else { TOGETHER * size };
+            let of @ Pair { bodies, reach, .. } = &self.touching.pairs[pair];
+            let (speed, resolution) = (speeds.closing(*bodies, *reach), RESOLUTION * of.size());
+            let noise = if self.fresh_pairs[pair] { f64::INFINITY } else { of.within(TOGETHER) };
             // What was open before is as well known from the interpolation alone. Where it touches, roundings count.
             let roughly =
                 !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair);
@@ -152,7 +152,7 @@ impl Eventful {
                 value[0]
             };
             let until = first.map_or(end, |known| known.high);
-            let found = match first_closing([since, until], SAMPLES, noise, [speed, RESOLUTION * size], &mut gap) {
+            let found = match first_closing([since, until], SAMPLES, noise, [speed, resolution], &mut gap) {
                 None => continue,
                 Some(Closing::AtStart) => Bracket::at_start(watched, since),
                 Some(Closing::Between(low, high)) => close_in(watched, low, high, false, end - since, &mut gap),
@@ -198,7 +198,7 @@ impl Eventful {
                 Watched::Gap(joint, _) => {
                     self.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
                 }
-                _ => TOGETHER * watched.scale(&self.elements, &self.touching, &self.mode),
+                _ => watched.nearly(TOGETHER, &self.elements, &self.touching, &self.mode),
             };
             index == bracket.watched || values[index].abs() <= allowed
         };
@@ -238,11 +238,11 @@ impl Eventful {
         self.evaluated = Evaluated::default();
         let overlaps = |index: usize| match self.watched[index] {
             Watched::Approach(pair) => {
-                self.touching.distance(pair, &self.bodies) < -TOGETHER * self.touching.pairs[pair].size
+                self.touching.distance(pair, &self.bodies) < -self.touching.pairs[pair].within(TOGETHER)
             }
             Watched::Feature(contact) => {
                 let contact = &self.mode.contacts[contact].contact;
-                self.touching.margin(contact, &self.bodies) < -BORDER * self.touching.pairs[contact.pair].size
+                self.touching.margin(contact, &self.bodies) < -self.touching.pairs[contact.pair].within(BORDER)
             }
             _ => false,
         };

@@ -41,8 +41,6 @@ const LANDED: f64 = 1e-13;
 const NEAR: f64 = 1e-4;
 /// A contact is held by friction where it needs less than this part of what there is.
 const HOLDS: f64 = 1.0 - 1e-9;
-/// Gaps up to this part of the size are closed: those of [`crate::events::effects::contacts`] after such a step.
-const CLOSED: f64 = 1e-9;
 
 impl Eventful {
     /// Whether steps between events have become so many and so short that the run would not get on, or nothing follows that the scheme could step in.
@@ -143,7 +141,7 @@ impl Eventful {
         for (pair, of) in self.touching.pairs.iter().enumerate() {
             let speed = of.bodies.iter().zip(of.reach).filter_map(|(body, reach)| {
                 let state = &bodies[(*body)?];
-                Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size))
+                Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
             let within = 2.0 * step * speed.sum::<f64>() + 10.0 * step * step;
             if self.touching.distance(pair, &bodies) > within {
@@ -163,14 +161,14 @@ impl Eventful {
     /// Puts contacts that have pressed in a step onto each other by the least motion, and their velocities onto what they did: those that have held hold
     /// still, and what slides keeps its normal rate zero. Normals turn in a step, and what would be left open falls back in the next one as an impact.
     fn land(&mut self, pressed: &[Pressed], state: &mut State) {
-        let size = |contact: &Contact| self.touching.pairs[contact.pair].size;
+        let of = |pressed: &Pressed| &self.touching.pairs[pressed.contact.pair];
         for _ in 0..LANDINGS {
             let bodies = body_states(&self.whole, state);
             let gap = |pressed: &&Pressed| touch_motion(&pressed.contact.joint, &bodies).gap;
-            let near = |pressed: &&Pressed| gap(pressed).abs() <= NEAR * size(&pressed.contact);
+            let near = |pressed: &&Pressed| gap(pressed).abs() <= of(pressed).within(NEAR);
             let landing: Vec<&Pressed> = pressed.iter().filter(near).collect();
             let gaps: Vec<f64> = landing.iter().map(gap).collect();
-            if landing.iter().zip(&gaps).all(|(pressed, gap)| gap.abs() <= LANDED * size(&pressed.contact)) {
+            if landing.iter().zip(&gaps).all(|(pressed, gap)| gap.abs() <= of(pressed).within(LANDED)) {
                 break;
             }
             let normal = |pressed: &&Pressed| rows_of_contact(&self.whole, &bodies, &pressed.contact.joint, false);
@@ -183,7 +181,7 @@ impl Eventful {
         let bodies = body_states(&self.whole, state);
         let closed = pressed.iter().filter(|pressed| {
             let now = touch_motion(&pressed.contact.joint, &bodies).gap.abs();
-            pressed.gap.abs().max(now) <= CLOSED * size(&pressed.contact)
+            pressed.gap.abs().max(now) <= of(pressed).closed_anew()
         });
         let rows =
             closed.flat_map(|pressed| rows_of_contact(&self.whole, &bodies, &pressed.contact.joint, pressed.holds));

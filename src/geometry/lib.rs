@@ -28,4 +28,5 @@ pub use pair::{Distance, PairGeometry};
 pub use shapes::convex::check_shape;
 pub use shapes::decompose::{Pieces, decompose};
 pub use shapes::error::GeometryError;
+pub use shapes::extents::Extents;
 pub use shapes::hull_surface::hull_surface;

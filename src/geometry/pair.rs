@@ -15,6 +15,7 @@ use crate::features::place::{Bearer, PlaceId, TouchPlace, place};
 use crate::features::rims::{Joined, Meeting, off_rim};
 use crate::shapes::convex::{Convex, Core, kind};
 use crate::shapes::error::GeometryError;
+use crate::shapes::extents::{Extents, Lengths};
 use catena_mechanism::description::contact::{Collider, Shape};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
@@ -33,6 +34,7 @@ pub struct PairGeometry {
     /// Whether `first` is collider b.
     exchanged: bool,
     reach: [f64; 2],
+    extents: Extents,
 }
 
 /// The collider in whose frame the questions are answered.
@@ -57,7 +59,7 @@ pub struct Distance {
 }
 
 impl PairGeometry {
-    /// Prepares two colliders; only their shapes and their poses in the bodies count.
+    /// Prepares two colliders; their shapes and their poses in the bodies count, and for tolerances whether they are obstacles.
     pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
         let (one, other) = (Convex::new(&a.shape, &a.pose)?, Convex::new(&b.shape, &b.pose)?);
         let exchanged = one.is_some() && other.is_none();
@@ -74,14 +76,25 @@ impl PairGeometry {
             (Some(one), None) => (obstacle(b)?, one),
             (None, None) => return Err(GeometryError::Obstacles { a: kind(&a.shape), b: kind(&b.shape) }),
         };
-        let reach = [first.reach(), second.reach()];
-        let reach = if exchanged { [reach[1], reach[0]] } else { reach };
-        Ok(PairGeometry { first, second, exchanged, reach })
+        let mut reach = [first.reach(), second.reach()];
+        let mut standing = [first.lengths(), Lengths::of_convex(&second)];
+        if exchanged {
+            reach.reverse();
+            standing.reverse();
+        }
+        let lengths = |side: usize, moves: bool| if moves { Lengths::of_moving(reach[side]) } else { standing[side] };
+        let extents = Extents::new([lengths(0, a.body.is_some()), lengths(1, b.body.is_some())]);
+        Ok(PairGeometry { first, second, exchanged, reach, extents })
     }
 
     /// Distance of the farthest point of each shape from the origin of its body (m); infinite for half spaces.
     pub fn reach(&self) -> [f64; 2] {
         self.reach
+    }
+
+    /// What tolerances are made of.
+    pub fn extents(&self) -> Extents {
+        self.extents
     }
 
     /// The distance of the two for these poses of their bodies; not a number if a pose is not finite.
@@ -147,8 +160,7 @@ impl PairGeometry {
     /// beyond; infinite if there are no borders.
     pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
         if place.is_stand_in() {
-            let size = self.reach.into_iter().filter(|reach| reach.is_finite()).fold(0.0, f64::max);
-            return STANDS_IN * size - self.distance(a, b).distance.abs();
+            return self.extents.within(STANDS_IN) - self.distance(a, b).distance.abs();
         }
         let (first, (rotation, translation)) = self.relative(a, b);
         let names = [place.identity.a, place.identity.b];
@@ -312,6 +324,15 @@ impl First {
             First::HalfSpace(_) => f64::INFINITY,
             First::Mesh(mesh) => mesh.reach(),
             First::Convex(convex) => convex.reach(),
+        }
+    }
+
+    /// Its lengths as an obstacle.
+    fn lengths(&self) -> Lengths {
+        match self {
+            First::HalfSpace(half_space) => Lengths::of_plane(&half_space.point),
+            First::Mesh(mesh) => mesh.lengths(),
+            First::Convex(convex) => Lengths::of_convex(convex),
         }
     }
 }

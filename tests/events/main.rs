@@ -13,6 +13,7 @@ mod contacts_cradle;
 mod contacts_disc;
 mod contacts_dominoes;
 mod contacts_falling;
+mod contacts_far;
 mod contacts_mesh;
 mod contacts_orders;
 mod contacts_pads;

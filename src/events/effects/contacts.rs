@@ -22,7 +22,7 @@ use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::impact::impulse_without_collision;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
-use crate::instant::holding::touching::Contact;
+use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
@@ -30,10 +30,6 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
 use nalgebra::Vector3;
 
-/// Features this near to each other, relative to the size of their pair, touch.
-const TOUCHED: f64 = 1e-11;
-/// The same at the start of a run.
-const TOUCHED_AT_START: f64 = 1e-9;
 /// Overlaps of more than this part of the size of a pair are moved apart.
 const OVERLAP: f64 = 1e-12;
 /// Gaps up to this are closed (m).
@@ -75,7 +71,7 @@ impl Contacts {
         let bodies = body_states(whole, state);
         let speeds = bodies.iter().map(|body| body.velocity.norm());
         contacts.rest = SLOWEST.max(REST * speeds.fold(fastest, f64::max));
-        for (pair, size) in touching.pairs.iter().map(|pair| pair.size).enumerate() {
+        for (pair, of) in touching.pairs.iter().enumerate() {
             let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
             let happens = |trigger: &Watched| match *trigger {
                 Watched::Approach(of) => of == pair,
@@ -85,7 +81,7 @@ impl Contacts {
                 _ => false,
             };
             if found.anew || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
-                let within = size * if found.anew { TOUCHED_AT_START } else { TOUCHED };
+                let within = if found.anew { of.closed_anew() } else { of.within(TOUCHED) };
                 let mut near: Vec<Contact> =
                     touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();
                 if found.triggers.contains(&Watched::Approach(pair)) {
@@ -222,7 +218,7 @@ impl Contacts {
         let bodies = body_states(scene.whole, state);
         let gap = |contact: &Contact| touch_motion(&contact.joint, &bodies).gap;
         let gaps: Vec<f64> = self.all.iter().map(gap).collect();
-        let deep = |(gap, contact): (&f64, &Contact)| *gap < -OVERLAP * scene.touching.pairs[contact.pair].size;
+        let deep = |(gap, contact): (&f64, &Contact)| *gap < -scene.touching.pairs[contact.pair].within(OVERLAP);
         if !gaps.iter().zip(&self.all).any(deep) {
             return 0.0;
         }

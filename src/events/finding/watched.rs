@@ -18,7 +18,7 @@
 use crate::events::forces::holding::Holding;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::instant::holding::elements::Elements;
-use crate::instant::holding::touching::{Contact, Pair, Touching};
+use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -73,7 +73,7 @@ pub(crate) struct Seen<'s> {
 /// What is closed counts as open down to this part of the size of a pair: its other features may lie in the same plane.
 const COPLANAR: f64 = 1e-13;
 /// A closed contact leaves its features this far beyond their borders, as a part of the size of the pair: what touches is looked for with those up to
-/// 1.1e-11 beyond ([`crate::events::effects::contacts::TOUCHED`]), and would be the same features again before.
+/// 1.1e-11 beyond ([`crate::instant::holding::touching::TOUCHED`]), and would be the same features again before.
 pub(crate) const BORDER: f64 = 1.2e-11;
 /// The other features of a closed pair are looked at within this part of its size; those of a half space, which has no borders, everywhere.
 const NEARBY: f64 = 0.02;
@@ -183,13 +183,13 @@ impl Watched {
             Watched::Approach(pair) => {
                 let closed = mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
                 let closed: Vec<&Contact> = closed.collect();
-                let Pair { size, reach, .. } = touching.pairs[pair];
+                let of = &touching.pairs[pair];
                 if closed.is_empty() {
-                    let rounding = if mode.idle.contains(&pair) { COPLANAR * size } else { 0.0 };
+                    let rounding = if mode.idle.contains(&pair) { of.within(COPLANAR) } else { 0.0 };
                     return touching.distance(pair, bodies) + rounding;
                 }
-                let within = if reach.contains(&f64::INFINITY) { size } else { NEARBY * size };
-                touching.beside(&closed, within, bodies) + COPLANAR * size
+                let within = of.size() * if of.reach.contains(&f64::INFINITY) { 1.0 } else { NEARBY };
+                touching.beside(&closed, within, bodies) + of.within(COPLANAR)
             }
             Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_pressures(),
             Watched::Grips(index) => {
@@ -207,22 +207,31 @@ impl Watched {
             }
             Watched::Feature(index) => {
                 let contact = &mode.contacts[index].contact;
-                touching.margin(contact, bodies) + BORDER * touching.pairs[contact.pair].size
+                touching.margin(contact, bodies) + touching.pairs[contact.pair].within(BORDER)
             }
         }
     }
 
     /// What its roundings are relative to.
     pub fn scale(self, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
-        let size = |contact: usize| touching.pairs[mode.contacts[contact].contact.pair].size;
+        let size = |pair: usize| touching.pairs[pair].extents.larger.max(touching.pairs[pair].extents.farthest);
         match self {
             Watched::Gap(index, side) => elements.joints[index].bound(side).abs().max(1.0),
             Watched::Slide(_) | Watched::Margin => 1.0,
             Watched::Bears(index, _) => elements.joints[index].friction.max(1.0),
             Watched::Motor(index, _) | Watched::Excess(index) => elements.motors[index].max_effort.max(1e-3),
-            Watched::Approach(pair) => touching.pairs[pair].size,
-            Watched::Feature(contact) => size(contact),
+            Watched::Approach(pair) => size(pair),
+            Watched::Feature(contact) => size(mode.contacts[contact].contact.pair),
             Watched::Presses(_) | Watched::Grips(_) | Watched::Slips(_) | Watched::SlipsTogether(_) => 1.0,
+        }
+    }
+
+    /// How near to zero it is zero, if that is this part of what it is of.
+    pub fn nearly(self, part: f64, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
+        match self {
+            Watched::Approach(pair) => touching.pairs[pair].within(part),
+            Watched::Feature(contact) => touching.pairs[mode.contacts[contact].contact.pair].within(part),
+            _ => part * self.scale(elements, touching, mode),
         }
     }
 

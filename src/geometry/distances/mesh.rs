@@ -22,6 +22,7 @@ use crate::features::both::{Both, Candidate};
 use crate::features::feature::{FeatureId, Part, inside};
 use crate::shapes::convex::{Convex, Core};
 use crate::shapes::error::GeometryError;
+use crate::shapes::extents::Lengths;
 use crate::shapes::hull::check_surface;
 use crate::shapes::polytope::Polytope;
 use catena_mechanism::description::contact::Surface;
@@ -131,6 +132,15 @@ impl Mesh {
     /// Distance of its farthest vertex from the origin of the body (m).
     pub fn reach(&self) -> f64 {
         self.parts.reach
+    }
+
+    /// Its lengths as an obstacle.
+    pub fn lengths(&self) -> Lengths {
+        let Parts { vertices, triangles, reach, .. } = &*self.parts;
+        let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
+        let whole = vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
+        let part = triangles.iter().map(|triangle| triangle.shape.size).fold(0.0, f64::max);
+        Lengths { place: *reach, whole, part }
     }
 
     /// A feature, in the frame of its body; features are numbered through the whole mesh.

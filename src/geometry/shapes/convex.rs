@@ -17,8 +17,8 @@ use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::Vector3;
 
-/// Farthest point of a shape from its origin (m): beyond it coordinates are rounded to more than 1e-10 m, and gaps that are closed at the start, to 1e-9
-/// of the size, to more than 1e-3 m.
+/// Farthest point of a shape from its origin (m): beyond it coordinates are rounded to more than 1e-10 m, and gaps count as closed up to more than
+/// 1e-5 m.
 const FARTHEST: f64 = 1e6;
 
 /// A cylinder in the frame of its body.

@@ -4,6 +4,7 @@ pub(crate) mod cells;
 pub(crate) mod convex;
 pub(crate) mod decompose;
 pub(crate) mod error;
+pub(crate) mod extents;
 pub(crate) mod hull;
 pub(crate) mod hull_surface;
 pub(crate) mod plane;

@@ -1,6 +1,7 @@
 //! Tests of distances, places and borders of features.
 
 mod certificates;
+mod extents;
 mod manifolds;
 mod margins;
 mod meshes;

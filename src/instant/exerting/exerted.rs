@@ -146,7 +146,7 @@ impl Exerted {
     fn take_contacts(&mut self, bodies: &[BodyState]) -> Vec<(Contact, TouchMotion)> {
         let mut contacts = Vec::new();
         for (pair, of) in self.touching.pairs.iter().enumerate() {
-            for (contact, _) in self.touching.near(pair, bodies, TOUCHED * of.size) {
+            for (contact, _) in self.touching.near(pair, bodies, of.within(TOUCHED)) {
                 let touch = touch_motion(&contact.joint, bodies);
                 if touch.rate > AT_REST {
                     continue;

@@ -3,7 +3,7 @@
 //! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. Poses are those of the
 //! bodies; the world has its own.
 
-use crate::geometry::{FeatureId, PairGeometry, PlaceId, TouchPlace};
+use crate::geometry::{Extents, FeatureId, PairGeometry, PlaceId, TouchPlace};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Grip, Touch, TouchJoint};
@@ -12,6 +12,11 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::touches::{TouchMotion, touch_motion};
 use nalgebra::{Rotation3, Translation3, Vector3};
+
+/// Features this near to each other, relative to the size of their pair, touch.
+pub(crate) const TOUCHED: f64 = 1e-11;
+/// The same where nothing is known of a state, relative to the smaller shape.
+const TOUCHED_ANEW: f64 = 1e-9;
 
 /// The pairs of a mechanism.
 #[derive(Default)]
@@ -31,8 +36,25 @@ pub(crate) struct Pair {
     pub restitution: f64,
     /// Its number in the whole mechanism.
     pub number: usize,
-    /// What its roundings are relative to (m).
-    pub size: f64,
+    /// What its tolerances are made of.
+    pub extents: Extents,
+}
+
+impl Pair {
+    /// The tolerance that is this part of its size (m).
+    pub fn within(&self, part: f64) -> f64 {
+        self.extents.within(part)
+    }
+
+    /// How far the larger of its two shapes extends (m).
+    pub fn size(&self) -> f64 {
+        self.extents.whole
+    }
+
+    /// Gaps up to this are closed where nothing is known of a state (m): where a run begins, and after steps of first order.
+    pub fn closed_anew(&self) -> f64 {
+        (TOUCHED_ANEW * self.extents.smaller).max(self.within(TOUCHED))
+    }
 }
 
 /// One contact of a pair.
@@ -114,9 +136,9 @@ impl Touching {
             let (a, b) = (&nonsmooth.colliders[pair.a], &nonsmooth.colliders[pair.b]);
             let geometry = PairGeometry::new(a, b).ok()?;
             let reach = geometry.reach();
-            let size = reach.into_iter().filter(|reach| reach.is_finite()).fold(0.0, f64::max);
+            let extents = geometry.extents();
             let (friction, restitution, number) = (pair.friction, pair.restitution, pair.number);
-            Some(Pair { geometry, bodies: [a.body, b.body], reach, friction, restitution, number, size })
+            Some(Pair { geometry, bodies: [a.body, b.body], reach, friction, restitution, number, extents })
         });
         Touching { pairs: pairs.collect() }
     }

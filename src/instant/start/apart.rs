@@ -35,7 +35,7 @@ pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State)
     let bodies = body_states(mechanism, state);
     let depth = |pair: usize| (pair, -touching.distance(pair, &bodies));
     let overlaps =
-        (0..touching.pairs.len()).map(depth).filter(|&(pair, depth)| depth > APART * touching.pairs[pair].size);
+        (0..touching.pairs.len()).map(depth).filter(|&(pair, depth)| depth > touching.pairs[pair].within(APART));
     overlaps.max_by(|one, other| one.1.total_cmp(&other.1))
 }
 
@@ -48,11 +48,11 @@ pub(crate) fn move_apart(
 ) -> bool {
     let bodies = body_states(mechanism, state);
     let (mut rows, mut gaps) = (Vec::new(), Vec::new());
-    for (pair, size) in touching.pairs.iter().map(|pair| pair.size).enumerate() {
-        if touching.distance(pair, &bodies) > NEAR * size {
+    for (pair, near) in touching.pairs.iter().map(|pair| pair.within(NEAR)).enumerate() {
+        if touching.distance(pair, &bodies) > near {
             continue;
         }
-        for (contact, gap) in touching.near(pair, &bodies, NEAR * size) {
+        for (contact, gap) in touching.near(pair, &bodies, near) {
             rows.extend(rows_of_contact(mechanism, &bodies, &contact.joint, false));
             gaps.push(gap);
         }
@@ -130,7 +130,7 @@ pub(crate) fn without_overlap<E>(
         close(state)?;
     }
     let left = deepest(&touching, mechanism, state);
-    let left = left.filter(|&(pair, depth)| depth > 1e-12 * touching.pairs[pair].size);
+    let left = left.filter(|&(pair, depth)| depth > touching.pairs[pair].within(1e-12));
     Ok((first, left.map(named)))
 }
 
