@@ -6,6 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 
@@ -81,10 +82,15 @@ class Result:
         ``t`` [s]; ``pair``, as ``"foot|floor"``; ``position`` of the point [m], ``normal`` from the second of the pair to the first, and ``force`` on the
         first [N], in the world (rows, 3); ``gap`` [m], negative where they overlap; ``sticks``, whether friction holds it.
         """
+        samples, contacts = self._sampled_contacts
+        return {"t": self.t[samples], **contacts}
+
+    @cached_property
+    def _sampled_contacts(self):
+        """The sample of each closed contact, and the columns of ``contacts`` without the times."""
         samples, pairs, numbers, sticks = self._inner.contacts()
         numbers = numbers.reshape(len(pairs), 10)
-        return {
-            "t": self.t[np.array(samples, dtype=int)],
+        return np.array(samples, dtype=int), {
             "pair": np.array(pairs, dtype=str),
             "position": numbers[:, 0:3],
             "normal": numbers[:, 3:6],
@@ -97,10 +103,10 @@ class Result:
         if name not in self.contact_forces:
             known = ", ".join(self.contact_forces) or "none"
             raise InputError(f"there is no pair of shapes {name!r} that may touch; there are: {known}")
-        samples, pairs, numbers, _ = self._inner.contacts()
-        of = np.array(pairs, dtype=str) == name
+        samples, contacts = self._sampled_contacts
+        of = contacts["pair"] == name
         force = np.zeros((len(self.t), 3))
-        np.add.at(force, np.array(samples, dtype=int)[of], numbers.reshape(len(pairs), 10)[of, 6:9])
+        np.add.at(force, samples[of], contacts["force"][of])
         return force
 
     def _columns(self):

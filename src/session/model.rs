@@ -4,7 +4,7 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
-use crate::output::report::pair_name;
+use crate::output::report::{pair_count, pair_name};
 use crate::scene::{Scene, Touching, Warning};
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
@@ -181,9 +181,8 @@ impl Model {
 
     /// Names `a|b` of the pairs of shapes that may touch, by [`ContactPoint::pair`](crate::mechanism::motion::contact_point::ContactPoint::pair).
     pub fn contact_pairs(&self) -> Vec<String> {
-        let pairs = &self.description().mechanism.nonsmooth.pairs;
-        let count = pairs.iter().map(|pair| pair.number + 1).max().unwrap_or(0);
-        (0..count).map(|number| pair_name(self.description(), number)).collect()
+        let model = self.description();
+        (0..pair_count(model)).map(|number| pair_name(model, number)).collect()
     }
 
     /// Warnings: parts left out and their reasons, and oddities of the file.

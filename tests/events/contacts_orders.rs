@@ -32,6 +32,20 @@ fn keeps_order<const N: usize>(
     }
 }
 
+/// Checks that nine stages err by no more than a bound with each of some steps.
+fn is_right_with_nine_stages<const N: usize>(
+    name: &str,
+    steps: [f64; 2],
+    bound: f64,
+    errors: impl Fn(usize, f64) -> [f64; N],
+) {
+    for step in steps {
+        let errors = errors(9, step);
+        println!("{name}, 9 stages: {errors:?}");
+        assert!(errors.iter().all(|&error| error <= bound), "{name}, {step} s: {errors:?}");
+    }
+}
+
 /// The times of the events of a run that are not at its start.
 fn times(finished: &Finished) -> Vec<f64> {
     finished.events.iter().map(|event| event.time).filter(|&time| time > 0.0).collect()
@@ -51,11 +65,7 @@ fn order_is_kept_when_a_rod_sticks_slips_and_turns_its_slip_round() {
     };
     keeps_order("C6", 3, 0.04, 1e-12, errors);
     keeps_order("C6", 5, 0.16, 1e-12, errors);
-    for step in [0.1, 0.05] {
-        let errors = errors(9, step);
-        println!("C6, 9 stages: {errors:?}");
-        assert!(errors.iter().all(|&error| error <= 1e-10), "{errors:?}");
-    }
+    is_right_with_nine_stages("C6", [0.1, 0.05], 1e-10, errors);
 }
 
 #[test]
@@ -71,11 +81,7 @@ fn order_is_kept_on_a_curved_slide_to_its_stop() {
     };
     keeps_order("C3", 3, 0.1, 1e-11, errors);
     keeps_order("C3", 5, 0.2, 1e-11, errors);
-    for step in [0.1, 0.05] {
-        let errors = errors(9, step);
-        println!("C3, 9 stages: {errors:?}");
-        assert!(errors.iter().all(|&error| error <= 1e-10), "{errors:?}");
-    }
+    is_right_with_nine_stages("C3", [0.1, 0.05], 1e-10, errors);
 }
 
 #[test]
@@ -90,11 +96,7 @@ fn order_is_kept_when_a_block_rocks_from_edge_to_edge() {
     };
     keeps_order("C8", 3, 0.08, 1e-12, errors);
     keeps_order("C8", 5, 0.16, 1e-12, errors);
-    for step in [0.1, 0.05] {
-        let errors = errors(9, step);
-        println!("C8, 9 stages: {errors:?}");
-        assert!(errors.iter().all(|&error| error <= 1e-12), "{errors:?}");
-    }
+    is_right_with_nine_stages("C8", [0.1, 0.05], 1e-12, errors);
 }
 
 #[test]
@@ -111,11 +113,7 @@ fn order_is_kept_after_an_impulse_that_stops_a_rod() {
     };
     keeps_order("C7", 3, 0.08, 1e-12, errors);
     keeps_order("C7", 5, 0.16, 1e-12, errors);
-    for step in [0.1, 0.05] {
-        let errors = errors(9, step);
-        println!("C7, 9 stages: {errors:?}");
-        assert!(errors.iter().all(|&error| error <= 1e-10), "{errors:?}");
-    }
+    is_right_with_nine_stages("C7", [0.1, 0.05], 1e-10, errors);
 }
 
 #[test]
@@ -167,9 +165,5 @@ fn order_is_kept_when_a_ball_with_spin_about_three_axes_comes_to_roll() {
     // With two and three stages the last part of the slip, where it is slower than their error, is not followed: the stop is 7e-5 s late with steps of 1 ms.
     keeps_order("C5", 4, 0.02, 1e-11, errors);
     keeps_order("C5", 5, 0.04, 1e-11, errors);
-    for step in [0.05, 0.025] {
-        let errors = errors(9, step);
-        println!("C5, 9 stages: {errors:?}");
-        assert!(errors.iter().all(|&error| error <= 1e-10), "{errors:?}");
-    }
+    is_right_with_nine_stages("C5", [0.05, 0.025], 1e-10, errors);
 }

@@ -181,8 +181,8 @@ impl Visitor for Collector {
         if let Some(contact) = &mut summary.contact {
             contact.at_end = frame.contacts.len();
             contact.slipping = frame.contacts.iter().filter(|contact| contact.state == "slip").count();
-            let deepest = frame.contacts.iter().map(|contact| -contact.gap).fold(0.0, worse);
-            contact.max_penetration = worse(contact.max_penetration, deepest);
+            contact.max_penetration =
+                frame.contacts.iter().map(|contact| -contact.gap).fold(contact.max_penetration, worse);
         }
         ControlFlow::Continue(())
     }

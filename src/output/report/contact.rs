@@ -93,6 +93,11 @@ pub(crate) fn state_name(point: &ContactPoint) -> &'static str {
     if point.sticks { "stick" } else { "slip" }
 }
 
+/// How many numbers of pairs there are, from zero on.
+pub(crate) fn pair_count(model: &Model) -> usize {
+    model.mechanism.nonsmooth.pairs.iter().map(|pair| pair.number + 1).max().unwrap_or(0)
+}
+
 /// The names of the shapes of a pair, by its number.
 pub(crate) fn pair_names(model: &Model, number: usize) -> (&str, &str) {
     let nonsmooth = &model.mechanism.nonsmooth;

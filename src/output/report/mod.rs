@@ -12,10 +12,10 @@ mod speeds;
 mod step_error;
 mod text;
 
-pub(crate) use contact::pair_name;
 pub use contact::{ContactReport, ContactsReport};
 #[cfg(feature = "log")]
 pub(crate) use contact::{contact_words, pair_names, state_name};
+pub(crate) use contact::{pair_count, pair_name};
 #[cfg(feature = "log")]
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};

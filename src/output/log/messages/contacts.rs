@@ -17,7 +17,7 @@ use crate::output::log::encoding::durability::Durability;
 use crate::output::log::messages::topics::Topics;
 use crate::output::log::storage::error::LogError;
 use crate::output::log::storage::file::MessageSink;
-use crate::output::report::{pair_names, state_name};
+use crate::output::report::{pair_count, pair_names, state_name};
 
 static CONTACT: Definition = Definition {
     name: "catena_msgs/msg/Contact",
@@ -50,11 +50,10 @@ impl ContactMessages {
         world: &str,
         wanted: &Topics,
     ) -> Result<Option<Self>, LogError> {
-        let pairs = &model.mechanism.nonsmooth.pairs;
-        if pairs.is_empty() || !wanted.has("/contacts") {
+        let count = pair_count(model);
+        if count == 0 || !wanted.has("/contacts") {
             return Ok(None);
         }
-        let count = 1 + pairs.iter().map(|pair| pair.number).max().unwrap_or(0);
         let names = (0..count).map(|number| pair_names(model, number)).map(|(a, b)| (a.to_string(), b.to_string()));
         Ok(Some(ContactMessages {
             channel: sink.channel("/contacts", &CONTACTS, Durability::Volatile)?,
