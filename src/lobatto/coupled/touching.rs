@@ -23,9 +23,9 @@ use std::ops::Range;
 /// The closed contacts, in the order of their equations.
 pub struct Touching<V> {
     touches: Vec<SpatialTouch<V>>,
-    /// For every body whether it slips or rolls where it touches, and the rates of those that do.
-    slipping: Vec<bool>,
-    rates: Vec<[BodyRate<V>; 2]>,
+    /// For every body whether it rolls and whether it slips where it touches, and the rates of those that do: of the scheme, and those of slips.
+    moving: Vec<[bool; 2]>,
+    rates: Vec<[[BodyRate<V>; 2]; 2]>,
     /// In a step where anything slips or rolls, what velocities need of the scheme.
     mixing: Option<StageMixing<V>>,
     step: f64,
@@ -39,17 +39,17 @@ impl<V: Lanes> Touching<V> {
     /// Those of a mechanism, at all stages of a scheme or without it at one configuration.
     pub(crate) fn new(mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self {
         let touches = SpatialTouch::all(&mechanism.touches, mechanism.gravity.norm());
-        let mut slipping = vec![false; mechanism.bodies.len()];
-        for body in touches.iter().filter(|touch| touch.feels_slip()).flat_map(SpatialTouch::bodies).flatten() {
-            slipping[body] = true;
+        let mut moving = vec![[false; 2]; mechanism.bodies.len()];
+        for touch in touches.iter().filter(|touch| touch.feels_slip()) {
+            touch.bodies().into_iter().flatten().for_each(|body| moving[body][touch.kind_of_rate()] = true);
         }
         let rubs = mechanism.rubbing().next().is_some();
         Touching {
             mixing: tableau.filter(|_| touches.iter().any(SpatialTouch::feels_slip)).map(StageMixing::new),
             leans: vec![Lean::default(); if rubs { touches.len() } else { 0 }],
             leaning: false,
-            rates: vec![[BodyRate::zero(); 2]; slipping.len()],
-            slipping,
+            rates: vec![[[BodyRate::zero(); 2]; 2]; moving.len()],
+            moving,
             step: 0.0,
             touches,
         }
@@ -78,13 +78,17 @@ impl<V: Lanes> Touching<V> {
     /// Finds gaps, slips and friction of bodies that have moved so in a step of this length (s).
     #[inline(always)]
     pub(crate) fn place(&mut self, start: &Start, step: f64, moved: &[[Moved<V>; 2]], origin: &[f64; 3]) {
-        let Touching { touches, slipping, rates, mixing, leans, .. } = self;
+        let Touching { touches, moving, rates, mixing, leans, .. } = self;
         self.step = step;
         if let Some(mixing) = mixing {
-            for (body, (rates, &slips)) in rates.iter_mut().zip(&*slipping).enumerate() {
+            for (body, (rates, moves)) in rates.iter_mut().zip(&*moving).enumerate() {
+                let Moved { turn, anchor } = &moved[body][0];
+                let [rolls, slips] = *moves;
+                if rolls {
+                    rates[0] = BodyRate::of(mixing, step, &start.bodies[body], turn, *anchor);
+                }
                 if slips {
-                    let Moved { turn, anchor } = &moved[body][0];
-                    *rates = BodyRate::of(mixing, step, &start.bodies[body], turn, *anchor);
+                    rates[1] = BodyRate::of_slips(mixing, step, &start.bodies[body], turn, *anchor);
                 }
             }
         }
@@ -95,7 +99,8 @@ impl<V: Lanes> Touching<V> {
             let Some(mixing) = mixing.as_ref().filter(|_| touch.feels_slip()) else { continue };
             let of = |body: usize| {
                 let anchor = start.anchor(body);
-                [0, 1].map(|side: usize| (&rates[body][side], moved[body][side].anchor_from(&anchor, origin)))
+                let rates = &rates[body][touch.kind_of_rate()];
+                [0, 1].map(|side: usize| (&rates[side], moved[body][side].anchor_from(&anchor, origin)))
             };
             touch.slip(mixing, step, ends.map(|end| end.map(of)));
             if touch.friction() != 0.0 {

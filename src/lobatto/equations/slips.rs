@@ -10,6 +10,18 @@
 //!
 //! `Ω_j (1 + N_j)ᵀ` is skew but for the error of the stages: it is the rate of the rotation matrix as the scheme has it, which constraints on
 //! velocities must take for the order 2s − 2.
+//!
+//! Friction has the direction of a slip, and one that is slower than the error of its stage has none. Most of this error is that of `Ṙ`, which
+//! turns with the body. So friction takes the velocity of the centre of mass x and an angular velocity ω of its own, which the scheme integrates
+//! from the angular accelerations that the second rates of the rotation matrix have:
+//!
+//! ```text
+//!     h² R̈_k R₀ᵀ = S_k = Σ_i B_ki (N_i − h c_i ω̂₀)                                       k = 1..s−1
+//!     ω_j = ω₀ + h⁻¹ Σ_k ā_jk ½ vee(S_k (1 + N_k)ᵀ − (1 + N_k) S_kᵀ)                       j = 1..s
+//!     velocity of the material at the point p:   ẋ_j + ω_j × (p − x_j)
+//! ```
+//!
+//! As ω is one more variable of the partitioned scheme, the order is the same; under a constant torque it is exact from three stages on.
 
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::{Lanes, MAX_LANES};
@@ -29,6 +41,10 @@ pub(crate) struct StageMixing<V> {
     pub ahead: V,
     /// `Ā B` by columns, for the columns' and for the rows' stages.
     velocity: [[V; MAX_LANES]; 2],
+    /// B by columns i, for the rows.
+    second: [V; MAX_LANES],
+    /// Ā by columns k, the rows, for the columns' and for the rows' stages.
+    rate: [[V; MAX_LANES]; 2],
     /// c_i.
     nodes: V,
     /// `a_ij` by columns j = 2 … s, and `a_i1`.
@@ -42,11 +58,16 @@ impl<V: Lanes> StageMixing<V> {
         let (stages, active) = (tableau.stages, tableau.stages - 1);
         let lanes = |value: &dyn Fn(usize) -> f64| V::from_slice(&(0..active).map(value).collect::<Vec<f64>>());
         let mut velocity = [[V::zero(); MAX_LANES]; 2];
+        let (mut second, mut rate) = ([V::zero(); MAX_LANES], [[V::zero(); MAX_LANES]; 2]);
         let mut integral = [V::zero(); MAX_LANES];
         for column in 0..active {
             let of = |stage: usize| tableau.velocity[stage * active + column];
             velocity[0][column] = lanes(&|lane| of(lane + 1));
             velocity[1][column] = lanes(&|lane| of(row_stage(lane, active)));
+            second[column] = lanes(&|lane| tableau.b_matrix[row_stage(lane, active) * active + column]);
+            let of = |stage: usize| tableau.a_bar[stage * stages + row_stage(column, active)];
+            rate[0][column] = lanes(&|lane| of(lane + 1));
+            rate[1][column] = lanes(&|lane| of(row_stage(lane, active)));
             integral[column] = lanes(&|lane| tableau.a[(lane + 1) * stages + column + 1]);
         }
         StageMixing {
@@ -59,6 +80,8 @@ impl<V: Lanes> StageMixing<V> {
                 others.map(|other| (1.0 - other) / (own - other)).product()
             }),
             velocity,
+            second,
+            rate,
             nodes: lanes(&|lane| tableau.nodes[lane + 1]),
             integral,
             start: lanes(&|lane| tableau.a[(lane + 1) * stages]),
@@ -101,9 +124,7 @@ impl<V: Lanes> BodyRate<V> {
         let spin: Vector<V> = Vector::splat(&known.spin);
         // The anchor is at −com from the centre of mass.
         let anchor = Vector::splat(&known.velocity).minus(spin.cross(Vector::splat(&known.com)));
-        let [p, q, r] = spin.0;
-        let zero = V::zero();
-        let skew = [[zero, -r, q], [r, zero, -p], [-q, p, zero]];
+        let skew = skew(spin).0;
         let mut rates = [BodyRate::zero(); 2];
         for ((rate, columns), moved) in rates.iter_mut().zip(&mixing.velocity).zip([V::splat(1.0), mixing.moved]) {
             for axis in 0..3 {
@@ -127,6 +148,47 @@ impl<V: Lanes> BodyRate<V> {
         rates
     }
 
+    /// Those that slips take: with the velocity of the centre of mass and the angular velocity that accelerations add up to.
+    #[inline(always)]
+    pub fn of_slips(
+        mixing: &StageMixing<V>,
+        step: f64,
+        known: &BodyStart,
+        turn: &Matrix<V>,
+        displaced: Vector<V>,
+    ) -> [Self; 2] {
+        let (times, inverse) = (mixing.nodes * V::splat(step), V::splat(1.0 / step));
+        let [start, spin]: [Vector<V>; 2] = [Vector::splat(&known.velocity), Vector::splat(&known.spin)];
+        let com = Vector::splat(&known.com);
+        let center = turn.apply_plus(com, displaced);
+        let [turning, turned] = [skew(spin), *turn].map(|matrix: Matrix<V>| matrix.rows());
+        let row = |axis: usize| {
+            Vector([0, 1, 2].map(|other: usize| {
+                turning[axis].0[other].neg_mul_add(times, turned[axis].0[other]).mix(&mixing.second)
+            }))
+        };
+        // The rows of S and of 1 + N, at the rows' stages.
+        let second = [row(0), row(1), row(2)];
+        let turned = turn.times(mixing.moved).rows();
+        let entry = |i: usize, j: usize| second[i].dot_plus(turned[j], second[i].0[j]);
+        let acceleration = Vector([(2, 1), (0, 2), (1, 0)].map(|(i, j)| (entry(i, j) - entry(j, i)) * V::splat(0.5)));
+        let mut rates = [BodyRate::zero(); 2];
+        let sides = rates.iter_mut().zip(mixing.velocity.iter().zip(&mixing.rate)).zip([V::splat(1.0), mixing.moved]);
+        for ((own, (velocity, rate)), moved) in sides {
+            let of = |axis: usize| {
+                let ahead = start.0[axis].neg_mul_add(times, center.0[axis]);
+                ahead.mix(velocity).mul_add(inverse, start.0[axis])
+            };
+            let center = Vector([of(0), of(1), of(2)]);
+            let spin =
+                Vector([0, 1, 2].map(|axis: usize| acceleration.0[axis].mix(rate).mul_add(inverse, spin.0[axis])));
+            // The anchor is at −com from the centre of mass.
+            let com = turn.times(moved).apply_plus(com, com);
+            *own = BodyRate { anchor: center.minus(spin.cross(com)), spin: skew(spin) };
+        }
+        rates
+    }
+
     /// Angular velocity: the skew part of the rate [rad/s].
     #[inline(always)]
     pub fn spin(&self) -> Vector<V> {
@@ -139,4 +201,12 @@ impl<V: Lanes> BodyRate<V> {
     pub fn at(&self, arm: Vector<V>) -> Vector<V> {
         self.spin.apply_plus(arm, self.anchor)
     }
+}
+
+/// The cross product with a vector as a matrix.
+#[inline(always)]
+fn skew<V: Lanes>(v: Vector<V>) -> Matrix<V> {
+    let [p, q, r] = v.0;
+    let zero = V::zero();
+    Matrix([[zero, -r, q], [r, zero, -p], [-q, p, zero]])
 }

@@ -1,7 +1,7 @@
 //! Closed contacts at all stages: gaps, the directions in which their multipliers push, friction and rolling.
 //!
-//! With φ, n and p at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]), and the slip velocity u of the
-//! scheme at p [m/s] ([`crate::equations::slips`]):
+//! With φ, n and p at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]), and the slip velocity u at
+//! p [m/s], of the scheme where contacts roll and of rotations where they slide ([`crate::equations::slips`]):
 //!
 //! ```text
 //!     gap of a stage        φ_i = 0                              its gradient: the force n_i on b with its torque p_i × n_i, and their opposites on a
@@ -269,6 +269,11 @@ impl<V: Lanes> SpatialTouch<V> {
     /// For both tangents of a rolling contact what its rates change by, for the twists of a and of b.
     pub fn rolling(&self) -> [[[V; 6]; 2]; 2] {
         self.rolling
+    }
+
+    /// Which rates of bodies its slip takes: those of the scheme if it rolls (0), those of slips if it slides (1).
+    pub fn kind_of_rate(&self) -> usize {
+        usize::from(self.joint.touch.grip != Grip::Rolls)
     }
 
     /// The direction across the slip, `n × t` at p, at the columns' and the rows' stages.

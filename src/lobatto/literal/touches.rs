@@ -7,7 +7,7 @@
 //!     gap                φ(Q_i) = 0                             i = 2..s         pushes with  Λ_k K_{n − μ t}(Q_k)ᵀ       k = 1..s−1
 //!     rolling            h Σ_j a_ij K_e(Q_j) Q̇_j = 0            i = 2..s         pushes with  Λ_k K_e(Q_k)ᵀ               e = e_1, e_2
 //!     end of the step    K_n(q̄) M⁻¹ p̄ = 0,  K_e(q̄) M⁻¹ p̄ = 0                  pushes as above with the stage s
-//!     slip               u = (K_x, K_y, K_z) Q̇_k,   u_T = u − (n·u) n,   t = ± u_T/|u_T|
+//!     slip               u = ẋ + ω × (p − x) of b less that of a,   u_T = u − (n·u) n,   t = ± u_T/|u_T|
 //! ```
 //!
 //! The sign of t is that of u_T along its direction at the start of the step. Where a step starts without slip, that direction is the one that the
@@ -17,6 +17,8 @@
 //! ```text
 //!     Q_i − q − h c_i q̇ = h² Σ_j a_ij Σ_k ā_jk r_k,       Q̇_j = q̇ + h Σ_k ā_jk r_k        i = 2..s,  j = 1..s,  k = 1..s−1
 //! ```
+//!
+//! The angular velocity of a slip is `ω_j = ω + h Σ_k ā_jk ½ vee(R̈_k R_kᵀ − R_k R̈_kᵀ)`, with R̈ the part of r for the rotation matrix.
 //!
 //! Nothing here shares code with [`crate::equations::touches`], which it is the oracle for.
 
@@ -62,9 +64,10 @@ impl TouchStep<'_> {
     /// All contacts for the increments `Q_i − q` of the stages; `None` if one of them is of a pair of features that is not in the table.
     pub(crate) fn at(&self, increments: &[DVector<f64>]) -> Option<TouchStages> {
         let positions: Vec<DVector<f64>> = increments.iter().map(|increment| self.q + increment).collect();
-        let rates = self.rates(increments);
+        let [rates, slips] = self.rates(increments, &positions);
         let touching = self.mechanism.touches.iter().filter(|joint| joint.touch.rows() > 0);
-        let all = touching.map(|joint| self.one(joint, &positions, &rates)).collect::<Option<Vec<OneTouch>>>()?;
+        let all =
+            touching.map(|joint| self.one(joint, &positions, &rates, &slips)).collect::<Option<Vec<OneTouch>>>()?;
         let count = all.iter().map(|touch| touch.ends.len()).sum();
         let matrix = |rows: &mut dyn Iterator<Item = &DVector<f64>>| {
             let mut matrix = DMatrix::zeros(count, self.q.len());
@@ -82,8 +85,8 @@ impl TouchStep<'_> {
         })
     }
 
-    /// `Q̇_1 … Q̇_s`.
-    fn rates(&self, increments: &[DVector<f64>]) -> Vec<DVector<f64>> {
+    /// `Q̇_1 … Q̇_s`, and with `ω̂ R` in the place of Ṙ those that slips take.
+    fn rates(&self, increments: &[DVector<f64>], positions: &[DVector<f64>]) -> [Vec<DVector<f64>>; 2] {
         let (s, h) = (self.tableau.stages, self.step);
         let Tableau { a, a_bar, nodes, .. } = self.tableau;
         let twice = DMatrix::from_fn(s - 1, s - 1, |i, k| {
@@ -96,11 +99,32 @@ impl TouchStep<'_> {
         let rate = |j: usize| {
             (0..s - 1).fold(self.velocity.clone(), |sum, k| sum + impulses.row(k).transpose() * (h * a_bar[j * s + k]))
         };
-        (0..s).map(rate).collect()
+        let rates: Vec<DVector<f64>> = (0..s).map(rate).collect();
+        let mut slips = rates.clone();
+        for rotation in (0..self.q.len() / BODY_COORDINATES).map(|body| BODY_COORDINATES * body + 3) {
+            let matrix = |of: &DVector<f64>| Matrix3::from_column_slice(&of.as_slice()[rotation..rotation + 9]);
+            let vee = |of: Matrix3<f64>| {
+                Vector3::new(of[(2, 1)] - of[(1, 2)], of[(0, 2)] - of[(2, 0)], of[(1, 0)] - of[(0, 1)]) / 2.0
+            };
+            let spin = vee(matrix(self.velocity) * matrix(self.q).transpose());
+            let acceleration = |k: usize| vee(matrix(&impulses.row(k).transpose()) * matrix(&positions[k]).transpose());
+            for (j, slip) in slips.iter_mut().enumerate() {
+                let turns = (0..s - 1).fold(spin, |sum, k| sum + acceleration(k) * (h * a_bar[j * s + k]));
+                let turning = turns.cross_matrix() * matrix(&positions[j]);
+                slip.rows_mut(rotation, 9).copy_from_slice(turning.as_slice());
+            }
+        }
+        [rates, slips]
     }
 
-    /// One contact, for the positions and rates of all stages.
-    fn one(&self, joint: &TouchJoint, positions: &[DVector<f64>], rates: &[DVector<f64>]) -> Option<OneTouch> {
+    /// One contact, for the positions of all stages, their rates and those of slips.
+    fn one(
+        &self,
+        joint: &TouchJoint,
+        positions: &[DVector<f64>],
+        rates: &[DVector<f64>],
+        slips: &[DVector<f64>],
+    ) -> Option<OneTouch> {
         let s = self.tableau.stages;
         let start = meeting(joint, self.q)?;
         let begins = slip(joint, &start, self.q, self.velocity);
@@ -127,8 +151,8 @@ impl TouchStep<'_> {
                 } else if rests && k == 0 {
                     reference * friction
                 } else {
-                    let slips = slip(joint, here, &positions[k], &rates[k]);
-                    let along = slips.try_normalize(NO_SLIP).unwrap_or(reference);
+                    let slip = slip(joint, here, &positions[k], &slips[k]);
+                    let along = slip.try_normalize(NO_SLIP).unwrap_or(reference);
                     along * (friction * along.dot(&reference).signum())
                 };
                 pushes.push(vec![row(joint, here, &positions[k], &(normal - braking))]);
