@@ -309,7 +309,10 @@ impl Eventful {
                 slope = (value - there) / (length - other);
             }
             if stops && value > 0.0 {
-                self.turn_slips();
+                // The direction of one that has stopped is noise.
+                if value > STOPPED * self.memory.fastest {
+                    self.turn_slips();
+                }
                 if before.is_none() {
                     slope = -value / (bracket.root - since - length).max(f64::MIN_POSITIVE);
                 }

@@ -33,6 +33,9 @@ const SHORT_OF: f64 = 0.98;
 const TURNS: f64 = 2.0;
 /// Slips below this part of the fastest that a body has been are none.
 const NO_SLIP: f64 = 1e-10;
+/// One below this part of the fastest is slow, and its direction that of before if the cosine of the angle between them is larger than this.
+const SLOWED: f64 = 1e-3;
+const ALIKE: f64 = 0.7;
 /// A slip that turns aside by less than this part of how it falls stops.
 const STRAIGHT: f64 = 0.1;
 /// It is no shorter than this for it (s).
@@ -149,11 +152,16 @@ impl Eventful {
         Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
 
-    /// Takes the directions in which closed contacts slide at the end of the step that was made last.
+    /// Takes the directions in which closed contacts slide at the end of the step that was made last. Near a stop what is left across a slip is the error
+    /// of the step: a slow slip that would turn by more than half a right angle keeps its direction.
     pub(super) fn turn_slips(&mut self) {
-        let Eventful { mode, bodies, slips, .. } = self;
-        for (closed, slip) in mode.contacts.iter().zip(slips) {
-            *slip = touch_motion(&closed.contact.joint, bodies).slip.try_normalize(0.0).unwrap_or(*slip);
+        let Eventful { mode, bodies, slips, memory, .. } = self;
+        for (closed, along) in mode.contacts.iter().zip(slips) {
+            let slip = touch_motion(&closed.contact.joint, bodies).slip;
+            let speed = slip.norm();
+            if speed > SLOWED * memory.fastest || slip.dot(along) > ALIKE * speed {
+                *along = slip.try_normalize(0.0).unwrap_or(*along);
+            }
         }
     }
 
