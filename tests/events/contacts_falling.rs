@@ -77,7 +77,7 @@ fn bodies_that_slip_and_turn_on_each_other_in_free_fall_do_so_in_few_steps() {
                 let freedoms = mechanism.bodies[body].joint.velocity_range();
                 let place = mechanism.bodies[body].joint.position_range().start;
                 let fallen = start.position[place + 2] - finished.state.position[place + 2] - fall;
-                // What presses with 1e-10 of the weight counts as nothing and stays closed: 5e-12 m in 0.1 s, and more where bodies are light.
+                // What presses with 1e-9 of the weight counts as nothing and stays closed: 5e-11 m in 0.1 s, and more where bodies are light.
                 assert!(fallen.abs() <= 1e-9, "{friction}, {steps:?}, body {body}: {fallen:e} m");
                 for freedom in [0, 1, 5].map(|freedom| freedoms.start + freedom) {
                     let off = finished.state.velocity[freedom] - start.velocity[freedom];
