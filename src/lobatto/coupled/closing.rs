@@ -5,7 +5,7 @@ use crate::coupled::deciding::known_of_steps;
 use crate::coupled::known::Known;
 use crate::coupled::projection::Projection;
 use crate::coupled::system::{Geometry, One};
-use crate::equations::touches::Lean;
+use crate::equations::braking::Lean;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;

@@ -12,7 +12,7 @@ use crate::coupled::known::Known;
 use crate::coupled::lent::{ROUNDS, Rounds, owed};
 use crate::coupled::space::Space;
 use crate::coupled::system::{Coupled, Geometry, One};
-use crate::equations::touches::Lean;
+use crate::equations::braking::Lean;
 use crate::numbers::lanes::Lanes;
 use crate::plan::tree::Plan;
 use catena_mechanism::description::joint::FreeRotation;

@@ -9,9 +9,10 @@
 //! What friction changes by as slips turn is in rows of its own, after those of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
 //! across the slip, as the tension of a damper is. It is in the matrix alone, and converged steps do not depend on it.
 
+use crate::equations::braking::Lean;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::Moved;
-use crate::equations::touches::{Lean, SpatialTouch};
+use crate::equations::touches::SpatialTouch;
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;

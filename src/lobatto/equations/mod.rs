@@ -6,8 +6,9 @@
 //! ```
 //!
 //! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] what acts, [`loops`] and
-//! [`spatial_loops`] the closures, [`touches`], `slips` and `turning` the contacts.
+//! [`spatial_loops`] the closures, [`touches`], [`braking`], `slips` and `turning` the contacts.
 
+pub mod braking;
 pub mod forces;
 pub mod loops;
 pub mod pivot;

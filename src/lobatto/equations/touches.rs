@@ -5,54 +5,26 @@
 //!
 //! ```text
 //!     gap of a stage        φ_i = 0                              its gradient: the force n_i on b with its torque p_i × n_i, and their opposites on a
-//!     push of a row         f_k = n_k − μ t_k,   t = ± u_T/|u_T|           at p_k;   u_T = u − (n·u) n
+//!     push of a row         f_k = n_k − μ t_k                    at p_k; t has the direction of u ([`crate::equations::braking`])
 //!     rolling               h Σ_j a_ij e_j · u_j = 0             two tangents e; gradient and push e_i, because A Ā B = 1
-//!     dissipated            h Σ_k b_k Λ_k μ t_k · u_k            [J]
 //! ```
-//!
-//! The sign of t is that of u_T along the direction of the slip where the step starts. So the friction of a step that goes on beyond the stop of a
-//! slip stays smooth, and an event finds the stop as a zero of `u_T · t`. Where a step starts without slip the direction is the one that
-//! [`Grip::Slides`] gives: u_T of the first stage, which is not that of the start, differs from zero by the error of a stage and has no
-//! direction. From iterate to iterate t follows such a slip as `turning` says. A slip below a thousandth of the largest of the step is taken for one
-//! that stops: it has the direction of the stage before, and at the end of the step that of the polynomial through the stages.
 //!
 //! Source: the forced scheme with constraints on velocities, L. O. Jay, SIAM J. Sci. Comput. 20 (1998); the gradients of gaps:
 //! [`catena_mechanism::description::contact`].
 
+use crate::equations::braking::{Braking, Lean, Slipping};
 use crate::equations::loops::Displaced;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::{End, Moved};
-use crate::equations::turning::Followed;
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::euclidean::Euclidean;
-use crate::numbers::lanes::{Lanes, MAX_LANES};
+use crate::numbers::lanes::Lanes;
 use crate::numbers::smooth_lanes::{triple, vector};
 use crate::stages::start::Start;
 use catena_mechanism::description::contact::{Cores, Grip, Pairing, TouchJoint};
 use catena_mechanism::motion::contact_geometry::{Contact, Placed, contact};
 use catena_mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::Vector3;
-
-/// A slip of this part of the speeds at the point of contact is rounding.
-const NO_SLIP: f64 = 1e-9;
-/// So is a slip below this [m/s].
-const NO_SPEED: f64 = 1e-12;
-
-/// A slip that gravity makes in less than this (s) is slow: friction under a weight turns it sooner than steps end.
-const SLOW: f64 = 1e-5;
-
-/// A slip at a stage that is this part of the largest of the step stops there: what is left of it has more rounding than direction, which is that
-/// of the stage before.
-const STOPS: f64 = 1e-3;
-
-/// What the friction of a contact does at the end of a step: the multiplier pushes along `n − μ t`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lean {
-    /// `μ t` in the world.
-    pub along: [f64; 3],
-    /// `μ t · u` with the slip velocity u at the end of the step: what an impulse dissipates [m/s].
-    pub slip: f64,
-}
 
 /// A closed contact in a step.
 pub(crate) struct SpatialTouch<V> {
@@ -61,13 +33,6 @@ pub(crate) struct SpatialTouch<V> {
     ends: [TouchEnd; 2],
     /// At the start: unit vectors square to the normal, in the world.
     tangents: [[f64; 3]; 2],
-    /// The direction of the slip at the start, or where there is none the one given.
-    reference: Vector3<f64>,
-    /// Whether there is no slip at the start, or a slow one.
-    rests: bool,
-    slow: bool,
-    /// Acceleration of gravity [m/s²].
-    gravity: f64,
     /// At the columns' and the rows' stages.
     at: [AtStages<V>; 2],
     /// `h Σ_j a_ij e_j · u_j` along both tangents (m).
@@ -76,15 +41,8 @@ pub(crate) struct SpatialTouch<V> {
     rolling: [[[V; 6]; 2]; 2],
     /// Where the origin of the second feature is at the columns' stages, from the common origin (m).
     center: Vector<V>,
-    /// t at the columns' and the rows' stages, and `μ t` at the rows'.
-    directions: [Vector<V>; 2],
-    braking: Vector<V>,
-    /// How t follows the slips, at the columns' and the rows' stages.
-    followed: [[Followed; MAX_LANES]; 2],
-    /// Iterations since the step began.
-    iterations: usize,
-    /// Number of stages coupled.
-    active: usize,
+    /// Its friction.
+    braking: Braking<V>,
 }
 
 /// An end of a contact at the start of a step, from the common origin and in the world.
@@ -117,19 +75,11 @@ impl<V: Lanes> SpatialTouch<V> {
             pairing: joint.touch.pairing(),
             ends: [TouchEnd::default(); 2],
             tangents: [[0.0; 3]; 2],
-            reference: Vector3::zeros(),
-            rests: false,
-            slow: false,
-            gravity,
             at: [nowhere; 2],
             creep: [V::zero(); 2],
             rolling: [[[V::zero(); 6]; 2]; 2],
             center: zero,
-            directions: [zero; 2],
-            followed: [[Followed::default(); MAX_LANES]; 2],
-            iterations: 0,
-            active: 0,
-            braking: zero,
+            braking: Braking::new(joint.touch.friction(), gravity),
         };
         joints.iter().map(new).collect()
     }
@@ -146,7 +96,13 @@ impl<V: Lanes> SpatialTouch<V> {
 
     /// μ; zero if it does not slide.
     pub fn friction(&self) -> f64 {
-        self.joint.touch.friction()
+        self.braking.friction
+    }
+
+    /// Its slip at the columns' or the rows' stages.
+    #[inline(always)]
+    fn slipping(&self, side: usize) -> Slipping<V> {
+        Slipping { normal: self.at[side].normal, slip: self.at[side].slip }
     }
 
     /// Whether its equations or forces depend on the slip.
@@ -167,15 +123,11 @@ impl<V: Lanes> SpatialTouch<V> {
             })
         };
         let [a, b] = self.bodies().map(speed);
-        let slip = motion.slip.norm();
-        self.rests = slip <= (NO_SLIP * (a + b)).max(NO_SPEED);
-        self.iterations = 0;
-        self.slow = self.rests || slip < SLOW * self.gravity;
-        self.reference = match self.joint.touch.grip {
-            Grip::Slides { direction, .. } if self.rests => direction,
-            _ if self.rests => Vector3::zeros(),
-            _ => motion.slip / slip,
+        let given = match self.joint.touch.grip {
+            Grip::Slides { direction, .. } => direction,
+            Grip::Rolls => Vector3::zeros(),
         };
+        self.braking.begin(&motion.slip, a + b, given);
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         self.place([[&still; 2]; 2]);
     }
@@ -208,7 +160,6 @@ impl<V: Lanes> SpatialTouch<V> {
     /// their anchors are, both at the columns' and at the rows' stages.
     #[inline(always)]
     pub fn slip(&mut self, mixing: &StageMixing<V>, step: f64, bodies: [Option<BodySides<V>>; 2]) {
-        self.active = mixing.active;
         for (side, at) in self.at.iter_mut().enumerate() {
             at.slip = Vector::zero();
             for (body, sign) in bodies.iter().zip([-1.0, 1.0]) {
@@ -227,8 +178,9 @@ impl<V: Lanes> SpatialTouch<V> {
                 }
             }
             Grip::Slides { .. } => {
-                (0..2).for_each(|side| self.direction(side));
-                self.braking = self.directions[1].times(V::splat(self.friction()));
+                for side in 0..2 {
+                    self.braking.follow(side, self.slipping(side), mixing.active);
+                }
             }
         }
     }
@@ -281,36 +233,35 @@ impl<V: Lanes> SpatialTouch<V> {
     pub fn across(&self) -> [[V; 6]; 2] {
         [0, 1].map(|side: usize| {
             let AtStages { normal, point, .. } = self.at[side];
-            let across = normal.cross(self.directions[side]);
+            let across = normal.cross(self.braking.directions()[side]);
             across.joined(point.cross(across))
         })
     }
 
-    /// `R = μ λ / h |t · u|` of the rows: how friction resists that the slip turns, which a multiplier that pulls has none of; and where t lags
-    /// behind the slip `R h (n × t) · u`.
+    /// How friction resists that the slip turns, and where it lags behind, for the multiplier of the gap ([`Braking::turning`]).
     pub fn turning_friction(&self, step: f64, multiplier: V) -> [V; 2] {
-        let AtStages { normal, slip, .. } = self.at[1];
-        let speed = self.directions[1].dot(slip);
-        let across = normal.cross(self.directions[1]).dot(slip).to_array();
-        let (multiplier, speed) = (multiplier.to_array(), speed.to_array());
-        let (mut friction, mut behind) = (V::zero_array(), V::zero_array());
-        let largest = speed.as_ref()[..self.active].iter().fold(NO_SPEED, |most, speed| most.max(speed.abs()));
-        for (lane, (friction, behind)) in friction.as_mut().iter_mut().zip(behind.as_mut()).enumerate() {
-            let (multiplier, speed) = (multiplier.as_ref()[lane], speed.as_ref()[lane].abs());
-            if multiplier > 0.0 && speed > STOPS * largest && !(self.rests && lane + 1 == self.active) {
-                *friction = self.friction() * multiplier / (step * speed);
-                if self.followed[1][lane].lags {
-                    *behind = *friction * step * across.as_ref()[lane];
-                }
-            }
-        }
-        [friction, behind].map(V::from_array)
+        self.braking.turning(self.slipping(1), step, multiplier)
     }
 
-    /// Counts an iteration; whether t lagged behind the slips in it.
+    /// Counts an iteration; whether its friction lagged behind the slip in it.
     pub fn iterated(&mut self) -> bool {
-        self.iterations += 1;
-        self.followed.iter().flat_map(|lanes| &lanes[..self.active]).any(|followed| followed.lags)
+        self.braking.iterated()
+    }
+
+    /// The largest speed of its slip at the rows' stages [m/s].
+    pub fn fastest(&self) -> f64 {
+        self.braking.fastest(self.slipping(1))
+    }
+
+    /// What its friction does at the end of the step.
+    pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
+        self.braking.lean(mixing, [self.slipping(0), self.slipping(1)])
+    }
+
+    /// What its friction takes over the rows, for the multipliers of the gap ([`Braking::dissipated`]).
+    #[inline(always)]
+    pub fn braked(&self, mixing: &StageMixing<V>, multiplier: V) -> f64 {
+        self.braking.dissipated(self.slipping(1), mixing, multiplier)
     }
 
     /// A tangent at the columns' or the rows' stages: the one at the start, kept square to the normal.
@@ -321,70 +272,6 @@ impl<V: Lanes> SpatialTouch<V> {
         let first = normal.times_minus(normal.dot(first), first);
         let first = first.times(first.dot(first).square_root().reciprocal());
         if axis == 0 { first } else { normal.cross(first) }
-    }
-
-    /// Finds t at the columns' or the rows' stages, of which the last lane is the start.
-    #[inline(always)]
-    fn direction(&mut self, side: usize) {
-        let (active, iterations) = (self.active, self.iterations);
-        let AtStages { normal, slip, .. } = self.at[side];
-        let slip = normal.times_minus(normal.dot(slip), slip).0.map(|component| component.to_array());
-        let normal = normal.0.map(|component| component.to_array());
-        let mut direction = self.directions[side].0.map(|component| component.to_array());
-        let of = |lane: usize| Vector3::from([0, 1, 2].map(|axis: usize| slip[axis].as_ref()[lane]));
-        let largest = (0..active).map(|lane| of(lane).norm()).fold(0.0, f64::max);
-        let mut before = self.reference;
-        for lane in 0..active {
-            let (slip, starts) = (of(lane), side == 1 && lane + 1 == active);
-            let length = slip.norm();
-            let followed = &mut self.followed[side][lane];
-            followed.lags = self.slow && iterations == 0 && !starts;
-            let along = if self.rests && starts || self.slow && iterations == 0 {
-                self.reference
-            } else if length <= STOPS * largest {
-                if starts { self.reference } else { before }
-            } else {
-                let [normal, latest] = [&normal, &direction]
-                    .map(|lanes| Vector3::from([0, 1, 2].map(|axis: usize| lanes[axis].as_ref()[lane])));
-                let turned = if self.slow { followed.turn(iterations, &latest, &normal, &slip) } else { None };
-                turned.unwrap_or_else(|| slip / if slip.dot(&self.reference) < 0.0 { -length } else { length })
-            };
-            followed.speed = along.dot(&slip);
-            before = along;
-            for (component, lanes) in direction.iter_mut().enumerate() {
-                lanes.as_mut()[lane] = along[component];
-            }
-        }
-        self.directions[side] = Vector(direction.map(V::from_array));
-    }
-
-    /// The largest speed of its slip at the rows' stages [m/s].
-    pub fn fastest(&self) -> f64 {
-        let speed = self.directions[1].dot(self.at[1].slip).to_array();
-        speed.as_ref()[..self.active].iter().fold(0.0, |most, speed| most.max(speed.abs()))
-    }
-
-    /// What its friction does at the end of the step.
-    pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
-        let lane = |vector: Vector<V>, lane: usize| {
-            Vector3::from(vector.0.map(|component| component.to_array().as_ref()[lane]))
-        };
-        let slip = lane(self.at[0].slip, self.active - 1);
-        let largest = (0..self.active).map(|row| lane(self.at[1].slip, row).norm()).fold(0.0, f64::max);
-        let direction = if slip.norm() > STOPS * largest {
-            lane(self.directions[0], self.active - 1)
-        } else {
-            let ahead = self.directions[1].0.map(|component| (component * mixing.ahead).sum());
-            Vector3::from(ahead).try_normalize(0.5).unwrap_or(self.reference)
-        };
-        let along = direction * self.friction();
-        Lean { along: along.into(), slip: along.dot(&slip) }
-    }
-
-    /// `Σ_k b_k λ_k μ t_k · u_k` over the rows, for the multipliers of the gap.
-    #[inline(always)]
-    pub fn braked(&self, mixing: &StageMixing<V>, multiplier: V) -> f64 {
-        (multiplier * mixing.weights * self.braking.dot(self.at[1].slip)).sum()
     }
 
     /// Writes its gaps, and its gradients and pushes; beside the gradients at one configuration it pushes as it `leans`, in a step as its
@@ -399,7 +286,7 @@ impl<V: Lanes> SpatialTouch<V> {
         let [column, row] = &self.at;
         let push = match leans {
             Some(lean) => row.normal.minus(Vector::splat(&lean.along)),
-            None => row.normal.minus(self.braking),
+            None => row.normal.minus(self.braking.of_rows()),
         };
         gradients[0] = [joined(column, column.normal), joined(row, push)];
         if self.joint.touch.grip == Grip::Rolls {

@@ -1,0 +1,206 @@
+//! The friction of a contact that slides, at all stages: its direction, and how it follows the slip from iterate to iterate.
+//!
+//! With the slip velocity u [m/s] and the normal n at the columns' (i) and the rows' (k) stages, the force N of the contact and its friction μ:
+//!
+//! ```text
+//!     direction             t = ± u_T/|u_T|,    u_T = u − (n·u) n            the multiplier of a row pushes along n_k − μ t_k
+//!     as the slip turns     R_k = μ λ_k / h |t_k · u_k|                       [kg], λ = h² Λ
+//!     dissipated            h Σ_k b_k Λ_k μ t_k · u_k                         [J]
+//! ```
+//!
+//! The sign of t is that of u_T along the direction of the slip where the step starts. So the friction of a step that goes on beyond the stop of a
+//! slip stays smooth, and an event finds the stop as a zero of `u_T · t`. Where a step starts without slip the direction is the one that
+//! [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives: u_T of the first stage, which is not that of the start, differs from
+//! zero by the error of a stage and has no direction. From iterate to iterate t follows such a slip as [`crate::equations::turning`] says. A slip below
+//! a thousandth of the largest of the step is taken for one that stops: it has the direction of the stage before, and at the end of the step that of
+//! the polynomial through the stages.
+//!
+//! Source: Coulomb's law in the forced scheme, L. O. Jay, SIAM J. Sci. Comput. 20 (1998).
+
+use crate::equations::slips::StageMixing;
+use crate::equations::turning::Followed;
+use crate::numbers::algebra::Vector;
+use crate::numbers::lanes::{Lanes, MAX_LANES};
+use nalgebra::Vector3;
+
+/// A slip of this part of the speeds at the point of contact is rounding.
+const NO_SLIP: f64 = 1e-9;
+/// So is a slip below this [m/s].
+const NO_SPEED: f64 = 1e-12;
+
+/// A slip that gravity makes in less than this (s) is slow: friction under a weight turns it sooner than steps end.
+const SLOW: f64 = 1e-5;
+
+/// A slip at a stage that is this part of the largest of the step stops there: what is left of it has more rounding than direction, which is that
+/// of the stage before.
+const STOPS: f64 = 1e-3;
+
+/// What the friction of a contact does at the end of a step: the multiplier pushes along `n − μ t`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lean {
+    /// `μ t` in the world.
+    pub along: [f64; 3],
+    /// `μ t · u` with the slip velocity u at the end of the step: what an impulse dissipates [m/s].
+    pub slip: f64,
+}
+
+/// The slip of a contact at the columns' or the rows' stages.
+#[derive(Clone, Copy)]
+pub(crate) struct Slipping<V> {
+    /// n.
+    pub normal: Vector<V>,
+    /// u [m/s].
+    pub slip: Vector<V>,
+}
+
+/// The friction of a contact in a step.
+pub(crate) struct Braking<V> {
+    /// μ; zero if it does not slide.
+    pub friction: f64,
+    /// Acceleration of gravity [m/s²].
+    gravity: f64,
+    /// The direction of the slip at the start, or where there is none the one given.
+    reference: Vector3<f64>,
+    /// Whether there is no slip at the start, or a slow one.
+    rests: bool,
+    slow: bool,
+    /// t at the columns' and the rows' stages.
+    directions: [Vector<V>; 2],
+    /// How t follows the slips, at the columns' and the rows' stages.
+    followed: [[Followed; MAX_LANES]; 2],
+    /// Iterations since the step began.
+    iterations: usize,
+    /// Number of stages coupled.
+    active: usize,
+}
+
+impl<V: Lanes> Braking<V> {
+    /// With a coefficient of friction, under so much gravity [m/s²].
+    pub fn new(friction: f64, gravity: f64) -> Self {
+        Braking {
+            friction,
+            gravity,
+            reference: Vector3::zeros(),
+            rests: false,
+            slow: false,
+            directions: [Vector::zero(); 2],
+            followed: [[Followed::default(); MAX_LANES]; 2],
+            iterations: 0,
+            active: 0,
+        }
+    }
+
+    /// Takes the slip at the start of a step, the speeds of both bodies at the point of contact added up [m/s], and the direction of a contact that
+    /// does not slip yet.
+    pub fn begin(&mut self, slip: &Vector3<f64>, speeds: f64, given: Vector3<f64>) {
+        let speed = slip.norm();
+        self.rests = speed <= (NO_SLIP * speeds).max(NO_SPEED);
+        self.slow = self.rests || speed < SLOW * self.gravity;
+        self.reference = if self.rests { given } else { slip / speed };
+        self.iterations = 0;
+    }
+
+    /// Finds t at the columns' stages (0), or at the rows' (1), of which the last lane is the start.
+    #[inline(always)]
+    pub fn follow(&mut self, side: usize, at: Slipping<V>, active: usize) {
+        self.active = active;
+        let iterations = self.iterations;
+        let Slipping { normal, slip } = at;
+        let slip = normal.times_minus(normal.dot(slip), slip).0.map(|component| component.to_array());
+        let normal = normal.0.map(|component| component.to_array());
+        let mut direction = self.directions[side].0.map(|component| component.to_array());
+        let of = |lane: usize| Vector3::from([0, 1, 2].map(|axis: usize| slip[axis].as_ref()[lane]));
+        let largest = (0..active).map(|lane| of(lane).norm()).fold(0.0, f64::max);
+        let mut before = self.reference;
+        for lane in 0..active {
+            let (slip, starts) = (of(lane), side == 1 && lane + 1 == active);
+            let length = slip.norm();
+            let followed = &mut self.followed[side][lane];
+            followed.lags = self.slow && iterations == 0 && !starts;
+            let along = if self.rests && starts || self.slow && iterations == 0 {
+                self.reference
+            } else if length <= STOPS * largest {
+                if starts { self.reference } else { before }
+            } else {
+                let [normal, latest] = [&normal, &direction]
+                    .map(|lanes| Vector3::from([0, 1, 2].map(|axis: usize| lanes[axis].as_ref()[lane])));
+                let turned = if self.slow { followed.turn(iterations, &latest, &normal, &slip) } else { None };
+                turned.unwrap_or_else(|| slip / if slip.dot(&self.reference) < 0.0 { -length } else { length })
+            };
+            followed.speed = along.dot(&slip);
+            before = along;
+            for (component, lanes) in direction.iter_mut().enumerate() {
+                lanes.as_mut()[lane] = along[component];
+            }
+        }
+        self.directions[side] = Vector(direction.map(V::from_array));
+    }
+
+    /// t at the columns' and the rows' stages.
+    #[inline(always)]
+    pub fn directions(&self) -> [Vector<V>; 2] {
+        self.directions
+    }
+
+    /// `μ t` of the rows.
+    #[inline(always)]
+    pub fn of_rows(&self) -> Vector<V> {
+        self.directions[1].times(V::splat(self.friction))
+    }
+
+    /// `R = μ λ / h |t · u|` of the rows: how friction resists that the slip turns, which a multiplier that pulls has none of; and where t lags
+    /// behind the slip `R h (n × t) · u`.
+    pub fn turning(&self, rows: Slipping<V>, step: f64, multiplier: V) -> [V; 2] {
+        let Slipping { normal, slip } = rows;
+        let speed = self.directions[1].dot(slip);
+        let across = normal.cross(self.directions[1]).dot(slip).to_array();
+        let (multiplier, speed) = (multiplier.to_array(), speed.to_array());
+        let (mut friction, mut behind) = (V::zero_array(), V::zero_array());
+        let largest = speed.as_ref()[..self.active].iter().fold(NO_SPEED, |most, speed| most.max(speed.abs()));
+        for (lane, (friction, behind)) in friction.as_mut().iter_mut().zip(behind.as_mut()).enumerate() {
+            let (multiplier, speed) = (multiplier.as_ref()[lane], speed.as_ref()[lane].abs());
+            if multiplier > 0.0 && speed > STOPS * largest && !(self.rests && lane + 1 == self.active) {
+                *friction = self.friction * multiplier / (step * speed);
+                if self.followed[1][lane].lags {
+                    *behind = *friction * step * across.as_ref()[lane];
+                }
+            }
+        }
+        [friction, behind].map(V::from_array)
+    }
+
+    /// Counts an iteration; whether t lagged behind the slips in it.
+    pub fn iterated(&mut self) -> bool {
+        self.iterations += 1;
+        self.followed.iter().flat_map(|lanes| &lanes[..self.active]).any(|followed| followed.lags)
+    }
+
+    /// The largest speed of the slip at the rows' stages [m/s].
+    pub fn fastest(&self, rows: Slipping<V>) -> f64 {
+        let speed = self.directions[1].dot(rows.slip).to_array();
+        speed.as_ref()[..self.active].iter().fold(0.0, |most, speed| most.max(speed.abs()))
+    }
+
+    /// What it does at the end of the step, from the slips at the columns' and the rows' stages.
+    pub fn lean(&self, mixing: &StageMixing<V>, [columns, rows]: [Slipping<V>; 2]) -> Lean {
+        let lane = |vector: Vector<V>, lane: usize| {
+            Vector3::from(vector.0.map(|component| component.to_array().as_ref()[lane]))
+        };
+        let slip = lane(columns.slip, self.active - 1);
+        let largest = (0..self.active).map(|row| lane(rows.slip, row).norm()).fold(0.0, f64::max);
+        let direction = if slip.norm() > STOPS * largest {
+            lane(self.directions[0], self.active - 1)
+        } else {
+            let ahead = self.directions[1].0.map(|component| (component * mixing.ahead).sum());
+            Vector3::from(ahead).try_normalize(0.5).unwrap_or(self.reference)
+        };
+        let along = direction * self.friction;
+        Lean { along: along.into(), slip: along.dot(&slip) }
+    }
+
+    /// `Σ_k b_k λ_k μ t_k · u_k` over the rows, for the multipliers of the gap.
+    #[inline(always)]
+    pub fn dissipated(&self, rows: Slipping<V>, mixing: &StageMixing<V>, multiplier: V) -> f64 {
+        (multiplier * mixing.weights * self.of_rows().dot(rows.slip)).sum()
+    }
+}
