@@ -48,7 +48,7 @@ const OFF: f64 = 1e-8;
 const OFF_GIVEN: f64 = 1e-6;
 const OFF_FRICTION: f64 = 1e-2;
 /// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
-const OFF_STUCK: f64 = 1e-3;
+const OFF_STUCK: f64 = 1e-4;
 
 /// Closed contacts overlap by no more at the end of a step (m).
 const OVERLAP: f64 = 1e-12;
