@@ -28,6 +28,7 @@ mod contacts_rod;
 mod contacts_short_steps;
 mod contacts_turning;
 mod contacts_wall;
+mod contacts_wedged;
 mod contacts_wobble;
 mod continuous;
 mod continuous_events;
