@@ -3,11 +3,30 @@
 use crate::events::integrator::Eventful;
 use crate::events::modes::present::Present;
 use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 
+/// Forces outside their cones by more than this part of the largest are none of the law.
+const FAR_OUT: f64 = 1e-6;
+
 impl Eventful {
+    /// Whether the forces of the mode in a state are far outside their cones: a law that was not solved to its accuracy may have told what is closed wrongly.
+    pub(super) fn is_far_out(&self, inputs: Inputs, state: &State) -> bool {
+        let Eventful { whole, elements, touching, pieces, current, reporting, mode, holding, .. } = self;
+        let mut efforts = vec![0.0; whole.velocity_count];
+        mode.efforts_at(elements, inputs, state.time, state, &mut efforts);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        let mut reporting = reporting.borrow_mut();
+        let forces = reporting.forces(&present, state, &efforts, holding.is_unique());
+        let largest = forces.iter().flatten().fold(0.0_f64, |most, force| most.max(force.abs()));
+        mode.contacts.iter().zip(forces).any(|(closed, &[pressure, along, across])| {
+            let friction = touching.pairs[closed.contact.pair].friction;
+            (along.hypot(across) - friction * pressure).max(-pressure) > FAR_OUT * largest
+        })
+    }
+
     /// Adds the closed contacts in a state of the last step: at its end, or inside it.
     pub(crate) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
         let inside = self.left.as_ref().is_some_and(|left| state.time < left.time);

@@ -346,9 +346,9 @@ impl Eventful {
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
         self.unsolved += done.unsolved;
-        self.undecided = done.undecided;
         (self.fresh_joints, self.fresh_motors, self.fresh_pairs) = (done.joints, done.motors, done.pairs);
         self.enter(state);
+        self.undecided = done.undecided || done.unsolved > 0 && self.is_far_out(inputs, state);
         if self.stays_at_rest(inputs, state) {
             self.asleep = true;
             self.enter(state);

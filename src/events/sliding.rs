@@ -9,7 +9,7 @@
 use crate::events::effects::contacts::STOPPED;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
-use crate::events::forces::closed_forces::{Slipping, Stop, slipping};
+use crate::events::forces::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::present::Present;
@@ -51,7 +51,7 @@ const OFF: f64 = 1e-8;
 const OFF_GIVEN: f64 = 1e-6;
 const OFF_FRICTION: f64 = 1e-2;
 /// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
-const OFF_STUCK: f64 = 1e-3;
+const OFF_STUCK: f64 = 1e-4;
 
 /// Closed contacts overlap by no more at the end of a step (m).
 const OVERLAP: f64 = 1e-12;
@@ -59,16 +59,26 @@ const OVERLAP: f64 = 1e-12;
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
 
+/// How the first slip that stops bounds a step.
+pub(super) struct Stopping {
+    /// A time soon after its stop (s); infinite if none slows down.
+    pub until: f64,
+    /// The slip, by its number among what is watched, if it is slow and its stop nearer than steps are long.
+    pub slow: Option<usize>,
+    /// Whether it falls straight to the stop, and hardly turns.
+    pub straight: bool,
+}
+
 impl Eventful {
     /// An event that is nearer to the start of a step than this is there (s).
     pub(super) fn shortest(&self, since: f64) -> f64 {
         if self.mode.contacts.is_empty() { 1e-14 * since.abs().max(1.0) } else { SHORTEST }
     }
 
-    /// A time soon after the first contact that slides would stop (s); infinite if none slows down. And the slip that stops so soon that it is at its stop.
-    pub(super) fn soon_after_stop(&mut self, inputs: Inputs, since: f64, state: &State) -> (f64, Option<Watched>) {
+    /// How the first contact that slides and would stop bounds a step.
+    pub(super) fn soon_after_stop(&mut self, inputs: Inputs, since: f64, state: &State) -> Stopping {
         if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
-            return (f64::INFINITY, None);
+            return Stopping { until: f64::INFINITY, slow: None, straight: false };
         }
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
         let mut all = vec![0.0; efforts.len()];
@@ -78,16 +88,14 @@ impl Eventful {
         let unique = holding.is_unique();
         let Slipping { first, turns } = slipping(&present, response, state, &all, unique, rest);
         let stops = first.map_or(f64::INFINITY, |stop| stop.time());
-        let is_there = |stop: &Stop| {
-            let Stop { speed, falls, across, .. } = *stop;
-            stops <= SHORTEST && speed > rest && speed <= STOPPED * rest && across <= STRAIGHT * falls
-        };
-        let here = first.filter(is_there).map(|stop| match unique {
-            true => Watched::Slips(stop.contact),
-            false => Watched::SlipsTogether(stop.pair),
+        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= STOPPED * rest);
+        let straight = slow.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
+        let slow = slow.and_then(|stop| {
+            let slip = if unique { Watched::Slips(stop.contact) } else { Watched::SlipsTogether(stop.pair) };
+            self.watched.iter().position(|known| *known == slip)
         });
         let stops = if stops < SOON { SHORT_OF * stops } else { BEYOND * stops };
-        (since + stops.min(TURNS * turns).max(SOONEST), here)
+        Stopping { until: since + stops.min(TURNS * turns).max(SOONEST), slow, straight }
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.

@@ -14,7 +14,7 @@ use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::events::modes::piece::Piece;
 use crate::events::quiet::QUIET;
-use crate::events::sliding::JAM;
+use crate::events::sliding::{JAM, Stopping};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -61,18 +61,30 @@ impl Eventful {
         if !self.touching.pairs.is_empty() {
             self.stepped_in = Some(self.mode.clone());
         }
-        let (soon, stopped) = self.soon_after_stop(inputs, since, state);
-        let stopped = stopped.filter(|_| !blind).and_then(|slip| self.watched.iter().position(|known| *known == slip));
+        let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
+        let mut stopped = slow.filter(|_| straight && !blind);
         let until = until.min(soon);
         let contacts = self.mode.contacts.len();
         let piece = &mut self.pieces[self.current];
         let unknowns = piece.moving.mechanism.velocity_count + 3 * contacts;
         piece.begin(&self.whole, inputs, &self.efforts, &self.origin);
         let mut triggers = Vec::new();
-        let (mut outcome, mut bracket) = match stopped {
-            // A step to a stop that is nearer than steps are long can be solved seldom, and would end here.
-            Some(slip) => (StepOutcome::default(), Some(Bracket::at_start(slip, since))),
-            None => (self.step_towards(inputs, since, until)?, self.detect(inputs, since, None)),
+        let mut outcome = StepOutcome::default();
+        // A step to a stop that is nearer than steps are long can be solved seldom, and would end here.
+        if stopped.is_none() {
+            match self.step_towards(inputs, since, until) {
+                Ok(made) => outcome = made,
+                // One that cannot be solved has a slip that turns before it stops, or begins again.
+                Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. }) if slow.is_some() => {
+                    self.pieces[self.current].go_back(since, &self.recipe);
+                    stopped = slow;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        let mut bracket = match stopped {
+            Some(slip) => Some(Bracket::at_start(slip, since)),
+            None => self.detect(inputs, since, None),
         };
         // A function that is negative from the start on may be so on the dense output of a long step alone.
         for _ in 0..SHORTENED {
@@ -148,8 +160,9 @@ impl Eventful {
                 self.crowding.count_repeated(FLIPS - self.flips.0);
                 self.flips.0 = FLIPS + 1;
             }
-            // What changes nothing is a trick of the dense output: the next step does not look, and is longer each time that this happens.
-            self.looks_away = at_start && mode.is_like(&self.mode);
+            // What changes nothing is a trick of the dense output: the next step does not look, and is longer each time that this happens. A slip that was
+            // stopped has changed, even if it begins again.
+            self.looks_away = at_start && stopped.is_none() && mode.is_like(&self.mode);
             if self.looks_away || self.flips.0 > FLIPS {
                 self.unfounded = (self.unfounded + 1).min(MOST_UNFOUNDED);
             }

@@ -315,6 +315,13 @@ impl Lobatto {
         }
     }
 
+    /// Gives up, with an error, where a step that is chosen would have to be shorter than this (s).
+    pub fn give_up_below(&mut self, shortest: f64) {
+        if let Mode::Chosen(control) = &mut self.mode {
+            control.give_up_below(shortest);
+        }
+    }
+
     /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
     pub fn step_pace(&self, origin: f64) -> StepPace {
         match &self.mode {

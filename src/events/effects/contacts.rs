@@ -52,6 +52,8 @@ pub(crate) struct Contacts {
     all: Vec<Contact>,
     /// Their numbers in the mode before, where they were closed.
     known: Vec<Option<usize>>,
+    /// The numbers of those that slid there.
+    slid: Vec<usize>,
     /// What is left to be decided once impacts are over.
     pub candidates: Vec<Candidate>,
     rest: f64,
@@ -63,8 +65,16 @@ impl Contacts {
     /// Those that touch in a state: the closed ones of the mode before, and of pairs in which something happens whatever touches.
     pub fn gather(scene: &Scene, before: &Mode, state: &State, found: &Found, fastest: f64) -> Self {
         let Scene { whole, touching, .. } = scene;
-        let mut contacts =
-            Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST, jam: 1.0 };
+        let mut contacts = Contacts {
+            all: Vec::new(),
+            known: Vec::new(),
+            slid: Vec::new(),
+            candidates: Vec::new(),
+            rest: SLOWEST,
+            jam: 1.0,
+        };
+        let slid = before.contacts.iter().enumerate().filter(|(_, closed)| closed.slides.is_some());
+        contacts.slid = slid.map(|(index, _)| index).collect();
         if touching.pairs.is_empty() {
             return contacts;
         }
@@ -197,7 +207,7 @@ impl Contacts {
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
             rows.extend(own);
-            let (slides, opens) = (is(&yielding.slides), is(&yielding.opens));
+            let (slides, opens) = (is(&yielding.slides) || is(&self.slid), is(&yielding.opens));
             self.candidates.push(Candidate { contact: contact.clone(), slip, slides, opens });
         }
         rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));

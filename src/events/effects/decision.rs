@@ -247,14 +247,20 @@ pub(crate) fn decide(
                     continue;
                 }
                 let [along, across] = tangents(&touch_motion(&contact.joint, &bodies).normal);
-                let begins = || along * found.rates[row + 1] + across * found.rates[row + 2];
+                let tangential = |of: &[f64]| along * of[row + 1] + across * of[row + 2];
                 let slides = match block.law {
                     Law::Sliding { .. } => slip.try_normalize(0.0),
                     Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
                     // What stays without pressing, as a ball that falls along a wall, is not held by friction either.
-                    Law::Contact { .. } if *is == BlockState::Slips => begins().try_normalize(0.0),
+                    // Friction is against the slip, and tells its direction better where next to nothing is left of the acceleration.
+                    Law::Contact { .. } if *is == BlockState::Slips => {
+                        let mobility = rows.square[(row + 1, row + 1)].max(rows.square[(row + 2, row + 2)]);
+                        let (begins, rubs) = (tangential(&found.rates), tangential(&found.forces));
+                        let slips = if mobility * rubs.norm() > begins.norm() { -rubs } else { begins };
+                        slips.try_normalize(0.0)
+                    }
                     Law::Contact { .. } if *is == BlockState::Open && (moves(row + 1) || moves(row + 2)) => {
-                        begins().try_normalize(0.0)
+                        tangential(&found.rates).try_normalize(0.0)
                     }
                     Law::Contact { .. } => None,
                 };

@@ -94,6 +94,9 @@ pub(crate) trait PieceSteps: Integrator + Send {
     /// Goes on at the pace of another, which made steps up to `time` (s).
     fn go_on_at(&mut self, pace: StepPace, time: f64);
 
+    /// Gives up, with an error, where a step that is chosen would have to be shorter than this (s).
+    fn give_up_below(&mut self, _shortest: f64) {}
+
     /// Whether stability, and not accuracy, has limited a step.
     fn was_held_by_stability(&self) -> bool;
 
@@ -142,6 +145,10 @@ impl PieceSteps for Lobatto {
 
     fn go_on_at(&mut self, pace: StepPace, time: f64) {
         self.keep_pace(pace, time);
+    }
+
+    fn give_up_below(&mut self, shortest: f64) {
+        Lobatto::give_up_below(self, shortest);
     }
 
     fn was_held_by_stability(&self) -> bool {

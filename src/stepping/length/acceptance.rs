@@ -191,16 +191,36 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrator::Lobatto;
     use crate::length::stage_choice::StageChoice;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
+    use catena_mechanism::motion::inputs::Inputs;
+    use catena_mechanism::motion::integrator::{Integrator, StepError};
+    use catena_mechanism::motion::state::State;
     use nalgebra::Vector3;
 
-    fn control() -> Control {
+    fn pendulum() -> Mechanism {
         let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));
         let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
-        let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
-        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few)
+        Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap()
+    }
+
+    fn control() -> Control {
+        Control::new(&pendulum(), 1e-3, 1e-7, StageChoice::Few)
+    }
+
+    #[test]
+    fn a_step_that_cannot_be_solved_is_halved_to_the_shortest_that_is_allowed_and_no_further() {
+        let mechanism = pendulum();
+        let shortest = 1e-5;
+        let mut lobatto = Lobatto::adaptive(&mechanism, 1e-6);
+        lobatto.give_up_below(shortest);
+        let mut state = State::zero(&mechanism);
+        // No step has a solution.
+        let error = lobatto.step(&mechanism, Inputs::constant(&[f64::NAN]), &mut state, 1.0).expect_err("a failure");
+        let StepError::NotConverged { step, .. } = error else { panic!("{error:?}") };
+        assert!(step >= shortest && step <= 2.0 * shortest, "{step:e}");
     }
 
     #[test]

@@ -106,6 +106,8 @@ pub struct Control {
     pub(crate) held: bool,
     /// Step (s) and largest kinetic energy (J) to go on with when the motion is forgotten.
     pub(crate) given: Option<(f64, f64)>,
+    /// No step is shorter than this (s).
+    pub(crate) shortest: f64,
     pub memory: Memory,
 }
 
@@ -180,6 +182,7 @@ impl Control {
             between: Some(0.0),
             held: false,
             given: None,
+            shortest: 0.0,
             memory: Memory::default(),
         }
     }
@@ -207,6 +210,11 @@ impl Control {
     pub fn forget(&mut self) {
         let (step, kinetic) = self.given.take().unwrap_or_default();
         self.memory = Memory { step, kinetic, ..Memory::default() };
+    }
+
+    /// Gives up where a step would have to be shorter than this (s).
+    pub fn give_up_below(&mut self, shortest: f64) {
+        self.shortest = shortest;
     }
 
     /// When the motion is forgotten next, it goes on with this step (s) and the largest kinetic energy seen (J).
@@ -324,7 +332,8 @@ impl Control {
                     self.memory.rejected = true;
                     guess = if next == Guess::Past { stepper.first_guess() } else { next };
                     // Below this the step vanishes against the time itself.
-                    if self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
+                    let vanishing = 1e-13 * state.time.abs().max(1e-3);
+                    if self.memory.step < self.shortest.max(vanishing) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
                     }
                 }
