@@ -34,6 +34,7 @@ mod entering;
 mod finding;
 mod forces;
 mod integrator;
+mod jumps;
 mod last_step;
 mod location;
 mod modes;

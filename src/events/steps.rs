@@ -89,7 +89,7 @@ impl Eventful {
             bracket = self.detect(inputs, since, None);
         }
         if let Some(bracket) = bracket {
-            triggers = self.locate(inputs, bracket, &mut outcome)?;
+            triggers = self.end_at_first(inputs, bracket, shortest, &mut outcome)?;
         }
         let piece = &mut self.pieces[self.current];
         let at_start = piece.small.time <= since;
