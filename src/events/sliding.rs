@@ -6,6 +6,7 @@
 //!
 //! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
+use crate::events::crowding::JAM_STEP;
 use crate::events::effects::contacts::STOPPED;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
@@ -87,16 +88,25 @@ impl Eventful {
         (since + stops.min(TURNS * turns).max(SOONEST), here)
     }
 
+    /// A step in which contacts slide is not made shorter than this (s) where it cannot be solved.
+    pub(super) fn gives_up(&self) -> f64 {
+        if self.mode.contacts.iter().any(|closed| closed.slides.is_some()) { JAM_STEP } else { 0.0 }
+    }
+
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
     pub(super) fn step_towards(&mut self, inputs: Inputs, since: f64, until: f64) -> Result<StepOutcome, StepError> {
         let closed = !self.mode.contacts.is_empty();
+        let least = self.gives_up();
+        if let Some(steps) = &mut self.pieces[self.current].steps {
+            steps.give_up_below(least);
+        }
         let (mut until, mut rejected) = (until, 0);
         loop {
             let piece = &mut self.pieces[self.current];
             match piece.step(&self.whole, inputs, until) {
                 Ok(outcome) => return Ok(StepOutcome { rejected: outcome.rejected + rejected, ..outcome }),
                 Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
-                    if closed && until - since > SOONEST =>
+                    if closed && until - since > SOONEST.max(least) =>
                 {
                     piece.go_back(since, &self.recipe);
                     until = since + SLOWER * (until - since);

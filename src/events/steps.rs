@@ -320,7 +320,11 @@ impl Integrator for Eventful {
                 | StepError::TurnedTooFar { .. }
                 | StepError::Unstable { .. },
             ) if !self.touching.pairs.is_empty() => {
-                self.crowding.fail(self.origin.time);
+                if self.gives_up() > 0.0 {
+                    self.crowding.jam(self.origin.time);
+                } else {
+                    self.crowding.fail(self.origin.time);
+                }
                 self.stumble(inputs, state, next)
             }
             done => done?,

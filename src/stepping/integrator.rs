@@ -315,6 +315,13 @@ impl Lobatto {
         }
     }
 
+    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    pub fn give_up_below(&mut self, length: f64) {
+        if let Mode::Chosen(control) = &mut self.mode {
+            control.given_up_below = length;
+        }
+    }
+
     /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
     pub fn step_pace(&self, origin: f64) -> StepPace {
         match &self.mode {

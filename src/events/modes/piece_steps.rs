@@ -94,6 +94,9 @@ pub(crate) trait PieceSteps: Integrator + Send {
     /// Goes on at the pace of another, which made steps up to `time` (s).
     fn go_on_at(&mut self, pace: StepPace, time: f64);
 
+    /// From now on a step that is shorter than this (s) and cannot be solved is given up.
+    fn give_up_below(&mut self, _length: f64) {}
+
     /// Whether stability, and not accuracy, has limited a step.
     fn was_held_by_stability(&self) -> bool;
 
@@ -144,6 +147,10 @@ impl PieceSteps for Lobatto {
         self.keep_pace(pace, time);
     }
 
+    fn give_up_below(&mut self, length: f64) {
+        Lobatto::give_up_below(self, length);
+    }
+
     fn was_held_by_stability(&self) -> bool {
         Lobatto::was_held_by_stability(self)
     }
@@ -192,6 +199,10 @@ impl PieceSteps for OnOtherTree {
 
     fn go_on_at(&mut self, pace: StepPace, time: f64) {
         self.keep_pace(pace, time);
+    }
+
+    fn give_up_below(&mut self, length: f64) {
+        OnOtherTree::give_up_below(self, length);
     }
 
     fn was_held_by_stability(&self) -> bool {

@@ -104,6 +104,8 @@ pub struct Control {
     pub(crate) between: Option<f64>,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
+    /// A step that is shorter than this and does not converge is given up (s).
+    pub(crate) given_up_below: f64,
     /// Step (s) and largest kinetic energy (J) to go on with when the motion is forgotten.
     pub(crate) given: Option<(f64, f64)>,
     pub memory: Memory,
@@ -179,6 +181,7 @@ impl Control {
             largest: 0.0,
             between: Some(0.0),
             held: false,
+            given_up_below: 0.0,
             given: None,
             memory: Memory::default(),
         }
@@ -323,8 +326,11 @@ impl Control {
                     outcome.rejected += 1;
                     self.memory.rejected = true;
                     guess = if next == Guess::Past { stepper.first_guess() } else { next };
+                    let given_up = matches!(attempt, Attempt::Failed { .. })
+                        && next != Guess::Plain
+                        && length <= self.given_up_below;
                     // Below this the step vanishes against the time itself.
-                    if self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
+                    if given_up || self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
                     }
                 }
