@@ -123,6 +123,8 @@ impl Crowding {
             self.fail(time);
         } else {
             (self.jam, self.jams) = ((length, time + length), true);
+            // What has led to it is over, and so is most of the time in which that counts.
+            self.counts[0] = (0, time);
         }
     }
 
