@@ -8,6 +8,9 @@
 //!
 //! (given steps count 1 each) in steps of 1e-4 s, and in a sixteenth of that time where it is longer than 1.6 ms, up to 1e-3 s. So the work for a time of the motion is bounded: where
 //! crowds follow without end, 400 steps without contacts and 52 of first order for 52 ms.
+//!
+//! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed in one
+//! step of first order of 1e-6 s; of 4, 16 and 64 times that where they follow each other soon, and as a crowd after these.
 
 /// Length of a step of first order (s),
 pub(super) const STEP: f64 = 1e-4;
@@ -23,6 +26,10 @@ const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
 const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
+/// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length,
+pub(super) const JAM_STEP: f64 = 1e-6;
+/// and one that follows within [`SOON`] times its length by one that is longer by this factor, up to those of crowds.
+const JAM_LONGER: f64 = 4.0;
 /// A crowd is left by one such step; if another follows within so many of them by twice as many as before,
 const SOON: f64 = 10.0;
 /// up to so many, in steps of the least length.
@@ -39,6 +46,10 @@ pub(super) struct Crowding {
     left: usize,
     made: usize,
     ended: f64,
+    /// The length of the last step of first order in the place of one that could not be solved, and when it ended (s).
+    jam: (f64, f64),
+    /// Whether the next step of first order is that one.
+    jams: bool,
 }
 
 impl Crowding {
@@ -49,6 +60,8 @@ impl Crowding {
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
+        jam: (0.0, f64::NEG_INFINITY),
+        jams: false,
     };
 
     /// Counts steps that would only repeat what has happened, and are not made.
@@ -68,6 +81,7 @@ impl Crowding {
 
     /// Counts a step that begins at a time (s), with its work in steps of what has no contacts; whether it is to be one of first order.
     pub fn count(&mut self, time: f64, work: usize) -> bool {
+        self.jams = false;
         if self.left == 0 {
             let mut crowded = false;
             for ((count, since), (most, within)) in self.counts.iter_mut().zip(CROWDS) {
@@ -94,13 +108,29 @@ impl Crowding {
     /// A step that begins at a time (s) could not be made, however short, and one of first order is made in its place. To try in vain is the dearest of
     /// all: those that follow soon are left by more and more of these, as crowds are.
     pub fn fail(&mut self, time: f64) {
+        self.jams = false;
         self.begin(time, 0.0);
         self.make(time);
     }
 
-    /// The length of the steps of first order of the last crowd (s).
+    /// A step that begins at a time (s), in which contacts slide, could not be solved: what jams is gone in a moment, and is left by a step of first order that
+    /// is hardly longer.
+    pub fn jam(&mut self, time: f64) {
+        let (length, ended) = self.jam;
+        let again = time - ended <= SOON * length;
+        let length = if again { JAM_LONGER * length } else { JAM_STEP };
+        if length >= STEP {
+            self.fail(time);
+        } else {
+            (self.jam, self.jams) = ((length, time + length), true);
+            // What has led to it is over, and so is most of the time in which that counts.
+            self.counts[0] = (0, time);
+        }
+    }
+
+    /// The length of the steps of first order of the last crowd, or of the one in the place of a step that jams (s).
     pub fn length(&self) -> f64 {
-        self.longer() as f64 * STEP
+        if self.jams { self.jam.0 } else { self.longer() as f64 * STEP }
     }
 
     fn longer(&self) -> usize {
@@ -174,6 +204,25 @@ mod tests {
         let (steps, coarse) = run(true);
         assert!(steps <= 121 + 29 * 21 && coarse <= 2000, "{steps} and {coarse} of first order");
         assert_eq!(run(false).1, 0);
+    }
+
+    #[test]
+    fn what_jams_is_left_by_a_microsecond_and_what_jams_again_soon_by_more_up_to_a_crowd() {
+        let mut crowding = Crowding::CALM;
+        let mut jammed = |time: f64| {
+            crowding.jam(time);
+            crowding.length()
+        };
+        let (mut time, mut lengths) = (0.1, Vec::new());
+        for _ in 0..6 {
+            lengths.push(jammed(time));
+            time += lengths[lengths.len() - 1];
+        }
+        for (length, wanted) in lengths.iter().zip([1e-6, 4e-6, 1.6e-5, 6.4e-5, STEP, STEP]) {
+            assert!((length / wanted - 1.0).abs() < 1e-12, "{lengths:?}");
+        }
+        // Long after the last one, which was 64 µs long.
+        assert_eq!(jammed(time + 1e-2), JAM_STEP);
     }
 
     #[test]

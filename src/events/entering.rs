@@ -25,8 +25,6 @@ use crate::stepping::integrator::StepPace;
 const KEPT_MODES: usize = 12;
 /// The first step after an event is asked to be at least so long (s).
 const RENEWED: f64 = 1e-6;
-/// Where contacts are closed a step that would have to be shorter than this (s) fails: roundings of gaps, 1e-17 m, are forces as large as weights in it.
-const NO_DIGITS: f64 = 1e-9;
 
 impl Eventful {
     /// Finds or makes what moves in the mode, and what is watched in it.
@@ -104,9 +102,6 @@ impl Eventful {
         let mut steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism, &driven).ok() };
         if let Some(steps) = steps.as_mut().filter(|_| self.accompanied) {
             steps.accompany(&moving.mechanism);
-        }
-        if let Some(steps) = steps.as_mut().filter(|_| key.closures != Closures::default()) {
-            steps.give_up_below(NO_DIGITS);
         }
         let (positions, freedoms) = (moving.mechanism.position_count, moving.mechanism.velocity_count);
         let small = State::zero(&moving.mechanism);

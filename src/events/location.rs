@@ -14,6 +14,7 @@ use crate::events::finding::detection::{
 };
 use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
+use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
@@ -171,15 +172,17 @@ impl Eventful {
         inputs: Inputs,
         first: Bracket,
         outcome: &mut StepOutcome,
-    ) -> Result<Vec<Watched>, StepError> {
+    ) -> Result<Located, StepError> {
         let since = self.origin.time;
         let mut bracket = first;
         for _ in 0..=self.watched.len().min(ATTEMPTS) {
             if bracket.at_start {
                 self.pieces[self.current].go_back(since, &self.recipe);
-                return Ok(self.overlaps_at_start(bracket.watched));
+                return Ok(Located::At(self.overlaps_at_start(bracket.watched)));
             }
-            self.end_at(inputs, since, bracket, outcome)?;
+            if !self.end_at(inputs, since, bracket, outcome)? {
+                return Ok(Located::Jumps);
+            }
             let end = self.pieces[self.current].small.time;
             match self.detect(inputs, since, Some(bracket.watched)) {
                 Some(earlier) if earlier.root < end - 1e-9 * (end - since) => bracket = earlier,
@@ -205,7 +208,7 @@ impl Eventful {
         let all = (0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]);
         let mut all: Vec<Watched> = all.collect();
         all.retain(|watched| !self.turns(since, *watched));
-        Ok(all)
+        Ok(Located::At(all))
     }
 
     /// Whether a slip that has no part along its old direction any more has only turned: it is about as fast as it was before in the step.
@@ -250,14 +253,14 @@ impl Eventful {
         all.map(|index| self.watched[index]).collect()
     }
 
-    /// Makes the step again with the length at which a function is zero.
+    /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps.
     fn end_at(
         &mut self,
         inputs: Inputs,
         since: f64,
         bracket: Bracket,
         outcome: &mut StepOutcome,
-    ) -> Result<(), StepError> {
+    ) -> Result<bool, StepError> {
         let which = [bracket.watched];
         let full = self.pieces[self.current].small.time - since;
         let scale = self.watched[bracket.watched].scale(&self.elements, &self.touching, &self.mode);
@@ -274,6 +277,8 @@ impl Eventful {
         let mut before: Option<(f64, f64)> = None;
         // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
         let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
+        // Of forces, whether an end before the root is known.
+        let (forces, mut preceded) = (self.watched[bracket.watched].is_force(), false);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
             if length <= self.shortest(since) {
@@ -325,6 +330,9 @@ impl Eventful {
             smallest = smallest.min(value.abs());
             // It is noise, or has no root here. In a long step the attempts may still find the stop of a slip that turns.
             if stale >= STALE && (!stops || full < SHORT || high - low < NARROW * full) {
+                if forces && preceded && value < -JUMP * noise {
+                    return Ok(false);
+                }
                 break;
             }
             let change = -value / slope;
@@ -337,6 +345,7 @@ impl Eventful {
                 break;
             }
             if value > 0.0 {
+                preceded = true;
                 low = low.max(length)
             } else {
                 high = high.min(length);
@@ -358,9 +367,12 @@ impl Eventful {
                 high
             } else {
                 // What the dense output has shown is none of the steps that end there.
+                if forces && value > JUMP * noise {
+                    return Ok(false);
+                }
                 break;
             };
         }
-        Ok(())
+        Ok(true)
     }
 }

@@ -26,6 +26,7 @@
 //! [`crate::instant::holding::touching`], accelerations and velocities under efforts and impulses in [`crate::instant::dynamics::response`],
 //! [`crate::instant::holding::blocks`] and [`crate::instant::cone`].
 
+mod closing;
 mod contact_points;
 mod crowding;
 mod effects;
@@ -33,6 +34,7 @@ mod entering;
 mod finding;
 mod forces;
 mod integrator;
+mod jumps;
 mod last_step;
 mod location;
 mod modes;

@@ -6,6 +6,7 @@
 //!
 //! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
+use crate::events::crowding::JAM_STEP;
 use crate::events::effects::contacts::STOPPED;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
@@ -59,6 +60,9 @@ const OVERLAP: f64 = 1e-12;
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
 
+/// Where contacts are closed a step that would have to be shorter than this (s) fails: roundings of gaps are forces as large as weights in it.
+const NO_DIGITS: f64 = 1e-9;
+
 /// How the first slip that stops bounds a step.
 pub(super) struct Stopping {
     /// A time soon after its stop (s); infinite if none slows down.
@@ -77,7 +81,7 @@ impl Eventful {
 
     /// How the first contact that slides and would stop bounds a step.
     pub(super) fn soon_after_stop(&mut self, inputs: Inputs, since: f64, state: &State) -> Stopping {
-        if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
+        if !self.slides() {
             return Stopping { until: f64::INFINITY, slow: None, straight: false };
         }
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
@@ -98,16 +102,34 @@ impl Eventful {
         Stopping { until: since + stops.min(TURNS * turns).max(SOONEST), slow, straight }
     }
 
+    /// Whether any closed contact slides.
+    pub(super) fn slides(&self) -> bool {
+        self.mode.contacts.iter().any(|closed| closed.slides.is_some())
+    }
+
+    /// A step is not made shorter than this (s) where it cannot be solved.
+    fn gives_up(&self) -> f64 {
+        match self.slides() {
+            true => JAM_STEP,
+            false if !self.mode.contacts.is_empty() => NO_DIGITS,
+            false => 0.0,
+        }
+    }
+
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
     pub(super) fn step_towards(&mut self, inputs: Inputs, since: f64, until: f64) -> Result<StepOutcome, StepError> {
         let closed = !self.mode.contacts.is_empty();
+        let least = self.gives_up();
+        if let Some(steps) = &mut self.pieces[self.current].steps {
+            steps.give_up_below(least);
+        }
         let (mut until, mut rejected) = (until, 0);
         loop {
             let piece = &mut self.pieces[self.current];
             match piece.step(&self.whole, inputs, until) {
                 Ok(outcome) => return Ok(StepOutcome { rejected: outcome.rejected + rejected, ..outcome }),
                 Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
-                    if closed && until - since > SOONEST =>
+                    if closed && until - since > SOONEST.max(least) =>
                 {
                     piece.go_back(since, &self.recipe);
                     until = since + SLOWER * (until - since);
@@ -123,7 +145,7 @@ impl Eventful {
     /// step is off by far.
     pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
-        let sticks = self.mode.contacts.iter().all(|closed| closed.slides.is_none());
+        let sticks = !self.slides();
         let asked = !(sticks && (self.mode.contacts.is_empty() || self.recipe.tolerance().is_some()));
         if length <= 0.0 || !asked {
             return false;

@@ -101,7 +101,7 @@ impl Eventful {
             bracket = self.detect(inputs, since, None);
         }
         if let Some(bracket) = bracket {
-            triggers = self.locate(inputs, bracket, &mut outcome)?;
+            triggers = self.end_at_first(inputs, bracket, shortest, &mut outcome)?;
         }
         let piece = &mut self.pieces[self.current];
         let at_start = piece.small.time <= since;
@@ -333,7 +333,11 @@ impl Integrator for Eventful {
                 | StepError::TurnedTooFar { .. }
                 | StepError::Unstable { .. },
             ) if !self.touching.pairs.is_empty() => {
-                self.crowding.fail(self.origin.time);
+                if self.slides() {
+                    self.crowding.jam(self.origin.time);
+                } else {
+                    self.crowding.fail(self.origin.time);
+                }
                 self.stumble(inputs, state, next)
             }
             done => done?,

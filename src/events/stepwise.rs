@@ -14,16 +14,16 @@
 //! Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth contact dynamics method,
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
+use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
 use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
-use crate::instant::cone::problem::{Law, Problem, Unsolved};
-use crate::instant::cone::solve;
+use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::inward;
-use crate::instant::holding::touching::Contact;
 use crate::instant::start::assembly::assemble;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
@@ -39,8 +39,8 @@ const LANDINGS: usize = 4;
 /// until their gaps are this part of the size of their pair; those that are farther apart than `NEAR` of it have been left.
 const LANDED: f64 = 1e-13;
 const NEAR: f64 = 1e-4;
-/// A contact is held by friction where it needs less than this part of what there is.
-const HOLDS: f64 = 1.0 - 1e-9;
+/// A limit that is as near as so many times what counts as being on it is reached.
+const NEARLY: f64 = 100.0;
 
 impl Eventful {
     /// Whether steps between events have become so many and so short that the run would not get on, or nothing follows that the scheme could step in.
@@ -66,8 +66,8 @@ impl Eventful {
         for (rate, acceleration) in state.velocity.iter_mut().zip(&free) {
             *rate += step * acceleration;
         }
-        let Closing { blocks, gaps, contacts } = self.closing_within(step, &start, &state.velocity);
-        let mut pressed = Vec::new();
+        let Closing { blocks, gaps, contacts, sides } = self.closing_within(step, &start, &state.velocity);
+        let (mut pressed, mut limits) = (Vec::new(), Vec::new());
         if !blocks.is_empty() {
             let rows = Rows::of(&mut self.response, &start, &blocks);
             let mut rates = rows.rates(&state.velocity);
@@ -76,9 +76,10 @@ impl Eventful {
                 rates[row] += gap / step;
                 row += block.rows.len();
             }
-            let impulses = impulses_of(&rows, &rates, &blocks);
+            let impulses = impulses_among(&rows, &rates, &blocks);
             rows.add(&impulses, &mut state.velocity);
             pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
+            limits = limits_in(&blocks, &gaps, &sides, &impulses);
         }
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         state.displace(&self.whole, &moved);
@@ -89,7 +90,7 @@ impl Eventful {
         if !state.velocity.iter().all(|rate| rate.is_finite()) {
             state.velocity = wanted;
         }
-        self.land(&pressed, state);
+        self.land(&pressed, &limits, state);
         let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
         self.bound(&start, state, work);
         self.unsolved += 1;
@@ -117,23 +118,26 @@ impl Eventful {
 
     /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
     fn closing_within(&self, step: f64, start: &State, velocity: &[f64]) -> Closing {
-        let Closing { mut blocks, mut gaps, mut contacts } = Closing::default();
+        let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
         let unbounded = Law::Interval { lower: 0.0, upper: f64::INFINITY };
         for (index, joint) in self.elements.joints.iter().enumerate() {
             let freedom = joint.coordinate.freedom;
-            let mut add = |law: Law, sign: f64, gap: f64| {
-                let rows = vec![row_of_freedom(velocity.len(), freedom, sign)];
+            let mut add = |law: Law, side: Option<Side>, gap: f64| {
+                let rows = vec![row_of_freedom(velocity.len(), freedom, side.map_or(1.0, inward))];
                 blocks.push(Block { of: Of::Joint(index), law, rows });
                 gaps.push(gap);
+                sides.push(side);
             };
             if joint.friction > 0.0 {
                 let most = step * joint.friction;
-                add(Law::Interval { lower: -most, upper: most }, 1.0, 0.0);
+                add(Law::Interval { lower: -most, upper: most }, None, 0.0);
             }
             for side in joint.sides() {
                 let gap = joint.gap(side, joint.position(start));
-                if gap + step * inward(side) * velocity[freedom] < 0.0 {
-                    add(unbounded, inward(side), gap);
+                // One that bears may be pushed by contacts alone.
+                let bears = gap <= joint.at_limit(side);
+                if bears || gap + step * inward(side) * velocity[freedom] < 0.0 {
+                    add(unbounded, Some(side), gap);
                 }
             }
         }
@@ -153,26 +157,41 @@ impl Eventful {
                 blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
                 gaps.push(gap);
                 contacts.push(contact);
+                sides.push(None);
             }
         }
-        Closing { blocks, gaps, contacts }
+        Closing { blocks, gaps, contacts, sides }
     }
 
-    /// Puts contacts that have pressed in a step onto each other by the least motion, and their velocities onto what they did: those that have held hold
-    /// still, and what slides keeps its normal rate zero. Normals turn in a step, and what would be left open falls back in the next one as an impact.
-    fn land(&mut self, pressed: &[Pressed], state: &mut State) {
+    /// Puts contacts that have pressed in a step onto each other and joints onto the limits that have borne them, by the least motion, and their velocities
+    /// onto what they did: those that have held hold still, and what slides keeps its normal rate zero. Normals turn in a step, and what would be left open
+    /// falls back in the next one as an impact.
+    fn land(&mut self, pressed: &[Pressed], limits: &[Bearing], state: &mut State) {
+        let joints = &self.elements.joints;
+        let limit_gap = |limit: &Bearing, state: &State| {
+            let joint = &joints[limit.joint];
+            joint.gap(limit.side, joint.position(state))
+        };
+        let limit_row = |limit: &Bearing, count: usize| {
+            row_of_freedom(count, joints[limit.joint].coordinate.freedom, inward(limit.side))
+        };
         let of = |pressed: &Pressed| &self.touching.pairs[pressed.contact.pair];
         for _ in 0..LANDINGS {
             let bodies = body_states(&self.whole, state);
             let gap = |pressed: &&Pressed| touch_motion(&pressed.contact.joint, &bodies).gap;
             let near = |pressed: &&Pressed| gap(pressed).abs() <= of(pressed).within(NEAR);
             let landing: Vec<&Pressed> = pressed.iter().filter(near).collect();
-            let gaps: Vec<f64> = landing.iter().map(gap).collect();
-            if landing.iter().zip(&gaps).all(|(pressed, gap)| gap.abs() <= of(pressed).within(LANDED)) {
+            let mut gaps: Vec<f64> = landing.iter().map(gap).collect();
+            let landed = landing.iter().zip(&gaps).all(|(pressed, gap)| gap.abs() <= of(pressed).within(LANDED));
+            let on_limit = |limit: &Bearing| limit_gap(limit, state).abs() <= joints[limit.joint].at_limit(limit.side);
+            if landed && limits.iter().all(on_limit) {
                 break;
             }
             let normal = |pressed: &&Pressed| rows_of_contact(&self.whole, &bodies, &pressed.contact.joint, false);
-            let rows = Rows::new(&mut self.response, state, landing.iter().flat_map(normal).collect());
+            let mut rows: Vec<Vec<f64>> = landing.iter().flat_map(normal).collect();
+            rows.extend(limits.iter().map(|limit| limit_row(limit, state.velocity.len())));
+            gaps.extend(limits.iter().map(|limit| limit_gap(limit, state)));
+            let rows = Rows::new(&mut self.response, state, rows);
             let mut change = vec![0.0; state.velocity.len()];
             rows.add(&pull(&rows, &gaps), &mut change);
             state.displace(&self.whole, &change);
@@ -185,10 +204,21 @@ impl Eventful {
         });
         let rows =
             closed.flat_map(|pressed| rows_of_contact(&self.whole, &bodies, &pressed.contact.joint, pressed.holds));
-        let rows: Vec<Vec<f64>> = rows.collect();
+        let mut rows: Vec<Vec<f64>> = rows.collect();
+        let bears = |limit: &&Bearing| limit.gap <= joints[limit.joint].at_limit(limit.side);
+        rows.extend(limits.iter().filter(bears).map(|limit| limit_row(limit, state.velocity.len())));
         if !rows.is_empty() {
             let rows = Rows::new(&mut self.response, state, rows);
             rows.add(&pull(&rows, &rows.rates(&state.velocity)), &mut state.velocity);
+        }
+        for limit in limits {
+            let joint = &joints[limit.joint];
+            if limit_gap(limit, state).abs() <= NEARLY * joint.at_limit(limit.side) {
+                joint.put_on(limit.side, state);
+            }
+            if bears(&limit) {
+                state.velocity[joint.coordinate.freedom] = 0.0;
+            }
         }
     }
 
@@ -204,61 +234,17 @@ impl Eventful {
     }
 }
 
-/// What may close or hold in a step: blocks with their gaps (m or rad), and the contacts by their numbers in the blocks.
-#[derive(Default)]
-struct Closing {
-    blocks: Vec<Block>,
-    gaps: Vec<f64>,
-    contacts: Vec<Contact>,
-}
-
-/// A contact that has pressed in a step.
-struct Pressed {
-    contact: Contact,
-    /// Its gap where the step began (m).
-    gap: f64,
-    /// Whether friction has held it.
-    holds: bool,
-}
-
-/// The contacts that have pressed with these impulses.
-fn pressed_in(blocks: &[Block], gaps: &[f64], contacts: &[Contact], impulses: &[f64]) -> Vec<Pressed> {
-    let (mut row, mut pressed) = (0, Vec::new());
-    for (block, &gap) in blocks.iter().zip(gaps) {
-        let own = &impulses[row..row + block.rows.len()];
-        row += own.len();
-        if let (Of::Contact(contact), [pressure, across @ ..]) = (block.of, own)
-            && *pressure > 0.0
-        {
-            let holds = match (block.law, across) {
-                (Law::Contact { friction }, [first, second]) => first.hypot(*second) < HOLDS * friction * pressure,
-                _ => false,
-            };
-            pressed.push(Pressed { contact: contacts[contact].clone(), gap, holds });
-        }
-    }
-    pressed
-}
-
 /// What brings these values of rows to zero, with the least change of what the rows are of.
 fn pull(rows: &Rows, values: &[f64]) -> Vec<f64> {
     minimise(&rows.square, values, &vec![(f64::NEG_INFINITY, f64::INFINITY); values.len()]).efforts
-}
-
-/// The impulses of blocks for these rates without them; none where there is no solution.
-fn impulses_of(rows: &Rows, rates: &[f64], blocks: &[Block]) -> Vec<f64> {
-    let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-    match solve(&Problem { mobility: &rows.square, free: rates, laws: &laws }, None) {
-        Ok(answer) => answer.forces,
-        Err(Unsolved::Stopped { best }) => best.forces,
-        Err(_) => vec![0.0; rates.len()],
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::events::crowding::STEP;
+    use crate::events::modes::mode::JointMode;
+    use crate::mechanism::description::closure::{Coordinate, JointLimit};
     use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::{Body, Mechanism};
@@ -333,6 +319,46 @@ mod tests {
             for touch in touches {
                 assert!(touch.gap.abs() <= 1e-13 && touch.slip.norm() <= 1e-13, "at {}: {touch:?}", state.time);
             }
+        }
+    }
+
+    #[test]
+    fn a_joint_that_bears_on_its_limit_stays_there_in_a_step_of_first_order() {
+        // A box about whose edge it turns, and on it a flap that leans on its limit.
+        let joint = Joint::new("box", JointKind::Floating, Pose::identity(), Pose::identity());
+        let cube = Body { name: "box".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.01 / 1.5), joint };
+        let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2);
+        let frame = |x: f64, z: f64| Pose::from_parts(nalgebra::Translation3::new(x, 0.0, z), turn);
+        let joint = Joint::new("flap", JointKind::Revolute, frame(0.1, 0.1), frame(-0.2, 0.0));
+        let flap = Body { name: "flap".into(), parent: Some(0), mass: 0.2, inertia: Vector3::repeat(1e-4), joint };
+        let mut mechanism = Mechanism::new("box", Vector3::z() * -9.81, vec![cube, flap]).expect("two bodies");
+        let hinge = &mechanism.bodies[1].joint;
+        let coordinate = Coordinate { body: 1, position: hinge.position_index, freedom: hinge.velocity_index };
+        let nonsmooth = &mut mechanism.nonsmooth;
+        nonsmooth.limits.push(JointLimit { coordinate, lower: -1.0, upper: 0.0, restitution: 0.0 });
+        for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
+            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose: Pose::identity(), shape });
+        }
+        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
+        let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
+        let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
+        let (angle, spin) = (0.1_f64, 1.0);
+        let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
+        let arm = turned * Vector3::new(-0.1, 0.0, 0.1);
+        let mut state = State::zero(&mechanism);
+        state.position[..3].copy_from_slice(arm.as_slice());
+        state.position[3..7].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
+        state.velocity[..3].copy_from_slice((Vector3::y() * spin).cross(&arm).as_slice());
+        state.velocity[4] = spin;
+        let inputs = Inputs::constant(&[0.0; 7]);
+        eventful.begin(&mechanism, inputs, &mut state).expect("a start");
+        assert_eq!(eventful.mode.joints[0], JointMode::Held { on: Some(Side::Upper) });
+        for _ in 0..20 {
+            eventful.origin.copy_from(&state);
+            eventful.stumble(inputs, &mut state, 1.0);
+            let [place, rate] = [state.position[coordinate.position], state.velocity[coordinate.freedom]];
+            assert_eq!([place, rate], [0.0; 2], "at {}", state.time);
+            assert_eq!(eventful.mode.joints[0], JointMode::Held { on: Some(Side::Upper) }, "at {}", state.time);
         }
     }
 }

@@ -315,10 +315,10 @@ impl Lobatto {
         }
     }
 
-    /// Gives up, with an error, where a step that is chosen would have to be shorter than this (s).
-    pub fn give_up_below(&mut self, shortest: f64) {
+    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    pub fn give_up_below(&mut self, length: f64) {
         if let Mode::Chosen(control) = &mut self.mode {
-            control.give_up_below(shortest);
+            control.given_up_below = length;
         }
     }
 

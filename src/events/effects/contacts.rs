@@ -22,6 +22,7 @@ use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::impact::impulse_without_collision;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::elements::inward;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
@@ -334,12 +335,22 @@ impl Contacts {
         false
     }
 
-    /// The impulse where no acceleration of a candidate fits the law; returns the energy that it takes (J), nothing if it is not found.
+    /// The impulse where no acceleration of a candidate fits the law, at which joints on their limits bear; returns the energy that it takes (J), nothing if
+    /// it is not found.
     pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<f64> {
         let bodies = body_states(scene.whole, state);
         let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
         let numbers: Vec<usize> = self.candidates.iter().filter_map(number).collect();
-        let blocks: Vec<Block> = numbers.iter().map(|&index| self.block(scene, &bodies, index)).collect();
+        let mut blocks: Vec<Block> = numbers.iter().map(|&index| self.block(scene, &bodies, index)).collect();
+        let (contacts, contact_rows) = (blocks.len(), blocks.iter().map(|block| block.rows.len()).sum::<usize>());
+        let joints = scene.elements.joints.iter().enumerate().filter_map(|(index, joint)| {
+            let side = joint.side(joint.position(state))?;
+            let lower = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
+            let row = row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(side));
+            let law = Law::Interval { lower, upper: f64::INFINITY };
+            Some(Block { of: Of::Joint(index), law, rows: vec![row] })
+        });
+        blocks.extend(joints);
         let rows = Rows::of(scene.response, state, &blocks);
         let before = rows.rates(&state.velocity);
         let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
@@ -347,6 +358,13 @@ impl Contacts {
         let impulses = impulse_without_collision(&problem, candidate).ok()?.forces;
         rows.add(&impulses, &mut state.velocity);
         let after = rows.rates(&state.velocity);
+        for (block, impulse) in blocks[contacts..].iter().zip(&impulses[contact_rows..]) {
+            if let Of::Joint(index) = block.of
+                && *impulse != 0.0
+            {
+                state.velocity[scene.elements.joints[index].coordinate.freedom] = 0.0;
+            }
+        }
         Some(impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b)).sum())
     }
 }

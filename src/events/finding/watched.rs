@@ -250,6 +250,11 @@ impl Watched {
         matches!(self, Watched::Bears(..) | Watched::Margin | Watched::Presses(_) | Watched::Grips(_))
     }
 
+    /// Whether it is what one held joint or contact can still bear.
+    pub fn is_force(self) -> bool {
+        matches!(self, Watched::Bears(..) | Watched::Presses(_) | Watched::Grips(_))
+    }
+
     /// Whether it is a function of where the bodies are.
     pub fn needs_bodies(self) -> bool {
         matches!(self, Watched::Approach(_) | Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Feature(_))

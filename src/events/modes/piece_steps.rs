@@ -94,8 +94,8 @@ pub(crate) trait PieceSteps: Integrator + Send {
     /// Goes on at the pace of another, which made steps up to `time` (s).
     fn go_on_at(&mut self, pace: StepPace, time: f64);
 
-    /// Gives up, with an error, where a step that is chosen would have to be shorter than this (s).
-    fn give_up_below(&mut self, _shortest: f64) {}
+    /// From now on a step that is shorter than this (s) and cannot be solved is given up.
+    fn give_up_below(&mut self, _length: f64) {}
 
     /// Whether stability, and not accuracy, has limited a step.
     fn was_held_by_stability(&self) -> bool;
@@ -147,8 +147,8 @@ impl PieceSteps for Lobatto {
         self.keep_pace(pace, time);
     }
 
-    fn give_up_below(&mut self, shortest: f64) {
-        Lobatto::give_up_below(self, shortest);
+    fn give_up_below(&mut self, length: f64) {
+        Lobatto::give_up_below(self, length);
     }
 
     fn was_held_by_stability(&self) -> bool {
@@ -199,6 +199,10 @@ impl PieceSteps for OnOtherTree {
 
     fn go_on_at(&mut self, pace: StepPace, time: f64) {
         self.keep_pace(pace, time);
+    }
+
+    fn give_up_below(&mut self, length: f64) {
+        OnOtherTree::give_up_below(self, length);
     }
 
     fn was_held_by_stability(&self) -> bool {

@@ -28,6 +28,8 @@ use nalgebra::{DMatrix, DVector};
 const ACCEPTED: f64 = 1e-10;
 /// Residuals up to this end the cascade: less, because settling the states may add some times the residual.
 const SOLVED: f64 = 1e-11;
+/// And up to this where that is enough.
+const ROUGH: f64 = 1e-6;
 /// Proximal compliance, in units of the mobility of a block.
 const COMPLIANCE: f64 = 1e-8;
 /// Compliances that vanish, in the same units.
@@ -55,6 +57,7 @@ struct Best {
     forces: Vec<f64>,
     /// The sum of squares of the natural map: unlike the residual it does not praise large forces.
     merit: f64,
+    residual: f64,
 }
 
 impl Best {
@@ -64,7 +67,7 @@ impl Best {
         scaled.rates(&forces, &mut rates);
         let (merit, residual) = (scaled.merit(&forces, &rates), scaled.residual(&forces, &rates));
         if merit < self.merit || residual <= SOLVED {
-            (self.forces, self.merit) = (forces, merit);
+            (self.forces, self.merit, self.residual) = (forces, merit, residual);
         }
         residual <= SOLVED
     }
@@ -79,7 +82,7 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
     problem.check()?;
     let scaled = Scaled::new(problem);
     let count = problem.free.len();
-    let mut best = Best { forces: vec![0.0; count], merit: f64::INFINITY };
+    let mut best = Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY };
     let start = start.filter(|start| start.len() == count && start.iter().all(|force| force.is_finite()));
     let from = |mut forces: Vec<f64>, settings: Settings| {
         improve(&scaled, &mut forces, settings);
@@ -103,6 +106,34 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
     }
     let answer = settle(problem, &scaled, &best.forces);
     if answer.residual <= ACCEPTED { Ok(answer) } else { Err(Unsolved::Stopped { best: Box::new(answer) }) }
+}
+
+/// Forces that solve a problem to a residual of [`ROUGH`] if the quick ways and an interior point find such, or the best of what they find: what a step of
+/// first order needs. None if the problem is malformed.
+pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
+    problem.check().ok()?;
+    let scaled = Scaled::new(problem);
+    let mut best = Best { forces: vec![0.0; problem.free.len()], merit: f64::INFINITY, residual: f64::INFINITY };
+    let from = |mut forces: Vec<f64>| {
+        improve(&scaled, &mut forces, EVERYDAY);
+        forces
+    };
+    best.take(&scaled, from(swept(&scaled)));
+    if best.residual > ROUGH
+        && let Some(forces) = soft(&scaled)
+    {
+        best.take(&scaled, forces);
+    }
+    for spread in SPREADS {
+        if best.residual <= ROUGH {
+            break;
+        }
+        if let Some(near) = interior(&scaled, spread) {
+            best.take(&scaled, near.clone());
+            best.take(&scaled, from(near));
+        }
+    }
+    Some(settle(problem, &scaled, &best.forces).forces)
 }
 
 /// Newton's method with a compliance that follows the map, from zero; none if the law is off by more than a part of the free rates.

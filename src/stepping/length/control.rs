@@ -104,10 +104,10 @@ pub struct Control {
     pub(crate) between: Option<f64>,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
+    /// A step that is shorter than this and does not converge is given up (s).
+    pub(crate) given_up_below: f64,
     /// Step (s) and largest kinetic energy (J) to go on with when the motion is forgotten.
     pub(crate) given: Option<(f64, f64)>,
-    /// No step is shorter than this (s).
-    pub(crate) shortest: f64,
     pub memory: Memory,
 }
 
@@ -181,8 +181,8 @@ impl Control {
             largest: 0.0,
             between: Some(0.0),
             held: false,
+            given_up_below: 0.0,
             given: None,
-            shortest: 0.0,
             memory: Memory::default(),
         }
     }
@@ -210,11 +210,6 @@ impl Control {
     pub fn forget(&mut self) {
         let (step, kinetic) = self.given.take().unwrap_or_default();
         self.memory = Memory { step, kinetic, ..Memory::default() };
-    }
-
-    /// Gives up where a step would have to be shorter than this (s).
-    pub fn give_up_below(&mut self, shortest: f64) {
-        self.shortest = shortest;
     }
 
     /// When the motion is forgotten next, it goes on with this step (s) and the largest kinetic energy seen (J).
@@ -331,9 +326,11 @@ impl Control {
                     outcome.rejected += 1;
                     self.memory.rejected = true;
                     guess = if next == Guess::Past { stepper.first_guess() } else { next };
+                    let given_up = matches!(attempt, Attempt::Failed { .. })
+                        && next != Guess::Plain
+                        && length <= self.given_up_below;
                     // Below this the step vanishes against the time itself.
-                    let vanishing = 1e-13 * state.time.abs().max(1e-3);
-                    if self.memory.step < self.shortest.max(vanishing) {
+                    if given_up || self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
                     }
                 }

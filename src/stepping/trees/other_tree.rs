@@ -180,6 +180,11 @@ impl OnOtherTree {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
     }
 
+    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    pub fn give_up_below(&mut self, length: f64) {
+        self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).give_up_below(length);
+    }
+
     /// Writes where a step from the origin has ended in the coordinates of the file.
     fn hand_out(&mut self, mechanism: &Mechanism, state: &mut State) {
         let OnOtherTree { inside, turns, left, .. } = self;

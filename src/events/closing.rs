@@ -1,0 +1,119 @@
+//! What closes in a step of first order, and what has pressed in it.
+//!
+//! ```text
+//!     0 ≤ P_N ⊥ u_N + φ/h ≥ 0,   u = D P + W v_f       for the blocks that come together, u_N + φ/h < 0 at P = 0, and those that their impulses push together
+//! ```
+//!
+//! φ is the gap of a block, P its impulses (N s), h the length of the step (s), v_f the velocities without impulses. Of a mesh hundreds of points are near a
+//! floor, and few of them take part.
+
+use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::cone::solve_roughly;
+use crate::instant::holding::blocks::{Block, Of, Rows};
+use crate::instant::holding::touching::Contact;
+use crate::mechanism::motion::event::Side;
+use nalgebra::{DMatrix, DVector};
+
+/// Rounds in which those that others push together are added, at most.
+const ROUNDS: usize = 8;
+/// What comes together more slowly than this part of the largest rate does not.
+const APPROACHES: f64 = 1e-12;
+/// A contact is held by friction where it needs less than this part of what there is.
+const HOLDS: f64 = 1.0 - 1e-9;
+
+/// What may close or hold in a step: blocks with their gaps (m or rad), and the contacts by their numbers in the blocks.
+#[derive(Default)]
+pub(super) struct Closing {
+    pub blocks: Vec<Block>,
+    pub gaps: Vec<f64>,
+    pub contacts: Vec<Contact>,
+    /// The limits that blocks are.
+    pub sides: Vec<Option<Side>>,
+}
+
+/// A limit that has pressed in a step.
+pub(super) struct Bearing {
+    pub joint: usize,
+    pub side: Side,
+    /// Its gap where the step began (rad or m).
+    pub gap: f64,
+}
+
+/// A contact that has pressed in a step.
+pub(super) struct Pressed {
+    pub contact: Contact,
+    /// Its gap where the step began (m).
+    pub gap: f64,
+    /// Whether friction has held it.
+    pub holds: bool,
+}
+
+/// The limits that have pressed with these impulses.
+pub(super) fn limits_in(blocks: &[Block], gaps: &[f64], sides: &[Option<Side>], impulses: &[f64]) -> Vec<Bearing> {
+    let (mut row, mut limits) = (0, Vec::new());
+    for ((block, &gap), &side) in blocks.iter().zip(gaps).zip(sides) {
+        if let (Of::Joint(joint), Some(side)) = (block.of, side)
+            && impulses[row] > 0.0
+        {
+            limits.push(Bearing { joint, side, gap });
+        }
+        row += block.rows.len();
+    }
+    limits
+}
+
+/// The contacts that have pressed with these impulses.
+pub(super) fn pressed_in(blocks: &[Block], gaps: &[f64], contacts: &[Contact], impulses: &[f64]) -> Vec<Pressed> {
+    let (mut row, mut pressed) = (0, Vec::new());
+    for (block, &gap) in blocks.iter().zip(gaps) {
+        let own = &impulses[row..row + block.rows.len()];
+        row += own.len();
+        if let (Of::Contact(contact), [pressure, across @ ..]) = (block.of, own)
+            && *pressure > 0.0
+        {
+            let holds = match (block.law, across) {
+                (Law::Contact { friction }, [first, second]) => first.hypot(*second) < HOLDS * friction * pressure,
+                _ => false,
+            };
+            pressed.push(Pressed { contact: contacts[contact].clone(), gap, holds });
+        }
+    }
+    pressed
+}
+
+/// The impulses of blocks for these rates without them. Those that do not come together take no part until others push them together: of a mesh many points
+/// are near.
+pub(super) fn impulses_among(rows: &Rows, rates: &[f64], blocks: &[Block]) -> Vec<f64> {
+    let mut starts = Vec::with_capacity(blocks.len());
+    let mut first = 0;
+    for block in blocks {
+        starts.push(first);
+        first += block.rows.len();
+    }
+    let least = APPROACHES * rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let approaches = |block: usize, rates: &[f64]| match blocks[block].law {
+        Law::Interval { lower, .. } if lower < 0.0 => true,
+        _ => rates[starts[block]] < -least,
+    };
+    let mut part: Vec<usize> = (0..blocks.len()).filter(|&block| approaches(block, rates)).collect();
+    let mut impulses = vec![0.0; rates.len()];
+    for _ in 0..ROUNDS {
+        let own: Vec<usize> =
+            part.iter().flat_map(|&block| starts[block]..starts[block] + blocks[block].rows.len()).collect();
+        let mobility = DMatrix::from_fn(own.len(), own.len(), |i, j| rows.square[(own[i], own[j])]);
+        let free: Vec<f64> = own.iter().map(|&row| rates[row]).collect();
+        let laws: Vec<Law> = part.iter().map(|&block| blocks[block].law).collect();
+        let found = solve_roughly(&Problem { mobility: &mobility, free: &free, laws: &laws });
+        impulses.fill(0.0);
+        own.iter().zip(found.unwrap_or_default()).for_each(|(&row, impulse)| impulses[row] = impulse);
+        let after = &rows.square * DVector::from_column_slice(&impulses) + DVector::from_column_slice(rates);
+        let more: Vec<usize> =
+            (0..blocks.len()).filter(|block| !part.contains(block) && approaches(*block, after.as_slice())).collect();
+        if more.is_empty() {
+            break;
+        }
+        part.extend(more);
+        part.sort_unstable();
+    }
+    impulses
+}
