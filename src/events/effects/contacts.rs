@@ -212,15 +212,26 @@ impl Contacts {
             self.candidates.push(Candidate { contact: contact.clone(), slip, slides, opens });
         }
         rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
-        let lost = bring_rows_to_rest(scene, state, rows);
-        let closed = self.close_gaps(scene, state, &bodies, &still);
+        let mut lost = bring_rows_to_rest(scene, state, rows.clone());
+        lost += self.close_gaps(scene, state, &bodies, &still);
         still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
-        // Slips that are next to nothing turn when others come to rest.
+        // Slips that are next to nothing turn when others come to rest, and stop if those hold their points.
         let bodies = body_states(scene.whole, state);
+        let held = rows.len();
         for candidate in self.candidates.iter_mut().filter(|candidate| candidate.slip != Vector3::zeros()) {
-            candidate.slip = touch_motion(&candidate.contact.joint, &bodies).slip;
+            let slip = touch_motion(&candidate.contact.joint, &bodies).slip;
+            if slip.norm() > self.rest {
+                candidate.slip = slip;
+            } else {
+                candidate.slip = Vector3::zeros();
+                rows.extend(rows_of_contact(scene.whole, &bodies, &candidate.contact.joint, true));
+            }
         }
-        lost + closed
+        if rows.len() > held {
+            lost += bring_rows_to_rest(scene, state, rows);
+            still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+        }
+        lost
     }
 
     /// Moves apart what overlaps, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that was found
