@@ -26,6 +26,7 @@
 //! [`crate::instant::holding::touching`], accelerations and velocities under efforts and impulses in [`crate::instant::dynamics::response`],
 //! [`crate::instant::holding::blocks`] and [`crate::instant::cone`].
 
+mod as_integrator;
 mod closing;
 mod contact_points;
 mod crowding;

@@ -15,13 +15,10 @@ use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::events::modes::piece::Piece;
 use crate::events::quiet::QUIET;
 use crate::events::sliding::{JAM, Stopping};
-use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::energy;
-use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
@@ -35,8 +32,6 @@ const SHORTER: f64 = 1.0 / 16.0;
 const BLIND: f64 = 1e-9;
 /// And not longer than this, in any case, where it does not look at a pair or a limit (s): what overlaps then is moved apart.
 const BLIND_TO_BOUNDS: f64 = 1e-7;
-/// Where everything is held by efforts that follow the state, which is time alone then, a step is no longer than this (s).
-const LOOK: f64 = 1e-3;
 /// It is longer by this factor each time that what was found changes nothing,
 const LONGER: f64 = 16.0;
 /// so often at most.
@@ -44,7 +39,7 @@ const MOST_UNFOUNDED: i32 = 5;
 
 impl Eventful {
     /// Makes one step towards `until`, which no effort's law changes before.
-    fn advance(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    pub(super) fn advance(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
         let since = state.time;
         let blind = self.flips.0 > FLIPS || self.looks_away;
         let shortest = BLIND.max(self.shortest(since));
@@ -229,7 +224,7 @@ impl Eventful {
     }
 
     /// Other efforts from outside: what joints at rest do is decided anew.
-    fn heed(&mut self, inputs: Inputs, state: &mut State) {
+    pub(super) fn heed(&mut self, inputs: Inputs, state: &mut State) {
         if self.outside == inputs.efforts {
             return;
         }
@@ -299,125 +294,5 @@ impl Eventful {
             friction: friction + kernel.friction,
             impacts: 0.0,
         }
-    }
-}
-
-impl Integrator for Eventful {
-    fn step(
-        &mut self,
-        mechanism: &Mechanism,
-        inputs: Inputs,
-        state: &mut State,
-        until: f64,
-    ) -> Result<StepOutcome, StepError> {
-        let moved = self.left.as_ref().is_none_or(|left| left != state);
-        if moved || self.is_other(mechanism) {
-            self.begin(mechanism, inputs, state)?;
-        }
-        self.heed(inputs, state);
-        let mut next = self.next_instant(state.time, until);
-        if inputs.feedback.is_some() && self.pieces[self.current].steps.is_none() {
-            next = next.min(state.time + LOOK);
-        }
-        self.stepped_over = None;
-        let advanced = if self.is_crowded(state) {
-            self.origin.copy_from(state);
-            Ok(self.stumble(inputs, state, next))
-        } else {
-            self.advance(inputs, state, next)
-        };
-        let mut outcome = match advanced {
-            Err(
-                StepError::NotConverged { .. }
-                | StepError::NotAccurate { .. }
-                | StepError::TurnedTooFar { .. }
-                | StepError::Unstable { .. },
-            ) if !self.touching.pairs.is_empty() => {
-                if self.slides() {
-                    self.crowding.jam(self.origin.time);
-                } else {
-                    self.crowding.fail(self.origin.time);
-                }
-                self.stumble(inputs, state, next)
-            }
-            done => done?,
-        };
-        // What is left is less than the time can tell.
-        if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
-            outcome.step += until - state.time;
-            state.time = until;
-            self.pieces[self.current].small.time = until;
-        }
-        if !self.touching.pairs.is_empty() {
-            self.felt.see(inputs, &self.origin, state);
-        }
-        match &mut self.left {
-            Some(left) => left.copy_from(state),
-            none => *none = Some(state.clone()),
-        }
-        Ok(outcome)
-    }
-
-    fn dense(&mut self, _mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        let Eventful { whole, pieces, last, sample, origin, stepped_over, .. } = self;
-        sample.copy_from(origin);
-        if let Some(end) = stepped_over {
-            let nearest = if time - origin.time < end.time - time { &*origin } else { &*end };
-            position.copy_from_slice(&nearest.position);
-            velocity.copy_from_slice(&nearest.velocity);
-            return;
-        }
-        let piece = &mut pieces[*last];
-        let Piece { moving, steps, small_position, small_velocity, .. } = piece;
-        if let Some(steps) = steps {
-            steps.dense(&moving.mechanism, time, small_position, small_velocity);
-            moving.spread_positions(whole, small_position, &mut sample.position);
-            moving.spread_velocities(whole, small_velocity, &mut sample.velocity);
-        }
-        position.copy_from_slice(&sample.position);
-        velocity.copy_from_slice(&sample.velocity);
-    }
-
-    fn description(&self) -> MethodDescription {
-        let steps = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
-        let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
-        // What another mode has seen.
-        description.include_stability(&self.idle);
-        for steps in self.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {
-            description.include_stability(&steps.description());
-        }
-        if description.adaptive {
-            description.step = self.stepped / self.steps.max(1) as f64;
-        }
-        description.unsolved_contacts = self.unsolved;
-        (description.first_order_steps, description.first_order_time) = self.first_order;
-        description
-    }
-
-    fn take_events(&mut self, events: &mut Vec<Event>) {
-        events.append(&mut self.events);
-    }
-
-    fn contacts(&self, _mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
-        self.report_contacts(state, out);
-    }
-
-    fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
-        let mut status = JointStatus::default();
-        for (joint, mode) in self.elements.joints.iter().zip(&self.mode.joints) {
-            let held = if let JointMode::Held { on } = *mode { Some(on) } else { None };
-            status = joint.status(body, held).unwrap_or(status);
-        }
-        for (motor, mode) in self.elements.motors.iter().zip(&self.mode.motors) {
-            let at = motor.coordinate;
-            if at.body != body {
-                continue;
-            }
-            status.effort = Some(match *mode {
-                MotorMode::Given(effort) => effort,
-                _ => motor.effort(state.time, state.position[at.position], state.velocity[at.freedom]),
-            });
-        }
-        status
     }
 }
