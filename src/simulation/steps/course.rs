@@ -99,9 +99,10 @@ pub(crate) struct Course {
     /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
-    /// How far forces at the end of the last step are from their cones (N). They count once what is closed there has lasted: an event at the same instant
-    /// opens it again, and no force has acted.
-    not_lasted: f64,
+    /// How far forces at the end of the last step are from their cones (N), and the number of first-order steps until then. They count once what is closed
+    /// there has lasted: where an event at the same instant opens it again, or a step of first order follows, which has impulses of its own, no such
+    /// force has acted.
+    not_lasted: (f64, usize),
 }
 
 impl Course {
@@ -124,7 +125,7 @@ impl Course {
             told: None,
             sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
             contacts: Vec::new(),
-            not_lasted: 0.0,
+            not_lasted: (0.0, 0),
         }
     }
 
@@ -136,7 +137,7 @@ impl Course {
     /// The figures so far.
     pub(crate) fn summary(&self) -> Summary {
         let mut summary = self.bookkeeper.summary;
-        summary.contact.include(&ContactFigures { penetration: 0.0, cone_violation: self.not_lasted });
+        summary.contact.include(&ContactFigures { penetration: 0.0, cone_violation: self.not_lasted.0 });
         summary
     }
 
@@ -260,8 +261,12 @@ impl Course {
             integrator.contacts(mechanism, state, &mut self.contacts);
             let mut figures = ContactFigures::default();
             figures.see(&self.contacts, &mechanism.nonsmooth.pairs);
-            let not_lasted = std::mem::replace(&mut self.not_lasted, figures.cone_violation);
-            figures.cone_violation = if outcome.step > 0.0 { not_lasted } else { 0.0 };
+            let of_first_order = || integrator.description().first_order_steps;
+            let (before, made) = self.not_lasted;
+            let lasted = before > 0.0 && outcome.step > 0.0 && of_first_order() == made;
+            let now = figures.cone_violation;
+            self.not_lasted = (now, if now > 0.0 { of_first_order() } else { 0 });
+            figures.cone_violation = if lasted { before } else { 0.0 };
             self.bookkeeper.summary.contact.include(&figures);
         }
     }
@@ -324,10 +329,11 @@ mod tests {
     use crate::mechanism::motion::integrator::MethodDescription;
     use nalgebra::Vector3;
 
-    /// Makes steps of given lengths (s), with a contact at the end of each whose force pulls (N).
+    /// Makes steps of given lengths (s), with a contact at the end of each whose force pulls (N); those from a number on are of first order.
     struct Pulling {
         steps: Vec<(f64, f64)>,
         made: usize,
+        exact: usize,
     }
 
     impl Integrator for Pulling {
@@ -341,7 +347,8 @@ mod tests {
         fn dense(&mut self, _: &Mechanism, _: f64, _: &mut [f64], _: &mut [f64]) {}
 
         fn description(&self) -> MethodDescription {
-            MethodDescription::fixed("pulling", 2, 2, 0.1)
+            let first_order_steps = self.made.saturating_sub(self.exact);
+            MethodDescription { first_order_steps, ..MethodDescription::fixed("pulling", 2, 2, 0.1) }
         }
 
         fn contacts(&self, _: &Mechanism, _: &State, out: &mut Vec<ContactPoint>) {
@@ -352,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn forces_of_what_was_closed_for_no_time_do_not_count_and_those_at_the_end_do() {
+    fn forces_of_what_was_closed_for_no_time_or_before_a_step_of_first_order_do_not_count_and_those_at_the_end_do() {
         let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
         let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
         let mut mechanism = Mechanism::new("ball", Vector3::zeros(), vec![body]).expect("a free body");
@@ -362,18 +369,23 @@ mod tests {
         }
         mechanism.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
         // Each step with the pull at its end; the one that follows says whether that has lasted.
-        let worst = |steps: &[(f64, f64)]| {
+        let worst_of = |steps: &[(f64, f64)], exact: usize| {
             let mut state = State::zero(&mechanism);
-            let mut integrator = Pulling { steps: steps.to_vec(), made: 0 };
+            let mut integrator = Pulling { steps: steps.to_vec(), made: 0, exact };
             let options = RunOptions { duration: 1.0, rate: None, interrupt: None };
             let (summary, ended) = run(&mechanism, &mut state, &mut integrator, &options, &mut []);
             ended.expect("to the end");
             assert_eq!(summary.contact.penetration, 1e-9);
             summary.contact.cone_violation
         };
+        let worst = |steps: &[(f64, f64)]| worst_of(steps, steps.len());
         assert_eq!(worst(&[(0.5, 7.0), (0.0, 0.0), (0.5, 0.0)]), 0.0);
         assert_eq!(worst(&[(0.5, 7.0), (0.1, 0.0), (0.4, 0.0)]), 7.0);
         assert_eq!(worst(&[(0.5, 7.0), (0.0, 3.0), (0.5, 1.0)]), 3.0);
         assert_eq!(worst(&[(0.5, 0.0), (0.5, 2.0)]), 2.0);
+        // A step of first order follows, and does not make one that follows it less exact.
+        assert_eq!(worst_of(&[(0.5, 7.0), (0.1, 0.0), (0.4, 0.0)], 1), 0.0);
+        assert_eq!(worst_of(&[(0.1, 0.0), (0.5, 7.0), (0.4, 0.0)], 2), 0.0);
+        assert_eq!(worst_of(&[(0.5, 7.0), (0.1, 3.0), (0.4, 0.0)], 2), 7.0);
     }
 }
