@@ -119,25 +119,23 @@ impl Eventful {
     /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
     fn closing_within(&self, step: f64, start: &State, velocity: &[f64]) -> Closing {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
-        let unbounded = Law::Interval { lower: 0.0, upper: f64::INFINITY };
         for (index, joint) in self.elements.joints.iter().enumerate() {
             let freedom = joint.coordinate.freedom;
-            let mut add = |law: Law, side: Option<Side>, gap: f64| {
-                let rows = vec![row_of_freedom(velocity.len(), freedom, side.map_or(1.0, inward))];
-                blocks.push(Block { of: Of::Joint(index), law, rows });
+            let mut add = |bounds: [f64; 2], side: Option<Side>, gap: f64| {
+                blocks.push(Block::of_joint(index, freedom, velocity.len(), side.map_or(1.0, inward), bounds));
                 gaps.push(gap);
                 sides.push(side);
             };
             if joint.friction > 0.0 {
                 let most = step * joint.friction;
-                add(Law::Interval { lower: -most, upper: most }, None, 0.0);
+                add([-most, most], None, 0.0);
             }
             for side in joint.sides() {
                 let gap = joint.gap(side, joint.position(start));
                 // One that bears may be pushed by contacts alone.
                 let bears = gap <= joint.at_limit(side);
                 if bears || gap + step * inward(side) * velocity[freedom] < 0.0 {
-                    add(unbounded, Some(side), gap);
+                    add([0.0, f64::INFINITY], Some(side), gap);
                 }
             }
         }

@@ -357,9 +357,8 @@ impl Contacts {
         let joints = scene.elements.joints.iter().enumerate().filter_map(|(index, joint)| {
             let side = joint.side(joint.position(state))?;
             let lower = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
-            let row = row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(side));
-            let law = Law::Interval { lower, upper: f64::INFINITY };
-            Some(Block { of: Of::Joint(index), law, rows: vec![row] })
+            let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
+            Some(Block::of_joint(index, freedom, count, inward(side), [lower, f64::INFINITY]))
         });
         blocks.extend(joints);
         let rows = Rows::of(scene.response, state, &blocks);

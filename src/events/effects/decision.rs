@@ -22,7 +22,7 @@ use crate::events::forces::closed_forces::Chosen;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
@@ -142,9 +142,8 @@ pub(crate) fn decide(
             JointMode::Free { sliding }
         } else if joint.friction > 0.0 || side.is_some() {
             let held = JointMode::Held { on: side };
-            let (lower, upper) = held.holding(joint);
-            let row = row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0);
-            blocks.push(Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows: vec![row] });
+            let bounds = held.holding(joint).into();
+            blocks.push(Block::of_joint(index, joint.coordinate.freedom, whole.velocity_count, 1.0, bounds));
             held
         } else {
             JointMode::Free { sliding: 0 }

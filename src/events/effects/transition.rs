@@ -21,8 +21,7 @@ use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gain
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::cone::problem::Law;
-use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom};
+use crate::instant::holding::blocks::{Block, Of, Rows};
 use crate::instant::holding::elements::{Elements, inward};
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -294,9 +293,8 @@ fn gather_meetings(
     let crowded = memory.is_crowded(state.time);
     for (index, joint) in scene.elements.joints.iter().enumerate() {
         let Some(side) = joint.side(joint.position(state)) else { continue };
-        let row = row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(side));
-        let law = Law::Interval { lower: 0.0, upper: f64::INFINITY };
-        let block = Block { of: Of::Joint(index), law, rows: vec![row] };
+        let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
+        let block = Block::of_joint(index, freedom, count, inward(side), [0.0, f64::INFINITY]);
         let restitution = if crowded { 0.0 } else { joint.restitution };
         let mut meeting = Meeting { block, restitution, rest: rests[index] };
         let rate = meeting.rate(&state.velocity);

@@ -16,7 +16,7 @@ use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Block, Of, Rows, fall, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::holding::blocks::{Block, Of, Rows, fall, rows_of_contact, second_rates};
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
@@ -48,9 +48,7 @@ fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     let Present { whole, elements, touching, mode, .. } = *at;
     let held = elements.joints.iter().zip(&mode.joints).enumerate();
     let held = held.filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. })).map(|(index, (joint, mode))| {
-        let (lower, upper) = mode.holding(joint);
-        let row = row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0);
-        Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows: vec![row] }
+        Block::of_joint(index, joint.coordinate.freedom, whole.velocity_count, 1.0, mode.holding(joint).into())
     });
     let contacts = mode.contacts.iter().enumerate().map(|(index, closed)| {
         let friction = touching.pairs[closed.contact.pair].friction;

@@ -61,6 +61,11 @@ struct Best {
 }
 
 impl Best {
+    /// No forces, before any have been found.
+    fn none(count: usize) -> Self {
+        Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY }
+    }
+
     /// Takes forces that are better; says whether the problem is solved.
     fn take(&mut self, scaled: &Scaled, forces: Vec<f64>) -> bool {
         let mut rates = vec![0.0; forces.len()];
@@ -82,12 +87,9 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
     problem.check()?;
     let scaled = Scaled::new(problem);
     let count = problem.free.len();
-    let mut best = Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY };
+    let mut best = Best::none(count);
     let start = start.filter(|start| start.len() == count && start.iter().all(|force| force.is_finite()));
-    let from = |mut forces: Vec<f64>, settings: Settings| {
-        improve(&scaled, &mut forces, settings);
-        forces
-    };
+    let from = |forces: Vec<f64>, settings: Settings| improved(&scaled, forces, settings);
     let solved = start.is_some_and(|start| best.take(&scaled, from(scaled.scale(start), EVERYDAY)))
         || best.take(&scaled, from(swept(&scaled), EVERYDAY));
     let solved = solved || soft(&scaled).is_some_and(|forces| best.take(&scaled, forces));
@@ -113,12 +115,8 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
 pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
     problem.check().ok()?;
     let scaled = Scaled::new(problem);
-    let mut best = Best { forces: vec![0.0; problem.free.len()], merit: f64::INFINITY, residual: f64::INFINITY };
-    let from = |mut forces: Vec<f64>| {
-        improve(&scaled, &mut forces, EVERYDAY);
-        forces
-    };
-    best.take(&scaled, from(swept(&scaled)));
+    let mut best = Best::none(problem.free.len());
+    best.take(&scaled, improved(&scaled, swept(&scaled), EVERYDAY));
     if best.residual > ROUGH
         && let Some(forces) = soft(&scaled)
     {
@@ -130,10 +128,16 @@ pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
         }
         if let Some(near) = interior(&scaled, spread) {
             best.take(&scaled, near.clone());
-            best.take(&scaled, from(near));
+            best.take(&scaled, improved(&scaled, near, EVERYDAY));
         }
     }
     Some(settle(problem, &scaled, &best.forces).forces)
+}
+
+/// What Newton's method makes of forces.
+fn improved(scaled: &Scaled, mut forces: Vec<f64>, settings: Settings) -> Vec<f64> {
+    improve(scaled, &mut forces, settings);
+    forces
 }
 
 /// Newton's method with a compliance that follows the map, from zero; none if the law is off by more than a part of the free rates.

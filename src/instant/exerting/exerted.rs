@@ -17,7 +17,7 @@
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::instant::cone::{least_compliance, solve};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
@@ -105,9 +105,7 @@ impl Exerted {
             if rate != 0.0 {
                 efforts[freedom] -= joint.friction * rate.signum();
             } else if joint.friction > 0.0 || side.is_some() {
-                let (lower, upper) = joint.holding(side);
-                let rows = vec![row_of_freedom(efforts.len(), freedom, 1.0)];
-                blocks.push(Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows });
+                blocks.push(Block::of_joint(index, freedom, efforts.len(), 1.0, joint.holding(side).into()));
             }
         }
         self.in_joints.copy_from_slice(&self.efforts);

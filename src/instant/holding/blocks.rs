@@ -56,6 +56,14 @@ pub(crate) struct Rows {
     pub square: DMatrix<f64>,
 }
 
+impl Block {
+    /// That of a joint, by its number: a force along its freedom, of `count` of all, with this sign and between these bounds [N m or N].
+    pub fn of_joint(index: usize, freedom: usize, count: usize, sign: f64, [lower, upper]: [f64; 2]) -> Self {
+        let rows = vec![row_of_freedom(count, freedom, sign)];
+        Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows }
+    }
+}
+
 /// The row of one degree of freedom, with a sign.
 pub(crate) fn row_of_freedom(count: usize, freedom: usize, sign: f64) -> Vec<f64> {
     let mut row = vec![0.0; count];
