@@ -224,7 +224,8 @@ impl Contacts {
                 candidate.slip = slip;
             } else {
                 candidate.slip = Vector3::zeros();
-                rows.extend(rows_of_contact(scene.whole, &bodies, &candidate.contact.joint, true));
+                let rubs = scene.touching.pairs[candidate.contact.pair].friction > 0.0;
+                rows.extend(rows_of_contact(scene.whole, &bodies, &candidate.contact.joint, rubs));
             }
         }
         if rows.len() > held {
