@@ -233,11 +233,25 @@ impl PairGeometry {
         let mut least = f64::INFINITY;
         if !is_flat(side(true, place)) {
             let plane = [&-normal, &(point - normal * convex.radius)];
-            least = least.min(height_of_moved(convex, &of(true), plane, &Matrix3::identity(), &Vector3::zeros()));
+            least = least.min(height_of_moved(
+                convex,
+                side(true, place),
+                &of(true),
+                plane,
+                &Matrix3::identity(),
+                &Vector3::zeros(),
+            ));
         }
         if !is_flat(side(false, place)) {
             let plane = [&normal, &(point + normal * self.second.radius)];
-            least = least.min(height_of_moved(&self.second, &of(false), plane, &rotation, &translation));
+            least = least.min(height_of_moved(
+                &self.second,
+                side(false, place),
+                &of(false),
+                plane,
+                &rotation,
+                &translation,
+            ));
         }
         Some(least)
     }

@@ -9,30 +9,24 @@
 //!
 //! Unlike the gaps of pairs of features this is there for everything at any distance, and no faster than the bodies: a function that can be
 //! bracketed.
+//!
+//! Vertices that other places hold in the plane are left out, because their heights are roundings: those that touch themselves, the ends of an edge on which
+//! two places are, and the corners of a face on which three are. One place on an edge holds neither of its ends: shapes that lie on each other may tilt
+//! about two corners of what they have in common.
 
 use crate::features::feature::{FeatureId, Part, part};
 use crate::shapes::convex::{Convex, Core};
+use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
-/// The least height of a core over a plane with this normal into the core's side, without what belongs to features that touch (m): the plane goes
-/// through `foot`, all in the frame of the body.
-pub fn height(shape: &Convex, closed: &[FeatureId], normal: &Vector3<f64>, foot: &Vector3<f64>) -> f64 {
+/// The least height of a core over the tangent plane of a place, without what touches (m). The plane has this normal into the core's side and goes through
+/// `foot`, all in the frame of the body; `own` is the core's feature of the place, which is among those that are closed.
+pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foot]: [&Vector3<f64>; 2]) -> f64 {
     match &shape.core {
         Core::Polytope(polytope) => {
-            let touches = |number: usize| {
-                closed.iter().any(|feature| match *feature {
-                    FeatureId::Vertex(vertex) => vertex as usize == number,
-                    FeatureId::Edge(edge) | FeatureId::EdgePoint { edge, .. } => {
-                        polytope.edges.get(edge as usize).is_some_and(|edge| edge.ends.contains(&number))
-                    }
-                    FeatureId::Face(face) => {
-                        polytope.faces.get(face as usize).is_some_and(|face| face.corners.contains(&number))
-                    }
-                    _ => false,
-                })
-            };
-            let others = polytope.vertices.iter().enumerate().filter(|(number, _)| !touches(*number));
-            others.map(|(_, vertex)| normal.dot(&(vertex - foot))).fold(f64::INFINITY, f64::min)
+            let held = held_vertices(polytope, own, closed);
+            let others = polytope.vertices.iter().zip(&held).filter(|(_, held)| !**held);
+            others.map(|(vertex, _)| normal.dot(&(vertex - foot))).fold(f64::INFINITY, f64::min)
         }
         Core::Cylinder(cylinder) => {
             let touches = |end: u32| {
@@ -56,15 +50,50 @@ pub fn height(shape: &Convex, closed: &[FeatureId], normal: &Vector3<f64>, foot:
     }
 }
 
-/// The same in another frame than that of the body, which has this rotation and translation (m) in it.
+/// Of each vertex whether it is in the tangent plane of a place with this feature while these places are closed.
+fn held_vertices(polytope: &Polytope, own: FeatureId, closed: &[FeatureId]) -> Vec<bool> {
+    let corners = |feature: &FeatureId| -> &[usize] {
+        match *feature {
+            FeatureId::Edge(edge) | FeatureId::EdgePoint { edge, .. } => {
+                polytope.edges.get(edge as usize).map_or(&[], |edge| &edge.ends)
+            }
+            FeatureId::Face(face) => polytope.faces.get(face as usize).map_or(&[], |face| &face.corners),
+            _ => &[],
+        }
+    };
+    let is_on = |of: &[usize], feature: &FeatureId| match *feature {
+        FeatureId::Vertex(vertex) => of.contains(&(vertex as usize)),
+        _ => !corners(feature).is_empty() && corners(feature).iter().all(|corner| of.contains(corner)),
+    };
+    let places_on = |of: &[usize]| closed.iter().filter(|feature| is_on(of, feature)).count();
+    let mut held = vec![false; polytope.vertices.len()];
+    let mut hold = |of: &[usize]| of.iter().for_each(|&corner| held[corner] = true);
+    for feature in closed {
+        match *feature {
+            FeatureId::Vertex(vertex) if (vertex as usize) < polytope.vertices.len() => hold(&[vertex as usize]),
+            FeatureId::Edge(_) | FeatureId::EdgePoint { .. } if places_on(corners(feature)) > 1 => {
+                hold(corners(feature));
+            }
+            _ if *feature == own => hold(corners(feature)),
+            _ => {}
+        }
+    }
+    if closed.len() > 2 {
+        polytope.faces.iter().filter(|face| places_on(&face.corners) > 2).for_each(|face| hold(&face.corners));
+    }
+    held
+}
+
+/// [`height`] in another frame than that of the body, which has this rotation and translation (m) in it.
 pub fn height_of_moved(
     shape: &Convex,
+    own: FeatureId,
     closed: &[FeatureId],
     [normal, foot]: [&Vector3<f64>; 2],
     rotation: &Matrix3<f64>,
     translation: &Vector3<f64>,
 ) -> f64 {
-    height(shape, closed, &rotation.tr_mul(normal), &rotation.tr_mul(&(foot - translation)))
+    height(shape, own, closed, [&rotation.tr_mul(normal), &rotation.tr_mul(&(foot - translation))])
 }
 
 /// Whether a feature is flat: what else its body has is behind it for ever.
