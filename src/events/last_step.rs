@@ -3,7 +3,7 @@
 //! Functions are asked one by one at the samples of a step, and at one instant again and again. What was worked out there last is kept: where the bodies are,
 //! and the forces that hold joints and contacts.
 
-use crate::events::finding::watched::Seen;
+use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::events::modes::present::Present;
@@ -28,7 +28,7 @@ impl Eventful {
         if evaluated.at != at {
             sample.copy_from(origin);
             piece.place(whole, instant.time, instant.roughly, sample);
-            *evaluated = Evaluated { at, bodies: false, efforts: false };
+            *evaluated = Evaluated { at, ..Evaluated::default() };
         }
     }
 
@@ -64,6 +64,10 @@ impl Eventful {
             let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
             holding.evaluate(&present, response, sample, efforts);
             evaluated.efforts = true;
+        }
+        if !evaluated.margin && which.iter().any(|&index| watched[index] == Watched::Margin) {
+            holding.evaluate_margin();
+            evaluated.margin = true;
         }
         if !evaluated.bodies && which.iter().any(|&index| watched[index].needs_bodies()) {
             place_bodies(whole, sample, bodies);

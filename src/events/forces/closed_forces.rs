@@ -31,7 +31,6 @@ const SINGULAR: f64 = 1e-10;
 const FALLS: f64 = 1e-10;
 
 /// The forces of one instant.
-#[derive(Clone, Debug, Default)]
 pub(crate) struct ClosedForces {
     /// λ of the held joints [N m or N], by their numbers among the elements.
     pub joints: Vec<(usize, f64)>,
@@ -39,8 +38,16 @@ pub(crate) struct ClosedForces {
     pub contacts: Vec<[f64; 3]>,
     /// The size of what they are the difference of.
     pub size: f64,
-    /// The largest margin of admissible forces; infinite where they are unique.
-    pub margin: f64,
+    /// What they hold, and whether it falls together.
+    held: Closing,
+    together: bool,
+}
+
+impl ClosedForces {
+    /// The largest margin of admissible forces, where they are not unique.
+    pub fn margin(&self) -> f64 {
+        if self.together { 0.0 } else { margin_or_clear(&self.held.problem(&self.held.laws())) }
+    }
 }
 
 /// The blocks of a mode: held joints, then closed contacts; joints that slide have given efforts.
@@ -151,15 +158,14 @@ pub(crate) fn closed_forces(
     let held = Closing::at(at, response, state, efforts);
     let Closing { blocks, rows, offset, .. } = &held;
     let forces = held.forces(unique);
-    let mut found = ClosedForces { margin: f64::INFINITY, ..ClosedForces::default() };
-    let mut row = 0;
+    let (mut joints, mut contacts, mut row) = (Vec::new(), Vec::new(), 0);
     for block in blocks {
         match block.of {
-            Of::Joint(index) => found.joints.push((index, forces[row])),
+            Of::Joint(index) => joints.push((index, forces[row])),
             Of::Contact(_) => {
                 let mut force = [0.0; 3];
                 force[..block.rows.len()].copy_from_slice(&forces[row..row + block.rows.len()]);
-                found.contacts.push(force);
+                contacts.push(force);
             }
         }
         row += block.rows.len();
@@ -170,11 +176,8 @@ pub(crate) fn closed_forces(
         let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
-    found.size = (0..forces.len()).map(size).fold(0.0, f64::max);
-    if !unique {
-        found.margin = if together { 0.0 } else { margin_or_clear(&held.problem(&held.laws())) };
-    }
-    found
+    let size = (0..forces.len()).map(size).fold(0.0, f64::max);
+    ClosedForces { joints, contacts, size, held, together }
 }
 
 /// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of what it is the difference of.

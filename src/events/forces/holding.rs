@@ -9,7 +9,7 @@
 //!
 //! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::events::forces::closed_forces::{are_unique, closed_forces};
+use crate::events::forces::closed_forces::{ClosedForces, are_unique, closed_forces};
 use crate::events::modes::held::Held as Moving;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
@@ -50,8 +50,8 @@ enum How {
     Nothing,
     /// In a tree.
     Tree(Box<Tree>),
-    /// With closures, and whether λ is unique.
-    Closed { unique: bool },
+    /// With closures; whether λ is unique, and the forces of the last instant.
+    Closed { unique: bool, last: Option<Box<ClosedForces>> },
 }
 
 /// The workspace for a tree.
@@ -83,7 +83,7 @@ impl Holding {
         let how = if joints.is_empty() && mode.contacts.is_empty() {
             How::Nothing
         } else if !(whole.loops.is_empty() && mode.contacts.is_empty()) {
-            How::Closed { unique: are_unique(at, response, state) }
+            How::Closed { unique: are_unique(at, response, state), last: None }
         } else {
             // Motors act through the efforts that are handed over, not as forces of what moves.
             let mut bare = moving.mechanism.clone();
@@ -112,7 +112,7 @@ impl Holding {
 
     /// Whether the efforts are unique.
     pub fn is_unique(&self) -> bool {
-        !matches!(self.how, How::Closed { unique: false })
+        !matches!(self.how, How::Closed { unique: false, .. })
     }
 
     /// λ of a joint [N m or N].
@@ -140,7 +140,7 @@ impl Holding {
         if self.is_unique() { self.rounding_of_contacts() } else { SHARED_ROUNDING * self.contact_size }
     }
 
-    /// m: positive while some efforts can hold all.
+    /// m: positive while some efforts can hold all; of the instant at which it was worked out last.
     pub fn margin(&self) -> f64 {
         self.margin
     }
@@ -148,7 +148,7 @@ impl Holding {
     /// Works them out for a state of the whole under efforts from outside, of friction and of motors: one entry a degree of freedom.
     pub fn evaluate(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
         let Present { whole, elements, moving, .. } = *at;
-        let Holding { joints, efforts: found, sizes, margin, how, .. } = self;
+        let Holding { joints, efforts: found, sizes, how, .. } = self;
         match how {
             How::Nothing => {}
             How::Tree(tree) => {
@@ -164,15 +164,22 @@ impl Holding {
                     }
                 }
             }
-            How::Closed { unique } => {
+            How::Closed { unique, last } => {
                 let forces = closed_forces(at, response, state, efforts, *unique);
                 for &(joint, effort) in &forces.joints {
                     (found[joint], sizes[joint]) = (effort, forces.size);
                 }
-                *margin = forces.margin;
-                self.contacts = forces.contacts;
+                self.contacts.clone_from(&forces.contacts);
                 self.contact_size = forces.size;
+                *last = Some(Box::new(forces));
             }
+        }
+    }
+
+    /// Works out m where the efforts have been worked out last: it may take as long as all of them.
+    pub fn evaluate_margin(&mut self) {
+        if let How::Closed { unique: false, last: Some(forces) } = &self.how {
+            self.margin = forces.margin();
         }
     }
 }

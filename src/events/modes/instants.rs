@@ -34,8 +34,10 @@ pub(crate) struct Evaluated {
     pub at: Option<(Inside, u64)>,
     /// Whether the bodies are placed there,
     pub bodies: bool,
-    /// and the forces are those of this instant.
+    /// the forces are those of this instant,
     pub efforts: bool,
+    /// and their margin is.
+    pub margin: bool,
 }
 
 /// Positions and velocities at some times of one step.

@@ -159,8 +159,11 @@ impl Rows {
     /// Rows at a state.
     pub fn new(response: &mut Response, state: &State, rows: Vec<Vec<f64>>) -> Self {
         let columns = response.answers(state, &rows);
+        // A contact has entries for the freedoms of two bodies and of what carries them.
+        let entries = |row: &Vec<f64>| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+        let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(entries).collect();
         let half = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
-            rows[row].iter().zip(columns.column(column).iter()).map(|(a, b)| a * b).sum::<f64>()
+            entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
         });
         // Symmetric to the last bit.
         let square = 0.5 * (&half + half.transpose());
