@@ -17,6 +17,8 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT}
 
 /// Most rounds of the fixed point.
 const ROUNDS: usize = 25;
+/// So many rounds may pass in which the residual is not halved.
+const PATIENCE: usize = 6;
 
 /// Scaled forces near a solution, from those of a start or from none; none if clarabel fails.
 pub(super) fn convex_rounds(problem: &Scaled, start: Option<&[f64]>) -> Option<Vec<f64>> {
@@ -28,6 +30,7 @@ pub(super) fn convex_rounds(problem: &Scaled, start: Option<&[f64]>) -> Option<V
     let mut shift = if start.is_some() { shifts(problem, &forces, &rates) } else { vec![0.0; 2 * problem.laws.len()] };
     let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut nearest: Option<(f64, Vec<f64>)> = None;
+    let (mut idle, mut least) = (0, f64::INFINITY);
     for _ in 0..ROUNDS {
         let Some(found) = programme.solve(problem, &shift) else { break };
         forces = found;
@@ -35,6 +38,11 @@ pub(super) fn convex_rounds(problem: &Scaled, start: Option<&[f64]>) -> Option<V
         let residual = problem.residual(&forces, &rates);
         if nearest.as_ref().is_none_or(|(least, _)| residual < *least) {
             nearest = Some((residual, forces.clone()));
+        }
+        idle = if residual < 0.5 * least { 0 } else { idle + 1 };
+        least = least.min(residual);
+        if idle == PATIENCE {
+            break;
         }
         let image = shifts(problem, &forces, &rates);
         let off: Vec<f64> = image.iter().zip(&shift).map(|(image, shift)| image - shift).collect();
