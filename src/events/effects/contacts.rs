@@ -10,8 +10,7 @@
 //!
 //! Source: F. Génot, B. Brogliato, New results on Painlevé paradoxes, European Journal of Mechanics A 18 (1999).
 
-use crate::events::effects::decision::{Candidate, Decided, Scene, Yielding};
-use crate::events::effects::flat_ends::Asked;
+use crate::events::effects::decision::{Candidate, Scene, Yielding};
 use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::Found;
 use crate::events::effects::planar_rims::{land_opposite, touching_point};
@@ -25,10 +24,9 @@ use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_c
 use crate::instant::holding::elements::inward;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::description::contact::TouchJoint;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
+use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
 
 /// Overlaps of more than this part of the size of a pair are moved apart.
@@ -40,24 +38,27 @@ const REST: f64 = 1e-10;
 /// So is this [m/s].
 const SLOWEST: f64 = 1e-13;
 /// The contacts of a pair are at rest if none of them is faster than this many times what is rest for one.
-const TOGETHER: f64 = 100.0;
+pub(super) const TOGETHER: f64 = 100.0;
 /// Slips that have been seen to stop may be faster by this factor: a step that ends at the stop leaves what lies across them.
 pub(crate) const STOPPED: f64 = 1e4;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
-/// Points of a flat end whose gaps fall with less than this part of the largest acceleration do not: laws are solved to 1e-10.
-const LOWEST: f64 = 1e-9;
+/// A pair with more points than this at its flat ends is looked at without those that its load has needed before.
+const MOST_POINTS: usize = 12;
 
 /// The contacts of an event.
 pub(crate) struct Contacts {
-    all: Vec<Contact>,
+    pub(super) all: Vec<Contact>,
     /// Their numbers in the mode before, where they were closed.
-    known: Vec<Option<usize>>,
+    pub(super) known: Vec<Option<usize>>,
+    /// How many were there before points were added to flat ends.
+    pub(super) gathered: usize,
     /// The numbers of those that slid there.
     slid: Vec<usize>,
     /// What is left to be decided once impacts are over.
     pub candidates: Vec<Candidate>,
-    rest: f64,
+    /// Slower than this is rest [m/s].
+    pub(super) rest: f64,
     /// By how much slips may be faster than rest and are stopped even so; 1 unless contacts jam ([`Contacts::jams`]).
     jam: f64,
 }
@@ -69,6 +70,7 @@ impl Contacts {
         let mut contacts = Contacts {
             all: Vec::new(),
             known: Vec::new(),
+            gathered: 0,
             slid: Vec::new(),
             candidates: Vec::new(),
             rest: SLOWEST,
@@ -91,7 +93,9 @@ impl Contacts {
                 Watched::Margin => closed().any(|(_, closed)| closed.contact.flat_end().is_some()),
                 _ => false,
             };
-            if found.anew || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
+            // Each event may have added a point towards its centre of pressure.
+            let many = closed().filter(|(_, closed)| closed.contact.flat_end().is_some()).count() > MOST_POINTS;
+            if found.anew || many || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
                 let within = if found.anew { of.closed_anew() } else { of.within(TOUCHED) };
                 let mut near: Vec<Contact> =
                     touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();
@@ -113,6 +117,7 @@ impl Contacts {
                 contacts.all.extend(closed().map(|(_, closed)| closed.contact.clone()));
             }
         }
+        contacts.gathered = contacts.all.len();
         contacts
     }
 
@@ -277,51 +282,6 @@ impl Contacts {
         let before = energy(scene.whole, state).total();
         state.displace(scene.whole, &change);
         keep_from_gaining(scene, state, before).max(0.0)
-    }
-
-    /// Adds the points that flat ends lack after an impact; `holding` are the normal impulses that would hold all. Whether there are any.
-    pub fn complete_impact(&mut self, scene: &Scene, state: &State, holding: &[f64]) -> bool {
-        let bodies = body_states(scene.whole, state);
-        let value = |joint: &TouchJoint| touch_motion(joint, &bodies).rate;
-        let asked = Asked { touching: scene.touching, bodies: &bodies, value, least: -self.rest, pressed: false };
-        let lacking = asked.lacking(&self.all.iter().collect::<Vec<_>>(), holding);
-        self.known.extend(lacking.iter().map(|_| None));
-        let any = !lacking.is_empty();
-        self.all.extend(lacking);
-        any
-    }
-
-    /// Adds the points that flat ends lack that have been decided to stay; `pressed` asks for those towards the centres of pressure in any case. Whether
-    /// there are any.
-    pub fn complete_decision(&mut self, scene: &Scene, state: &State, decided: &Decided, pressed: bool) -> bool {
-        if !self.candidates.iter().any(|candidate| candidate.contact.flat_end().is_some()) {
-            return false;
-        }
-        let bodies = body_states(scene.whole, state);
-        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
-        body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
-        let largest = decided.accelerations.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        // What has begun to tilt touches at one point, whatever its accelerations.
-        let value = |joint: &TouchJoint| {
-            let touch = touch_motion(joint, &bodies);
-            let tilts = touch.rate.abs() > TOGETHER * self.rest;
-            if tilts { 0.0 } else { touch_accelerations(joint, &bodies, &accelerations, &tangents(&touch.normal))[0] }
-        };
-        let least = -LOWEST * (scene.whole.gravity.norm() + largest).max(f64::MIN_POSITIVE);
-        let asked = Asked { touching: scene.touching, bodies: &bodies, value, least, pressed };
-        let contacts: Vec<&Contact> = self.candidates.iter().map(|candidate| &candidate.contact).collect();
-        let mut lacking = asked.lacking(&contacts, &decided.pressures);
-        // What parts is no candidate, here as little as in [`Contacts::come_to_rest`].
-        lacking.retain(|contact| touch_motion(&contact.joint, &bodies).rate <= self.rest);
-        for contact in &lacking {
-            let own = |candidate: &&Candidate| candidate.contact.pair == contact.pair;
-            let slips = self.candidates.iter().filter(own).any(|candidate| candidate.slip != Vector3::zeros());
-            let slip = if slips { touch_motion(&contact.joint, &bodies).slip } else { Vector3::zeros() };
-            self.candidates.push(Candidate { contact: contact.clone(), slip, slides: false, opens: false });
-            self.known.push(None);
-            self.all.push(contact.clone());
-        }
-        !lacking.is_empty()
     }
 
     /// Keeps all candidates closed, those that slip sliding: what is done where the law could not be solved.

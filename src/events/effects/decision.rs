@@ -115,8 +115,9 @@ pub(crate) struct Decided {
     pub off: f64,
     /// One entry a degree of freedom.
     pub accelerations: Vec<f64>,
-    /// λ_N of every candidate (N) that would hold all of them; zero where none is at the rim of a flat end.
+    /// λ_N of every candidate (N), and those that would hold all of them; zero where none is at the rim of a flat end.
     pub pressures: Vec<f64>,
+    pub holding: Vec<f64>,
 }
 
 /// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors.
@@ -163,8 +164,9 @@ pub(crate) fn decide(
     }
     let mut free = vec![0.0; state.velocity.len()];
     let mut pressures = vec![0.0; candidates.len()];
+    let mut held = pressures.clone();
     if blocks.is_empty() {
-        return Ok(Decided { off: 0.0, accelerations: free, pressures });
+        return Ok(Decided { off: 0.0, accelerations: free, pressures, holding: held });
     }
     response.accelerations(state, &efforts, &mut free);
     let rows = Rows::of(response, state, &blocks);
@@ -233,7 +235,7 @@ pub(crate) fn decide(
             }
             Of::Contact(index) => {
                 if let Some(holding) = &holding {
-                    pressures[index] = holding[row];
+                    (pressures[index], held[index]) = (found.forces[row], holding[row]);
                 }
                 let Candidate { contact, slip, .. } = &candidates[index];
                 if matches!(is, BlockState::Open | BlockState::AtLower) && leaves {
@@ -281,7 +283,7 @@ pub(crate) fn decide(
         }
     }
     rows.add(&found.forces, &mut free);
-    Ok(Decided { off, accelerations: free, pressures })
+    Ok(Decided { off, accelerations: free, pressures, holding: held })
 }
 
 /// The flat ends of which a point leaves, with the largest of the forces at their points (N).

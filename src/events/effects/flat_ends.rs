@@ -9,7 +9,8 @@
 //!
 //! Where an impact, or a decision, leaves the least of them below zero, the answer for these points is not that for the disc: another point is added, and
 //! the problem solved anew. The point is the one towards the centre of pressure of what would hold the disc, because that is where it begins to tip, or, if
-//! there is one already, the one with the least value. So the disc is exact, with as many points as it needs.
+//! there is one already, the one with the least value; what was added before and carries nothing is left out again. So the disc is exact, with as many
+//! points as it needs.
 //!
 //! Source: R. Hettich, K. O. Kortanek, Semi-infinite programming: theory, methods, and applications, SIAM Review 35 (1993), section 7 (exchange methods).
 
@@ -25,6 +26,8 @@ const SAME: f64 = 1e-6;
 const THERE: f64 = 1e-3;
 /// An end is flat if its rim rises by less than this part of its radius.
 const FLAT: f64 = 2e-9;
+/// Rounds in which points towards centres of pressure are added: next to other contacts those depend on the points that there are.
+const TOWARDS_PRESSURE: usize = 2;
 /// Where the centre of pressure is nearer than this to the middle of the disc the disc is far from tipping, relative to the radius.
 const MIDDLE: f64 = 0.3;
 
@@ -49,6 +52,8 @@ pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
     pub value: V,
     /// Values down to this are zero.
     pub least: f64,
+    /// How often points have been added before.
+    pub round: usize,
     /// Whether the point towards the centre of pressure is wanted in any case.
     pub pressed: bool,
 }
@@ -79,7 +84,7 @@ impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
         let lowest = values.iter().sum::<f64>() / 3.0 - slope.norm();
         let pressed = end.towards_pressure(of_pair, bodies);
         let wanted = if lowest < self.least {
-            let new = pressed.filter(|towards| !end.has(towards, THERE, bodies));
+            let new = pressed.filter(|towards| self.round < TOWARDS_PRESSURE && !end.has(towards, THERE, bodies));
             new.or_else(|| (-slope).try_normalize(0.0))?
         } else if self.pressed {
             pressed?

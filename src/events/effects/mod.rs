@@ -10,5 +10,6 @@ pub(crate) mod memory;
 pub(crate) mod noted;
 pub(crate) mod planar_rims;
 pub(crate) mod resting;
+mod rim_points;
 pub(crate) mod shared_pressures;
 pub(crate) mod transition;

@@ -71,14 +71,16 @@ pub(crate) fn transit(
     let velocity = state.velocity.clone();
     let (mut meetings, mut ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
     let mut collided = collide(scene, state, &meetings);
-    for _ in 0..COMPLETING {
-        if collided.is_err() || !contacts.has_flat_ends() {
+    for round in 0..COMPLETING {
+        let Ok(impulses) = &collided else { break };
+        if !contacts.has_flat_ends() {
             break;
         }
+        let first = meetings.len() - contacts.count();
         let after = std::mem::replace(&mut state.velocity, velocity.clone());
-        let holding = holding_impulses(scene, state, &meetings[meetings.len() - contacts.count()..]);
+        let holding = holding_impulses(scene, state, &meetings[first..]);
         state.velocity = after;
-        if !contacts.complete_impact(scene, state, &holding) {
+        if !contacts.complete_impact(scene, state, &holding, &impulses.normal[first..], round) {
             break;
         }
         state.velocity.copy_from_slice(&velocity);
@@ -123,7 +125,7 @@ pub(crate) fn transit(
         for round in 0..COMPLETING {
             let Ok(found) = &decided else { break };
             // What is not exact is off at every point.
-            if found.off > 0.0 || !contacts.complete_decision(scene, state, found, round == 0) {
+            if found.off > 0.0 || !contacts.complete_decision(scene, state, found, round) {
                 break;
             }
             decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
