@@ -6,9 +6,7 @@
 //!     at rest:  closed, and |u_T| ≤ rest              friction may hold it
 //! ```
 //!
-//! A contact that slides while no acceleration fits Coulomb's law (Painlevé) is seized: an impulse without collision, all contacts plastic.
-//!
-//! Source: F. Génot, B. Brogliato, New results on Painlevé paradoxes, European Journal of Mechanics A 18 (1999).
+//! What flat ends lack is added in `rim_points.rs`, and what slides and jams is stopped in `seizing.rs`.
 
 use crate::events::effects::decision::{Candidate, Scene, Yielding};
 use crate::events::effects::impact::Meeting;
@@ -18,10 +16,8 @@ use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gain
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::cone::impact::impulse_without_collision;
-use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
-use crate::instant::holding::elements::inward;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
@@ -159,7 +155,7 @@ impl Contacts {
     }
 
     /// A contact as a block whose friction may hold it.
-    fn block(&self, scene: &Scene, bodies: &[BodyState], index: usize) -> Block {
+    pub(super) fn block(&self, scene: &Scene, bodies: &[BodyState], index: usize) -> Block {
         let contact = &self.all[index];
         let friction = scene.touching.pairs[contact.pair].friction;
         let rows = rows_of_contact(scene.whole, bodies, &contact.joint, friction > 0.0);
@@ -305,37 +301,5 @@ impl Contacts {
             }
         }
         false
-    }
-
-    /// The impulse where no acceleration of a candidate fits the law, at which joints on their limits bear; returns the energy that it takes (J), nothing if
-    /// it is not found.
-    pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<f64> {
-        let bodies = body_states(scene.whole, state);
-        let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
-        let numbers: Vec<usize> = self.candidates.iter().filter_map(number).collect();
-        let mut blocks: Vec<Block> = numbers.iter().map(|&index| self.block(scene, &bodies, index)).collect();
-        let (contacts, contact_rows) = (blocks.len(), blocks.iter().map(|block| block.rows.len()).sum::<usize>());
-        let joints = scene.elements.joints.iter().enumerate().filter_map(|(index, joint)| {
-            let side = joint.side(joint.position(state))?;
-            let lower = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
-            let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
-            Some(Block::of_joint(index, freedom, count, inward(side), [lower, f64::INFINITY]))
-        });
-        blocks.extend(joints);
-        let rows = Rows::of(scene.response, state, &blocks);
-        let before = rows.rates(&state.velocity);
-        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-        let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
-        let impulses = impulse_without_collision(&problem, candidate).ok()?.forces;
-        rows.add(&impulses, &mut state.velocity);
-        let after = rows.rates(&state.velocity);
-        for (block, impulse) in blocks[contacts..].iter().zip(&impulses[contact_rows..]) {
-            if let Of::Joint(index) = block.of
-                && *impulse != 0.0
-            {
-                state.velocity[scene.elements.joints[index].coordinate.freedom] = 0.0;
-            }
-        }
-        Some(impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b)).sum())
     }
 }

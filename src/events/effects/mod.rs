@@ -11,5 +11,6 @@ pub(crate) mod noted;
 pub(crate) mod planar_rims;
 pub(crate) mod resting;
 mod rim_points;
+mod seizing;
 pub(crate) mod shared_pressures;
 pub(crate) mod transition;
