@@ -265,19 +265,35 @@ impl Contacts {
         if gaps.iter().all(|gap| gap.abs() <= CLOSED) {
             return 0.0;
         }
-        let normal = |candidate: &Candidate| rows_of_contact(scene.whole, bodies, &candidate.contact.joint, false);
-        let mut rows: Vec<Vec<f64>> = self.candidates.iter().flat_map(normal).collect();
+        let normal = |contact: &Contact| rows_of_contact(scene.whole, bodies, &contact.joint, false);
+        let mut rows: Vec<Vec<f64>> = self.candidates.iter().flat_map(|candidate| normal(&candidate.contact)).collect();
         rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
+        let wide = |(gap, candidate): (&f64, &Candidate)| {
+            gap.abs() > scene.touching.pairs[candidate.contact.pair].within(OVERLAP)
+        };
+        // Steps of first order leave gaps that are no roundings: what parts must not be pushed into its partner.
+        let parting = if gaps.iter().zip(&self.candidates).any(wide) { self.parting() } else { Vec::new() };
         gaps.resize(rows.len(), 0.0);
+        let mut pushes = vec![(f64::NEG_INFINITY, f64::INFINITY); gaps.len()];
+        for contact in parting {
+            rows.extend(normal(contact));
+            gaps.push(touch_motion(&contact.joint, bodies).gap);
+            pushes.push((0.0, f64::INFINITY));
+        }
         let rows = Rows::new(scene.response, state, rows);
-        let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); gaps.len()];
-        let pushes = minimise(&rows.square, &gaps, &unbounded).efforts;
+        let pushes = minimise(&rows.square, &gaps, &pushes).efforts;
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&pushes, &mut change);
         still.iter().for_each(|&freedom| change[freedom] = 0.0);
         let before = energy(scene.whole, state).total();
         state.displace(scene.whole, &change);
         keep_from_gaining(scene, state, before).max(0.0)
+    }
+
+    /// Those that part.
+    fn parting(&self) -> Vec<&Contact> {
+        let stays = |contact: &Contact| self.candidates.iter().any(|candidate| candidate.contact == *contact);
+        self.all.iter().filter(|contact| !stays(contact)).collect()
     }
 
     /// Keeps all candidates closed, those that slip sliding: what is done where the law could not be solved.
