@@ -284,7 +284,8 @@ fn the_gaps_of_every_closed_scene_are_rounding_over_a_million_steps() {
         let name = stem(&file);
         let (_, model, mut state) = load(name);
         let mechanism = &model.mechanism;
-        if !mechanism.has_closures() {
+        // The scheme alone knows no contact: what falls is 5000 km away in the end.
+        if !mechanism.has_closures() || !mechanism.nonsmooth.pairs.is_empty() {
             continue;
         }
         assemble(mechanism, &mut state).unwrap();
