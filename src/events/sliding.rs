@@ -50,7 +50,7 @@ const OFF: f64 = 1e-8;
 /// Given steps are made shorter if more than this part is, and more than so much of what friction takes: one that cannot follow a slip, or what jams, is
 /// off by about as much as friction does, and truncation by far less.
 const OFF_GIVEN: f64 = 1e-6;
-const OFF_FRICTION: f64 = 1e-2;
+const OFF_FRICTION: f64 = 1e-4;
 /// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
 const OFF_STUCK: f64 = 1e-4;
 

@@ -14,6 +14,7 @@ mod contacts_disc;
 mod contacts_dominoes;
 mod contacts_falling;
 mod contacts_far;
+mod contacts_given_steps;
 mod contacts_many_points;
 mod contacts_mesh;
 mod contacts_orders;
