@@ -2,7 +2,7 @@
 //!
 //! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
 
-use crate::distances::beyond::{height_of_moved, is_flat};
+use crate::distances::beyond::{height, height_of_moved};
 use crate::distances::half_space::HalfSpace;
 use crate::distances::manifold::manifold;
 use crate::distances::mesh::Mesh;
@@ -230,30 +230,11 @@ impl PairGeometry {
         let normal = first.rotation.inverse() * normal * if self.exchanged { -1.0 } else { 1.0 };
         let point = first.inverse_transform_point(&(*point).into()).coords;
         let of = |first: bool| closed.iter().map(|place| side(first, place)).collect::<Vec<_>>();
-        let mut least = f64::INFINITY;
-        if !is_flat(side(true, place)) {
-            let plane = [&-normal, &(point - normal * convex.radius)];
-            least = least.min(height_of_moved(
-                convex,
-                side(true, place),
-                &of(true),
-                plane,
-                &Matrix3::identity(),
-                &Vector3::zeros(),
-            ));
-        }
-        if !is_flat(side(false, place)) {
-            let plane = [&normal, &(point + normal * self.second.radius)];
-            least = least.min(height_of_moved(
-                &self.second,
-                side(false, place),
-                &of(false),
-                plane,
-                &rotation,
-                &translation,
-            ));
-        }
-        Some(least)
+        let plane = [&-normal, &(point - normal * convex.radius)];
+        let of_first = height(convex, side(true, place), &of(true), plane);
+        let plane = [&normal, &(point + normal * self.second.radius)];
+        let own = side(false, place);
+        Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
     }
 
     /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not. The other

@@ -1,12 +1,11 @@
 //! A ball that is wedged in below a box until its contact slips: forces grow by 10 kN in half a millisecond, and the slip begins without an acceleration.
 //! The scene is seed 388 of `benches/random_scenes.py`.
 
-use crate::loose::{DOWN, cuboid, loose, on_floor, resting};
+use crate::loose::{DOWN, cuboid, loose, on_floor, resting, slope};
 use crate::mechanisms::{fixed, of_kind, run};
 use catena::mechanism::description::contact::Shape;
-use catena::mechanism::description::joint::Pose;
 use catena::mechanism::motion::event::EventKind;
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 
 #[test]
 fn a_slip_that_begins_where_forces_grow_steeply_stays_a_slip_and_no_force_leaves_its_cone() {
@@ -16,10 +15,7 @@ fn a_slip_that_begins_where_forces_grow_steeply_stays_a_slip_and_no_force_leaves
     let mut mechanism =
         loose(DOWN, &[(1.6029505448300339, cylinder), (2.8454817984543976, ball), (0.43677473932916655, upright)]);
     on_floor(&mut mechanism, 0.5, 0.0);
-    let normal = Vector3::new(0.10561121004923893, -0.11602261946047733, 0.9876158281869852);
-    let slope = Rotation3::rotation_between(&Vector3::z(), &normal).expect("less than half a turn");
-    let floor = mechanism.nonsmooth.colliders.last_mut().expect("a floor");
-    floor.pose = Pose::from_parts(Vector3::zeros().into(), slope);
+    slope(&mut mechanism, Vector3::new(0.10561121004923893, -0.11602261946047733, 0.9876158281869852));
     let start = resting(
         &mechanism,
         &[

@@ -5,7 +5,7 @@ use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::motion::state::State;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 /// Gravity along −z [m/s²].
 pub const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -GRAVITY);
@@ -69,6 +69,13 @@ pub fn on_floor(mechanism: &mut Mechanism, friction: f64, restitution: f64) {
         meet(mechanism, floor, first, friction, restitution);
         (first + 1..count).for_each(|second| meet(mechanism, first, second, friction, restitution));
     }
+}
+
+/// Turns the floor that has been added last to a slope with this normal.
+pub fn slope(mechanism: &mut Mechanism, normal: Vector3<f64>) {
+    let turned = Rotation3::rotation_between(&Vector3::z(), &normal).expect("less than half a turn");
+    let floor = mechanism.nonsmooth.colliders.last_mut().expect("a floor");
+    floor.pose = Pose::from_parts(Vector3::zeros().into(), turned);
 }
 
 /// Puts a free body at a place, turned by a rotation vector (rad), with velocities of its centre of mass and its spin (in its own frame).

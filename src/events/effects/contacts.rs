@@ -274,14 +274,14 @@ impl Contacts {
         // Steps of first order leave gaps that are no roundings: what parts must not be pushed into its partner.
         let parting = if gaps.iter().zip(&self.candidates).any(wide) { self.parting() } else { Vec::new() };
         gaps.resize(rows.len(), 0.0);
-        let mut pushes = vec![(f64::NEG_INFINITY, f64::INFINITY); gaps.len()];
+        let mut bounds = vec![(f64::NEG_INFINITY, f64::INFINITY); gaps.len()];
         for contact in parting {
             rows.extend(normal(contact));
             gaps.push(touch_motion(&contact.joint, bodies).gap);
-            pushes.push((0.0, f64::INFINITY));
+            bounds.push((0.0, f64::INFINITY));
         }
         let rows = Rows::new(scene.response, state, rows);
-        let pushes = minimise(&rows.square, &gaps, &pushes).efforts;
+        let pushes = minimise(&rows.square, &gaps, &bounds).efforts;
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&pushes, &mut change);
         still.iter().for_each(|&freedom| change[freedom] = 0.0);

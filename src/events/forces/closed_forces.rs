@@ -38,12 +38,17 @@ pub(crate) struct ClosedForces {
     pub contacts: Vec<[f64; 3]>,
     /// The size of what they are the difference of.
     pub size: f64,
-    /// What they hold, and whether it falls together.
+    /// What they hold.
+    pub load: Load,
+}
+
+/// What is held at an instant, and whether it falls together.
+pub(crate) struct Load {
     held: Closing,
     together: bool,
 }
 
-impl ClosedForces {
+impl Load {
     /// The largest margin of admissible forces, where they are not unique.
     pub fn margin(&self) -> f64 {
         if self.together { 0.0 } else { margin_or_clear(&self.held.problem(&self.held.laws())) }
@@ -177,7 +182,7 @@ pub(crate) fn closed_forces(
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
     let size = (0..forces.len()).map(size).fold(0.0, f64::max);
-    ClosedForces { joints, contacts, size, held, together }
+    ClosedForces { joints, contacts, size, load: Load { held, together } }
 }
 
 /// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of what it is the difference of.

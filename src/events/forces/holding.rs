@@ -9,7 +9,7 @@
 //!
 //! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::events::forces::closed_forces::{ClosedForces, are_unique, closed_forces};
+use crate::events::forces::closed_forces::{ClosedForces, Load, are_unique, closed_forces};
 use crate::events::modes::held::Held as Moving;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
@@ -50,8 +50,8 @@ enum How {
     Nothing,
     /// In a tree.
     Tree(Box<Tree>),
-    /// With closures; whether λ is unique, and the forces of the last instant.
-    Closed { unique: bool, last: Option<Box<ClosedForces>> },
+    /// With closures; whether λ is unique, and what is held at the last instant.
+    Closed { unique: bool, last: Option<Box<Load>> },
 }
 
 /// The workspace for a tree.
@@ -165,21 +165,21 @@ impl Holding {
                 }
             }
             How::Closed { unique, last } => {
-                let forces = closed_forces(at, response, state, efforts, *unique);
-                for &(joint, effort) in &forces.joints {
-                    (found[joint], sizes[joint]) = (effort, forces.size);
+                let ClosedForces { joints, contacts, size, load } =
+                    closed_forces(at, response, state, efforts, *unique);
+                for (joint, effort) in joints {
+                    (found[joint], sizes[joint]) = (effort, size);
                 }
-                self.contacts.clone_from(&forces.contacts);
-                self.contact_size = forces.size;
-                *last = Some(Box::new(forces));
+                (self.contacts, self.contact_size) = (contacts, size);
+                *last = (!*unique).then(|| Box::new(load));
             }
         }
     }
 
     /// Works out m where the efforts have been worked out last: it may take as long as all of them.
     pub fn evaluate_margin(&mut self) {
-        if let How::Closed { unique: false, last: Some(forces) } = &self.how {
-            self.margin = forces.margin();
+        if let How::Closed { last: Some(load), .. } = &self.how {
+            self.margin = load.margin();
         }
     }
 }

@@ -20,8 +20,12 @@ use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
 /// The least height of a core over the tangent plane of a place, without what touches (m). The plane has this normal into the core's side and goes through
-/// `foot`, all in the frame of the body; `own` is the core's feature of the place, which is among those that are closed.
+/// `foot`, all in the frame of the body; `own` is the core's feature of the place, which is among those that are closed. Infinite if that is flat: what else
+/// the body has is behind it for ever.
 pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foot]: [&Vector3<f64>; 2]) -> f64 {
+    if matches!(own, FeatureId::Face(_) | FeatureId::Cap(_)) {
+        return f64::INFINITY;
+    }
     match &shape.core {
         Core::Polytope(polytope) => {
             let held = held_vertices(polytope, own, closed);
@@ -94,9 +98,4 @@ pub fn height_of_moved(
     translation: &Vector3<f64>,
 ) -> f64 {
     height(shape, own, closed, [&rotation.tr_mul(normal), &rotation.tr_mul(&(foot - translation))])
-}
-
-/// Whether a feature is flat: what else its body has is behind it for ever.
-pub fn is_flat(feature: FeatureId) -> bool {
-    matches!(feature, FeatureId::Face(_) | FeatureId::Cap(_))
 }

@@ -103,13 +103,10 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
     }
     let solved = solved || {
         // Each start is made only if those before it have failed.
-        let both = |near: Vec<f64>| {
-            let scaled = &scaled;
-            [EVERYDAY, NATURAL].into_iter().map(move |settings| improved(scaled, near.clone(), settings))
-        };
-        let interiors = SPREADS.into_iter().filter_map(|spread| interior(&scaled, spread)).flat_map(both);
-        let more = MORE_SPREADS.into_iter().filter_map(|spread| interior(&scaled, spread)).flat_map(both);
-        let softened = [()].iter().flat_map(|()| both(compliant(&scaled)));
+        let both = |near: Vec<f64>| [EVERYDAY, NATURAL].into_iter().map(move |settings| from(near.clone(), settings));
+        let inside = |spread: f64| interior(&scaled, spread).into_iter().flat_map(both);
+        let (interiors, more) = (SPREADS.into_iter().flat_map(inside), MORE_SPREADS.into_iter().flat_map(inside));
+        let softened = std::iter::once_with(|| compliant(&scaled)).flat_map(both);
         let starts = [None, Some(best.forces.clone())];
         let rounds = starts.iter().filter_map(|start| convex_rounds(&scaled, start.as_deref())).flat_map(both);
         // Of the last ways such forces that grow without end are no answers.
@@ -167,7 +164,8 @@ fn fastest(scaled: &Scaled) -> f64 {
 
 /// Whether forces are none of those that grow without end.
 fn is_small(scaled: &Scaled, forces: &[f64]) -> bool {
-    forces.iter().all(|force| force.abs() <= LARGE * fastest(scaled))
+    let large = LARGE * fastest(scaled);
+    forces.iter().all(|force| force.abs() <= large)
 }
 
 /// Some sweeps from zero.

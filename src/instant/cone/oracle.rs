@@ -30,17 +30,17 @@ pub(super) fn convex_rounds(problem: &Scaled, start: Option<&[f64]>) -> Option<V
     let mut shift = if start.is_some() { shifts(problem, &forces, &rates) } else { vec![0.0; 2 * problem.laws.len()] };
     let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut nearest: Option<(f64, Vec<f64>)> = None;
-    let (mut idle, mut least) = (0, f64::INFINITY);
+    let mut idle = 0;
     for _ in 0..ROUNDS {
         let Some(found) = programme.solve(problem, &shift) else { break };
         forces = found;
         problem.rates(&forces, &mut rates);
         let residual = problem.residual(&forces, &rates);
-        if nearest.as_ref().is_none_or(|(least, _)| residual < *least) {
+        let least = nearest.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
+        idle = if residual < 0.5 * least { 0 } else { idle + 1 };
+        if nearest.is_none() || residual < least {
             nearest = Some((residual, forces.clone()));
         }
-        idle = if residual < 0.5 * least { 0 } else { idle + 1 };
-        least = least.min(residual);
         if idle == PATIENCE {
             break;
         }
