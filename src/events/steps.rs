@@ -7,12 +7,13 @@
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
 use crate::events::finding::detection::{Bracket, ONE_INSTANT};
-use crate::events::finding::watched::Watched;
+use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::displacement;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::events::modes::piece::Piece;
+use crate::events::modes::present::Present;
 use crate::events::quiet::QUIET;
 use crate::events::sliding::{JAM, Stopping};
 use crate::mechanism::forces::total::Exchange;
@@ -134,7 +135,7 @@ impl Eventful {
             self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
             self.memory.kinetic = self.memory.kinetic.max(energy(&self.whole, &self.bodies).kinetic);
         }
-        let changed = self.meet_instants(state);
+        let changed = self.meet_instants(inputs, state);
         if !triggers.is_empty() || changed || blind {
             self.flips = match self.flips {
                 (count, time) if state.time - time <= ONE_INSTANT * time.abs().max(1.0) => (count + 1, time),
@@ -223,28 +224,47 @@ impl Eventful {
         self.ignored.iter().filter(overlaps).copied().collect()
     }
 
-    /// Other efforts from outside: what joints at rest do is decided anew.
+    /// Takes other efforts from outside: the mode is decided anew if it cannot go on under them.
     pub(super) fn heed(&mut self, inputs: Inputs, state: &mut State) {
         if self.outside == inputs.efforts {
             return;
         }
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);
-        if self.rests() {
+        if !self.goes_on_under(inputs, state) {
             self.lost_at_start += self.pass(inputs, state, &[]);
         }
     }
 
-    /// Whether anything is held or pressed, which other efforts may let go.
-    fn rests(&self) -> bool {
+    /// Whether the mode goes on under efforts that have jumped: the forces that hold joints and contacts stay in their sets. A mode that was entered
+    /// at this very instant was decided under the efforts before, and is decided anew.
+    fn goes_on_under(&mut self, inputs: Inputs, state: &State) -> bool {
         let held = self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
-        held || !self.mode.contacts.is_empty()
+        if !held && self.mode.contacts.is_empty() {
+            return true;
+        }
+        if self.asleep || self.undecided || self.flips.1 == state.time || self.left.is_none() {
+            return false;
+        }
+        self.evaluated = Evaluated::default();
+        let Eventful {
+            whole, elements, touching, mode, response, pieces, current, holding, efforts, watched, bodies, slips, ..
+        } = self;
+        mode.efforts_at(elements, inputs, state.time, state, efforts);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        holding.evaluate(&present, response, state, efforts);
+        if watched.contains(&Watched::Margin) {
+            holding.evaluate_margin();
+        }
+        let time = state.time;
+        let seen = Seen { elements, touching, mode, holding, since: time, time, state, bodies, slips };
+        watched.iter().filter(|watched| watched.needs_efforts()).all(|watched| watched.value(&seen) >= 0.0)
     }
 
-    /// At a given instant of a target or a tick: the efforts that begin there. Whether joints at rest have to be decided anew.
-    fn meet_instants(&mut self, state: &State) -> bool {
+    /// At a given instant of a target or a tick: the efforts that begin there. Whether the mode has to be decided anew.
+    fn meet_instants(&mut self, inputs: Inputs, state: &State) -> bool {
         let (before, now) = (self.origin.time, state.time);
-        let mut changed = false;
+        let (mut changed, mut jumped) = (false, false);
         for index in 0..self.elements.motors.len() {
             let next = self.elements.motors[index].next_instant(before);
             if (next - now).abs() > ONE_INSTANT * now.abs().max(1.0) {
@@ -256,9 +276,9 @@ impl Eventful {
             changed |= !(follows(&mode) && follows(&self.mode.motors[index])) && mode != self.mode.motors[index];
             self.note_bound_at_tick(index, mode, now);
             self.mode.motors[index] = mode;
-            changed |= self.rests();
+            jumped = true;
         }
-        changed
+        changed || jumped && !self.goes_on_under(inputs, state)
     }
 
     /// Notes that a sampled motor reaches its bound at a tick (s), or comes back from it.
