@@ -56,6 +56,10 @@ pub struct Arguments {
     #[arg(long, help_heading = STEPS, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
 
+    /// Leave out the estimate of the error at the end, which takes about half of the time: each step keeps to its share of the tolerance
+    #[arg(long, help_heading = STEPS, conflicts_with = "stages")]
+    no_estimate: bool,
+
     /// Stages of the scheme, of order 2S-2, with a fixed --step
     #[arg(long, help_heading = STEPS, value_name = "S", allow_negative_numbers = true, value_parser = value_parser!(u8).range(2..=16),
           requires = "step", conflicts_with = "tolerance")]
@@ -137,6 +141,7 @@ impl Arguments {
         Asked {
             duration: self.duration,
             tolerance: self.tolerance,
+            no_estimate: self.no_estimate,
             fixed: self.stages.zip(self.step).map(|(stages, step)| (stages.into(), step)),
             reversible: self.reversible,
             precise: self.precise,

@@ -118,6 +118,8 @@ pub struct SimulationSettings {
     pub duration: Option<f64>,
     /// Wanted accuracy of positions (m).
     pub tolerance: Option<f64>,
+    /// Whether a run with a tolerance estimates its error.
+    pub estimate: Option<bool>,
     /// Number of stages and step (s), instead of a tolerance.
     pub fixed: Option<(usize, f64)>,
     /// Samples in the log per simulated second.

@@ -21,6 +21,8 @@ pub struct Asked {
     pub duration: Option<f64>,
     /// Wanted accuracy of positions (m).
     pub tolerance: Option<f64>,
+    /// Whether the run leaves out the estimate of its error ([`StepChoice::Unestimated`]).
+    pub no_estimate: bool,
     /// Number of stages and length of steps (s).
     pub fixed: Option<(usize, f64)>,
     /// Whether given steps vary with the pace of the motion ([`StepChoice::Reversible`]).
@@ -79,7 +81,10 @@ impl Asked {
             Some((stages, step)) if self.reversible => StepChoice::Reversible { stages, step },
             Some((stages, step)) if self.precise => StepChoice::Precise { stages, step },
             Some((stages, step)) => StepChoice::Fixed { stages, step },
-            None => StepChoice::Tolerance(self.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
+            None => {
+                let choice = StepChoice::Tolerance(self.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE));
+                if self.no_estimate || file.estimate == Some(false) { choice.without_estimate() } else { choice }
+            }
         }
     }
 }

@@ -104,6 +104,13 @@ impl Simulation {
         self
     }
 
+    /// Leaves out the estimate of the error, for about half of the time: each step keeps to its share of the tolerance.
+    #[must_use]
+    pub fn without_estimate(mut self) -> Self {
+        self.asked.no_estimate = true;
+        self
+    }
+
     /// Sets fixed steps of this length (s) with this number of stages.
     #[must_use]
     pub fn fixed(mut self, stages: usize, step: f64) -> Self {

@@ -37,7 +37,7 @@ pub(crate) fn words(
     kept.iter().for_each(|rule| say("keep", rule.name().to_string()));
     positions.iter().for_each(|(joint, values)| say("position", format!("{joint}={}", listed(values))));
     velocities.iter().for_each(|(joint, values)| say("velocity", format!("{joint}={}", listed(values))));
-    let Asked { duration, tolerance, fixed, reversible, precise, rate } = asked;
+    let Asked { duration, tolerance, no_estimate, fixed, reversible, precise, rate } = asked;
     duration.iter().for_each(|duration| say("duration", duration.to_string()));
     tolerance.iter().for_each(|tolerance| say("tolerance", tolerance.to_string()));
     if let Some((stages, step)) = fixed {
@@ -45,6 +45,7 @@ pub(crate) fn words(
         say("step", step.to_string());
     }
     rate.iter().for_each(|rate| say("rate", rate.to_string()));
+    words.extend(no_estimate.then(|| "--no-estimate".to_string()));
     words.extend(reversible.then(|| "--reversible".to_string()));
     words.extend(precise.then(|| "--precise".to_string()));
     words

@@ -85,7 +85,9 @@ impl<'a> Integrators<'a> {
             mechanism,
             match choice {
                 StepChoice::Fixed { .. } | StepChoice::Precise { .. } => SMALLEST,
-                StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => SMALLEST_OF_OWN_STEPS,
+                StepChoice::Tolerance(_) | StepChoice::Unestimated(_) | StepChoice::Reversible { .. } => {
+                    SMALLEST_OF_OWN_STEPS
+                },
             },
         );
         let kept = plan.kept.clone();
@@ -176,9 +178,11 @@ impl<'a> Wanted<'a> {
         let Some(tolerance) = self.choice.tolerance() else {
             return Ok((uncalibrated()?.into(), Err(UnknownAccuracy::NotAsked)));
         };
-        if self.at_once {
+        let estimate = !matches!(self.choice, StepChoice::Unestimated(_));
+        if self.at_once || !estimate {
             let (start, end) = (state.time, state.time + self.duration);
-            let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted, interrupt: self.interrupt };
+            let kept = kept.to_vec();
+            let terms = Terms { tolerance, start, end, kept, counted, interrupt: self.interrupt, estimate };
             let assessed = Assessed::new(mechanism, terms)?;
             return Ok((Making::Telling(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
         }

@@ -12,7 +12,7 @@
 //! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
 //! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
 //! | `link`       | `name`, `collision`                                                                           |
-//! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
+//! | `simulation` | `duration`, `tolerance` and `estimate`, or `stages` and `step`, `rate`                        |
 //!
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
@@ -165,7 +165,7 @@ fn joint_values(text: &TomlText, table: BTreeMap<Spanned<String>, JointNumbers>)
 
 /// What a table `[simulation]` says.
 pub(crate) fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<SimulationSettings, SceneError> {
-    let SimulationTable { duration, tolerance, stages, step, rate } = table.get_ref();
+    let SimulationTable { duration, tolerance, estimate, stages, step, rate } = table.get_ref();
     let refuse = |span, message| Err(text.error(&span, None, Problem::Keys(message)));
     let fixed = match (stages, step, tolerance) {
         (None, None, _) => None,
@@ -181,12 +181,16 @@ pub(crate) fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> R
             Some((*stages.get_ref(), step.get_ref().0))
         }
     };
+    if let (Some(estimate), Some(_)) = (estimate, fixed) {
+        return refuse(estimate.span(), "simulation.estimate goes with tolerance, not with stages and step");
+    }
     if let Some(rate) = rate.as_ref().filter(|rate| rate.get_ref().0 > 1e6) {
         return refuse(rate.span(), "simulation.rate must be at most 1e6");
     }
     Ok(SimulationSettings {
         duration: duration.map(|duration| duration.0),
         tolerance: tolerance.as_ref().map(|tolerance| tolerance.get_ref().0),
+        estimate: estimate.as_ref().map(|estimate| *estimate.get_ref()),
         fixed,
         rate: rate.as_ref().map(|rate| rate.get_ref().0),
     })

@@ -129,6 +129,7 @@ pub(crate) struct LoadTable {
 pub(crate) struct SimulationTable {
     pub duration: Option<Positive>,
     pub tolerance: Option<Spanned<Positive>>,
+    pub estimate: Option<Spanned<bool>>,
     pub stages: Option<Spanned<usize>>,
     pub step: Option<Spanned<Positive>>,
     pub rate: Option<Spanned<Positive>>,

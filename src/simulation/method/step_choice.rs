@@ -12,6 +12,8 @@ use crate::stepping::recipe::Steps;
 pub enum StepChoice {
     /// Stages and steps from the wanted accuracy of positions (m).
     Tolerance(f64),
+    /// The same, with the control of each step's own error alone: the run makes no estimate of its error at the end, for about half the time.
+    Unestimated(f64),
     /// Stages and step as given, with steps of so many seconds.
     Fixed {
         /// Number of stages.
@@ -43,7 +45,16 @@ impl StepChoice {
             StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: step.min(duration) },
             StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: step.min(duration) },
             // The step of reversible steps is a measure of those that are made.
-            StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => self,
+            StepChoice::Tolerance(_) | StepChoice::Unestimated(_) | StepChoice::Reversible { .. } => self,
+        }
+    }
+
+    /// The same without an estimate of the error, where a tolerance chooses the steps.
+    #[must_use]
+    pub fn without_estimate(self) -> Self {
+        match self {
+            StepChoice::Tolerance(tolerance) => StepChoice::Unestimated(tolerance),
+            other => other,
         }
     }
 
@@ -54,14 +65,14 @@ impl StepChoice {
             StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: 0.5 * step },
             StepChoice::Reversible { stages, step } => StepChoice::Reversible { stages, step: 0.5 * step },
             StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: 0.5 * step },
-            StepChoice::Tolerance(_) => self,
+            StepChoice::Tolerance(_) | StepChoice::Unestimated(_) => self,
         }
     }
 
     /// The wanted accuracy, where steps are chosen from it (m).
     pub fn tolerance(self) -> Option<f64> {
         match self {
-            StepChoice::Tolerance(tolerance) => Some(tolerance),
+            StepChoice::Tolerance(tolerance) | StepChoice::Unestimated(tolerance) => Some(tolerance),
             StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => None,
         }
     }
@@ -69,7 +80,7 @@ impl StepChoice {
     /// The step that was given (s).
     pub fn step(self) -> Option<f64> {
         match self {
-            StepChoice::Tolerance(_) => None,
+            StepChoice::Tolerance(_) | StepChoice::Unestimated(_) => None,
             StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } | StepChoice::Precise { step, .. } => {
                 Some(step)
             }
@@ -89,7 +100,7 @@ impl StepChoice {
             StepChoice::Precise { .. } if !smooth => Err(MethodError::NotPlain),
             StepChoice::Reversible { stages, step } => alone(Lobatto::reversible(mechanism, stages, step)?),
             StepChoice::Precise { stages, step } => alone(Lobatto::precise(mechanism, stages, step)?),
-            StepChoice::Tolerance(tolerance) => {
+            StepChoice::Tolerance(tolerance) | StepChoice::Unestimated(tolerance) => {
                 let stages = StageChoice::of(mechanism, tolerance);
                 RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop: 1e-4 * tolerance, stages }, kept)
             }

@@ -79,6 +79,9 @@ pub enum UnknownAccuracy {
     /// External efforts act, which the companion of the error estimate does not have.
     #[error("a program sets efforts on the joints, and the error estimate does not know its law")]
     Driven,
+    /// The run was asked for no estimate.
+    #[error("the run makes no estimate (--no-estimate); each step keeps to its share of the tolerance")]
+    NotEstimated,
     /// A trial run failed, and the run will fail for the same reason.
     #[error("a trial run failed: {0}")]
     TrialFailed(StepError),

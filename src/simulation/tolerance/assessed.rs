@@ -159,7 +159,8 @@ impl<'a> Assessed<'a> {
 
     /// Starts a carried companion if it can estimate the error; a separate one starts with the first step.
     fn accompany(&mut self, mechanism: &Mechanism) {
-        self.by = if self.run.accompany(mechanism) { By::Carried } else { By::Nothing };
+        let carried = self.terms.estimate && self.run.accompany(mechanism);
+        self.by = if carried { By::Carried } else { By::Nothing };
     }
 
     /// A separate coarser run from a state on.
@@ -173,7 +174,7 @@ impl<'a> Assessed<'a> {
         self.origin = Some(state.clone());
         self.size = size(mechanism, state);
         self.due = self.terms.start;
-        if !matches!(self.by, By::Carried) {
+        if self.terms.estimate && !matches!(self.by, By::Carried) {
             self.by = self.beside(mechanism, state);
         }
     }
@@ -257,6 +258,9 @@ impl<'a> Assessed<'a> {
     /// # Errors
     /// [`UnknownAccuracy`] if external efforts have acted, and before the first step.
     pub(crate) fn accuracy(&mut self, mechanism: &Mechanism, state: &State) -> Result<Calibration, UnknownAccuracy> {
+        if !self.terms.estimate {
+            return Err(UnknownAccuracy::NotEstimated);
+        }
         if self.driven {
             return Err(UnknownAccuracy::Driven);
         }

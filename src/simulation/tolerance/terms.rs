@@ -23,6 +23,8 @@ pub(crate) struct Terms<'a> {
     pub counted: Option<Arc<Counted>>,
     /// A flag that ends the run when it is set.
     pub interrupt: Option<&'a AtomicBool>,
+    /// Whether the run estimates its error.
+    pub estimate: bool,
 }
 
 impl Terms<'_> {

@@ -155,6 +155,7 @@ impl Method {
             kept: Vec::new(),
             counted: None,
             interrupt: None,
+            estimate: true,
         };
         Assessed::new(mechanism, terms).ok()
     }

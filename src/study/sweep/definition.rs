@@ -139,6 +139,7 @@ pub fn read_sweep(path: &Path, packages: &PackagePath) -> Result<Sweep, SweepErr
 fn replace(settings: &mut SimulationSettings, instead: SimulationSettings) {
     settings.duration = instead.duration.or(settings.duration);
     settings.rate = instead.rate.or(settings.rate);
+    settings.estimate = instead.estimate.or(settings.estimate);
     if instead.tolerance.is_some() || instead.fixed.is_some() {
         (settings.tolerance, settings.fixed) = (instead.tolerance, instead.fixed);
     }
@@ -151,5 +152,6 @@ pub(super) fn course(settings: &SimulationSettings) -> (f64, StepChoice) {
         Some((stages, step)) => StepChoice::Fixed { stages, step },
         None => StepChoice::Tolerance(settings.tolerance.unwrap_or(DEFAULT_TOLERANCE)),
     };
+    let choice = if settings.estimate == Some(false) { choice.without_estimate() } else { choice };
     (duration, choice.within(duration))
 }
