@@ -248,7 +248,19 @@ impl Eventful {
         }
         self.evaluated = Evaluated::default();
         let Eventful {
-            whole, elements, touching, mode, response, pieces, current, holding, efforts, watched, bodies, slips, ..
+            whole,
+            elements,
+            touching,
+            mode,
+            response,
+            pieces,
+            current,
+            holding,
+            efforts,
+            watched,
+            bodies,
+            slips,
+            ..
         } = self;
         mode.efforts_at(elements, inputs, state.time, state, efforts);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };

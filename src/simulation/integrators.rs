@@ -87,7 +87,7 @@ impl<'a> Integrators<'a> {
                 StepChoice::Fixed { .. } | StepChoice::Precise { .. } => SMALLEST,
                 StepChoice::Tolerance(_) | StepChoice::Unestimated(_) | StepChoice::Reversible { .. } => {
                     SMALLEST_OF_OWN_STEPS
-                },
+                }
             },
         );
         let kept = plan.kept.clone();

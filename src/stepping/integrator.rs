@@ -157,6 +157,28 @@ impl Lobatto {
         }
     }
 
+    /// Number of steps so far.
+    pub fn step_count(&self) -> usize {
+        self.stepper.step_count()
+    }
+
+    /// Makes one step exactly to `until` (s) if it is accepted at once: of steps that are chosen. Returns its outcome, and the iterations of a refused
+    /// attempt, which leaves the state as it is.
+    pub(crate) fn span(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> (Option<StepOutcome>, usize) {
+        if self.meet(mechanism, inputs, state).is_err() {
+            return (None, 0);
+        }
+        let driven = self.stepper.driven();
+        let Mode::Chosen(control) = &mut self.mode else { return (None, 0) };
+        control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until)
+    }
+
     /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
     pub fn give_up_below(&mut self, length: f64) {
         if let Mode::Chosen(control) = &mut self.mode {
@@ -191,6 +213,27 @@ pub enum StepPace {
 }
 
 impl Lobatto {
+    /// Takes what acts and the state where a step begins, which may be another one than the last step left.
+    fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> Result<(), StepError> {
+        if !self.stepper.knows(mechanism, inputs) {
+            self.renew(mechanism, inputs, state.time)?;
+        }
+        let driven = self.stepper.driven();
+        let mechanism = driven.as_deref().unwrap_or(mechanism);
+        if mechanism.forces.driven {
+            self.stepper.kernel.drive(inputs.efforts);
+        }
+        if self.stepper.meet(mechanism, state) {
+            match &mut self.mode {
+                Mode::Fixed(fixed) => fixed.begin_at(state.time),
+                Mode::Chosen(control) => control.forget(),
+                // A run that somebody turns round goes back in the same steps.
+                Mode::Reversible(_) => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Makes a kernel for what acts now.
     fn renew(&mut self, mechanism: &Mechanism, inputs: Inputs, time: f64) -> Result<(), StepError> {
         let now = self.stepper.learn(mechanism, inputs);
@@ -223,22 +266,9 @@ impl Integrator for Lobatto {
         state: &mut State,
         until: f64,
     ) -> Result<StepOutcome, StepError> {
-        if !self.stepper.knows(mechanism, inputs) {
-            self.renew(mechanism, inputs, state.time)?;
-        }
+        self.meet(mechanism, inputs, state)?;
         let driven = self.stepper.driven();
         let mechanism = driven.as_deref().unwrap_or(mechanism);
-        if mechanism.forces.driven {
-            self.stepper.kernel.drive(inputs.efforts);
-        }
-        if self.stepper.meet(mechanism, state) {
-            match &mut self.mode {
-                Mode::Fixed(fixed) => fixed.begin_at(state.time),
-                Mode::Chosen(control) => control.forget(),
-                // A run that somebody turns round goes back in the same steps.
-                Mode::Reversible(_) => {}
-            }
-        }
         match &mut self.mode {
             Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, inputs, state, until),
             Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, inputs, state, until),
@@ -277,6 +307,7 @@ impl Integrator for Lobatto {
             unsolved_contacts: 0,
             first_order_steps: 0,
             first_order_time: 0.0,
+            few_stage_steps: 0,
         }
     }
 }

@@ -17,6 +17,8 @@ pub mod integrator;
 pub mod length;
 #[doc(hidden)]
 pub mod recipe;
+/// Steps between given instants.
+pub mod spans;
 pub mod trees;
 #[doc(hidden)]
 pub mod watching;

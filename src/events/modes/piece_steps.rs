@@ -9,9 +9,10 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::Dop853;
-use crate::stepping::integrator::{Lobatto, MethodError, StepPace};
+use crate::stepping::integrator::{MethodError, StepPace};
 use crate::stepping::length::companion::Companion;
 use crate::stepping::recipe::{Recipe, Steps};
+use crate::stepping::spans::SpanSteps;
 use crate::stepping::trees::other_tree::OnOtherTree;
 
 /// How the integrators of pieces are made.
@@ -32,7 +33,7 @@ impl PieceRecipe {
         Ok(match self {
             PieceRecipe::Lobatto(recipe) => match OnOtherTree::new(mechanism, driven, recipe)? {
                 Some(other) => Box::new(other),
-                None => Box::new(recipe.lobatto(mechanism)?),
+                None => Box::new(SpanSteps::new(mechanism, recipe)?),
             },
             PieceRecipe::Dop853(tolerance) => Box::new(Dop853::new(mechanism, *tolerance)),
         })
@@ -108,7 +109,7 @@ pub(crate) trait PieceSteps: Integrator + Send {
         0.0
     }
 
-    /// Carries a companion from the next step on, where there can be one ([`Lobatto::accompany`]).
+    /// Carries a companion from the next step on, where there can be one ([`SpanSteps::accompany`]).
     fn accompany(&mut self, _mechanism: &Mechanism) {}
 
     /// Carries it no more.
@@ -120,7 +121,7 @@ pub(crate) trait PieceSteps: Integrator + Send {
     }
 }
 
-impl PieceSteps for Lobatto {
+impl PieceSteps for SpanSteps {
     fn again(
         &mut self,
         mechanism: &Mechanism,
@@ -128,15 +129,15 @@ impl PieceSteps for Lobatto {
         state: &mut State,
         length: f64,
     ) -> Result<StepOutcome, StepError> {
-        Lobatto::again(self, mechanism, inputs, state, length)
+        SpanSteps::again(self, mechanism, inputs, state, length)
     }
 
     fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        Lobatto::interpolate(self, mechanism, time, position, velocity);
+        SpanSteps::interpolate(self, mechanism, time, position, velocity);
     }
 
     fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
-        Lobatto::mean_square_rate(self, coordinate.freedom, rates)
+        SpanSteps::mean_square_rate(self, coordinate.freedom, rates)
     }
 
     fn pace(&self, origin: f64) -> StepPace {
@@ -148,33 +149,33 @@ impl PieceSteps for Lobatto {
     }
 
     fn give_up_below(&mut self, length: f64) {
-        Lobatto::give_up_below(self, length);
+        SpanSteps::give_up_below(self, length);
     }
 
     fn was_held_by_stability(&self) -> bool {
-        Lobatto::was_held_by_stability(self)
+        SpanSteps::was_held_by_stability(self)
     }
 
     fn between(&self) -> Option<f64> {
-        Lobatto::between(self)
+        SpanSteps::between(self)
     }
 
     fn ringing_inside(&self) -> f64 {
-        Lobatto::ringing_inside(self)
+        SpanSteps::ringing_inside(self)
     }
 
     fn accompany(&mut self, mechanism: &Mechanism) {
         if !mechanism.has_closures() {
-            Lobatto::accompany(self, mechanism);
+            SpanSteps::accompany(self, mechanism);
         }
     }
 
     fn leave_companion(&mut self) {
-        Lobatto::leave_companion(self);
+        SpanSteps::leave_companion(self);
     }
 
     fn companion(&self) -> Option<&Companion> {
-        Lobatto::companion(self)
+        SpanSteps::companion(self)
     }
 }
 

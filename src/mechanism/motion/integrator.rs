@@ -39,6 +39,8 @@ pub struct MethodDescription {
     /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
     pub first_order_steps: usize,
     pub first_order_time: f64,
+    /// Steps with three stages, in spans between given instants that are short beside the steps of the method.
+    pub few_stage_steps: usize,
 }
 
 impl MethodDescription {
@@ -59,6 +61,7 @@ impl MethodDescription {
             unsolved_contacts: 0,
             first_order_steps: 0,
             first_order_time: 0.0,
+            few_stage_steps: 0,
         }
     }
 

@@ -50,7 +50,8 @@ const KEPT: f64 = 3.3;
 /// The largest error of a sample inside a step, over a power of the largest E that is kept: factor and power for a number of stages, for which they
 /// were measured. Dense output has a lower order than the ends of steps (`doc/findings/2026-11-24-samples-between-steps.md`, and
 /// `2026-11-24-between-steps-of-five-stages.md`).
-const BETWEEN: [(usize, f64, f64); 2] = [(5, 0.25, 1.5), (9, 0.35, 1.25)];
+/// Of three stages E itself is a bound while the coefficients fall.
+const BETWEEN: [(usize, f64, f64); 3] = [(3, 1.0, 1.0), (5, 0.25, 1.5), (9, 0.35, 1.25)];
 /// The part of the tolerance that samples inside steps may be off by.
 const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
@@ -336,6 +337,38 @@ impl Control {
                 }
             }
         }
+    }
+
+    /// Makes one step exactly to `until` (s), if it is accepted at once; returns its outcome and the iterations of a refused attempt.
+    pub(crate) fn span(
+        &mut self,
+        stepper: &mut Stepper,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> (Option<StepOutcome>, usize) {
+        let length = until - state.time;
+        if length > stepper.watch.safe_step() {
+            return (None, 0);
+        }
+        self.memory.step = length;
+        let guess = stepper.first_guess();
+        let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule(), guess);
+        let Attempt::Converged { exact, legendre, .. } = attempt else {
+            self.forget();
+            return (None, attempt.iterations());
+        };
+        let energies = stepper.finish(mechanism, state);
+        let mut outcome = StepOutcome { iterations: attempt.iterations(), exact, ..StepOutcome::default() };
+        let accepted = self.judge(&attempt, Some(energies), length, guess) == Decision::Accept
+            && stepper.accept(mechanism, state, length, until, &mut outcome).is_ok();
+        if !accepted {
+            self.forget();
+            return (None, outcome.iterations);
+        }
+        self.look_inside(stepper, mechanism, legendre);
+        (Some(outcome), 0)
     }
 
     /// Whether a solved step with this E is likely to be kept, by its energy, too: what a companion does in one that is thrown away is for nothing. Of

@@ -42,6 +42,8 @@ const SMALLEST_IN_A_PLANE: usize = 6;
 /// What decides on the number of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StageChoice {
+    /// Three, in spans that given instants bound ([`crate::spans`]).
+    Fewest,
     /// Five.
     Few,
     /// Nine.
@@ -63,6 +65,7 @@ impl StageChoice {
     /// The number of stages.
     pub fn count(self) -> usize {
         match self {
+            StageChoice::Fewest => 3,
             StageChoice::Few => 5,
             StageChoice::Many => 9,
         }
@@ -70,7 +73,7 @@ impl StageChoice {
 
     /// The scheme.
     pub fn tableau(self) -> &'static Tableau {
-        Tableau::of(self.count()).expect("five and nine stages are in range")
+        Tableau::of(self.count()).expect("three, five and nine stages are in range")
     }
 
     /// `c = E_tol / √ε` of the step control ([`crate::length::control`]). On closed loops Newton's method leaves no error of the iteration, and
@@ -80,6 +83,8 @@ impl StageChoice {
     /// ten tolerances off, with c = 0.3 eight).
     pub(crate) fn wanted_share(self) -> f64 {
         match self {
+            // No companion sees the truncation of such spans, which may be ten thousand: it is to be negligible.
+            StageChoice::Fewest => 0.01,
             StageChoice::Few => 0.5,
             StageChoice::Many => 0.03,
         }

@@ -400,6 +400,11 @@ impl Stepper {
         inside.sample(mechanism, &last, (time - origin.time) / length, position, velocity);
     }
 
+    /// Number of steps so far.
+    pub fn step_count(&self) -> usize {
+        self.steps
+    }
+
     /// Mean length of the steps so far (s).
     pub fn mean_step(&self) -> f64 {
         self.stepped_time / self.steps.max(1) as f64

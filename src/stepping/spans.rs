@@ -1,0 +1,217 @@
+//! Steps of a motion that is interrupted at given instants: ticks of a controller, kinks of a table of targets.
+//!
+//! Instants bound the steps, and the truncation of a scheme with many stages is far below the rounding in so short a span. Three stages (order 4) are enough
+//! there, for a fraction of the work where contacts or loops couple the stages. A span is made in one step:
+//!
+//! ```text
+//!     span τ = until − t < h      h: the step that many stages would make (s)
+//!     accepted with three stages, if  E ≤ min(3.3 c √ε, T/2)  and the energy changes by no more than its share of T
+//! ```
+//!
+//! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.01`
+//! ([`crate::length::stage_choice`]). The local error behaves like E², so that ten thousand spans leave less than ε. A span that is refused is made
+//! with many stages, and the next ones, too, twice as many after each refusal in a row. The order between events stays that of many stages, because spans
+//! are made with few stages only where both are below the tolerance.
+
+use crate::integrator::{Lobatto, MethodError, StepPace};
+use crate::length::companion::Companion;
+use crate::length::stage_choice::StageChoice;
+use crate::recipe::{Recipe, Steps};
+use catena_mechanism::description::body_state::BodyState;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
+
+/// Spans in a row that many stages have made in one step each, before three stages are tried: the last step of a run is no such span.
+const IN_A_ROW: usize = 2;
+/// After a refusal as many spans are made with many stages at least,
+const WAIT: usize = 8;
+/// and twice as many after each refusal in a row, up to this power of two.
+const DOUBLINGS: u32 = 6;
+
+/// The scheme with many stages, and with three stages in spans that are short beside its steps.
+pub struct SpanSteps {
+    many: Lobatto,
+    few: Option<Box<Lobatto>>,
+    recipe: Recipe,
+    /// Whether three stages made the last step.
+    by_few: bool,
+    /// Spans in a row that many stages have made in one step.
+    in_a_row: usize,
+    /// Spans that many stages make before three are tried again, and refusals in a row.
+    waits: usize,
+    refusals: u32,
+    /// Iterations and attempts of refused spans that no outcome has counted yet.
+    lost: (usize, usize),
+}
+
+impl SpanSteps {
+    /// For a mechanism.
+    ///
+    /// # Errors
+    /// [`MethodError`] for stages and steps that cannot be.
+    pub fn new(mechanism: &Mechanism, recipe: &Recipe) -> Result<Self, MethodError> {
+        let many = recipe.lobatto(mechanism)?;
+        let recipe = recipe.clone();
+        Ok(SpanSteps { many, few: None, recipe, by_few: false, in_a_row: 0, waits: 0, refusals: 0, lost: (0, 0) })
+    }
+
+    /// The scheme that made the last step.
+    fn last(&self) -> &Lobatto {
+        self.few.as_deref().filter(|_| self.by_few).unwrap_or(&self.many)
+    }
+
+    fn last_mut(&mut self) -> &mut Lobatto {
+        match &mut self.few {
+            Some(few) if self.by_few => few,
+            _ => &mut self.many,
+        }
+    }
+
+    /// Whether the span from a time to `until` (s) is to be tried with three stages.
+    fn is_short(&self, time: f64, until: f64) -> bool {
+        let StepPace::Step { length, .. } = self.many.step_pace(0.0) else { return false };
+        self.in_a_row >= IN_A_ROW && self.waits == 0 && until - time < length && self.many.companion().is_none()
+    }
+
+    /// Tries a span with three stages.
+    fn try_few(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        if self.few.is_none() {
+            let Steps::Chosen { tolerance, stop, .. } = self.recipe.steps else { return None };
+            let steps = Steps::Chosen { tolerance, stop, stages: StageChoice::Fewest };
+            self.few = Recipe { steps, ..self.recipe.clone() }.lobatto(mechanism).ok().map(Box::new);
+        }
+        let (made, iterations) = self.few.as_mut()?.span(mechanism, inputs, state, until);
+        if made.is_some() {
+            self.refusals = 0;
+        } else {
+            self.lost = (self.lost.0 + iterations, self.lost.1 + 1);
+            self.waits = WAIT << self.refusals.min(DOUBLINGS);
+            self.refusals += 1;
+        }
+        made
+    }
+
+    /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
+    ///
+    /// # Errors
+    /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
+    pub fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        self.last_mut().again(mechanism, inputs, state, length)
+    }
+
+    /// Positions and velocities at a time inside the last step (s), as interpolated ([`Lobatto::interpolate`]).
+    pub fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.last_mut().interpolate(mechanism, time, position, velocity);
+    }
+
+    /// The mean square of the rate of a scalar coordinate over the last step [(m/s)² or (rad/s)²]; `rates` is room.
+    pub fn mean_square_rate(&self, freedom: usize, rates: &mut Vec<f64>) -> f64 {
+        self.last().mean_square_rate(freedom, rates)
+    }
+
+    /// The pace of the steps with many stages, for one who goes on; `origin` is where a grid began (s).
+    pub fn step_pace(&self, origin: f64) -> StepPace {
+        self.many.step_pace(origin)
+    }
+
+    /// Goes on at the pace of another, which made steps of the same motion up to `time` (s).
+    pub fn keep_pace(&mut self, pace: StepPace, time: f64) {
+        self.many.keep_pace(pace, time);
+    }
+
+    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    pub fn give_up_below(&mut self, length: f64) {
+        self.many.give_up_below(length);
+    }
+
+    /// Whether stability, and not accuracy, has limited a step.
+    pub fn was_held_by_stability(&self) -> bool {
+        self.many.was_held_by_stability()
+    }
+
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    pub fn between(&self) -> Option<f64> {
+        let few = self.few.as_ref().map_or(Some(0.0), |few| few.between());
+        Some(self.many.between()?.max(few?))
+    }
+
+    /// The largest error of samples inside steps that were too long for a damper (m).
+    pub fn ringing_inside(&self) -> f64 {
+        self.few.as_ref().map_or(0.0, |few| few.ringing_inside()).max(self.many.ringing_inside())
+    }
+
+    /// Carries a companion from the next step on ([`Lobatto::accompany`]); all steps have many stages then.
+    pub fn accompany(&mut self, mechanism: &Mechanism) {
+        self.many.accompany(mechanism);
+    }
+
+    /// Carries it no more.
+    pub fn leave_companion(&mut self) {
+        self.many.leave_companion();
+    }
+
+    /// The motion beside that of the run.
+    pub fn companion(&self) -> Option<&Companion> {
+        self.many.companion()
+    }
+}
+
+impl Integrator for SpanSteps {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if self.is_short(state.time, until)
+            && let Some(outcome) = self.try_few(mechanism, inputs, state, until)
+        {
+            self.by_few = true;
+            return Ok(outcome);
+        }
+        if self.by_few {
+            // Many stages have not seen the spans since their last step, and go on with its length.
+            self.many.keep_pace(self.many.step_pace(state.time), state.time);
+            self.by_few = false;
+        }
+        let mut outcome = self.many.step(mechanism, inputs, state, until)?;
+        let (iterations, rejected) = std::mem::take(&mut self.lost);
+        outcome.iterations += iterations;
+        outcome.rejected += rejected;
+        self.waits = self.waits.saturating_sub(1);
+        self.in_a_row = if state.time == until { self.in_a_row + 1 } else { 0 };
+        Ok(outcome)
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.last_mut().dense(mechanism, time, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.last().bodies()
+    }
+
+    fn description(&self) -> MethodDescription {
+        let mut description = self.many.description();
+        if let Some(few) = &self.few {
+            let of_few = few.description();
+            description.include_stability(&of_few);
+            let (many_steps, few_steps) = (self.many.step_count(), few.step_count());
+            let total = description.step * many_steps as f64 + of_few.step * few_steps as f64;
+            if description.adaptive {
+                description.step = total / (many_steps + few_steps).max(1) as f64;
+            }
+            description.few_stage_steps = few_steps;
+        }
+        description
+    }
+}
