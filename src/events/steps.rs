@@ -59,10 +59,14 @@ impl Eventful {
         }
         let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
         let mut stopped = slow.filter(|_| straight && !blind);
+        let given = !blind && until <= soon;
         let until = until.min(soon);
         let contacts = self.mode.contacts.len();
         let piece = &mut self.pieces[self.current];
         let unknowns = piece.moving.mechanism.velocity_count + 3 * contacts;
+        if let Some(steps) = &mut piece.steps {
+            steps.expect_instant(given);
+        }
         piece.begin(&self.whole, inputs, &self.efforts, &self.origin);
         let mut triggers = Vec::new();
         let mut outcome = StepOutcome::default();

@@ -37,7 +37,9 @@ pub struct SpanSteps {
     recipe: Recipe,
     /// Whether three stages made the last step.
     by_few: bool,
-    /// Spans in a row that many stages have made in one step.
+    /// Whether a given instant bounds the next step.
+    given: bool,
+    /// Spans to given instants in a row that many stages have made in one step.
     in_a_row: usize,
     /// Spans that many stages make before three are tried again, and refusals in a row.
     waits: usize,
@@ -54,7 +56,22 @@ impl SpanSteps {
     pub fn new(mechanism: &Mechanism, recipe: &Recipe) -> Result<Self, MethodError> {
         let many = recipe.lobatto(mechanism)?;
         let recipe = recipe.clone();
-        Ok(SpanSteps { many, few: None, recipe, by_few: false, in_a_row: 0, waits: 0, refusals: 0, lost: (0, 0) })
+        Ok(SpanSteps {
+            many,
+            few: None,
+            recipe,
+            by_few: false,
+            given: false,
+            in_a_row: 0,
+            waits: 0,
+            refusals: 0,
+            lost: (0, 0),
+        })
+    }
+
+    /// Says whether a given instant bounds the next step; the stop of a slip, say, does not.
+    pub fn expect_instant(&mut self, given: bool) {
+        self.given = given;
     }
 
     /// The scheme that made the last step.
@@ -72,7 +89,11 @@ impl SpanSteps {
     /// Whether the span from a time to `until` (s) is to be tried with three stages.
     fn is_short(&self, time: f64, until: f64) -> bool {
         let StepPace::Step { length, .. } = self.many.step_pace(0.0) else { return false };
-        self.in_a_row >= IN_A_ROW && self.waits == 0 && until - time < length && self.many.companion().is_none()
+        self.given
+            && self.in_a_row >= IN_A_ROW
+            && self.waits == 0
+            && until - time < length
+            && self.many.companion().is_none()
     }
 
     /// Tries a span with three stages.
@@ -188,7 +209,7 @@ impl Integrator for SpanSteps {
         outcome.iterations += iterations;
         outcome.rejected += rejected;
         self.waits = self.waits.saturating_sub(1);
-        self.in_a_row = if state.time == until { self.in_a_row + 1 } else { 0 };
+        self.in_a_row = if self.given && state.time == until { self.in_a_row + 1 } else { 0 };
         Ok(outcome)
     }
 

@@ -95,6 +95,9 @@ pub(crate) trait PieceSteps: Integrator + Send {
     /// Goes on at the pace of another, which made steps up to `time` (s).
     fn go_on_at(&mut self, pace: StepPace, time: f64);
 
+    /// Says whether a given instant, such as a tick, bounds the next step.
+    fn expect_instant(&mut self, _given: bool) {}
+
     /// From now on a step that is shorter than this (s) and cannot be solved is given up.
     fn give_up_below(&mut self, _length: f64) {}
 
@@ -146,6 +149,10 @@ impl PieceSteps for SpanSteps {
 
     fn go_on_at(&mut self, pace: StepPace, time: f64) {
         self.keep_pace(pace, time);
+    }
+
+    fn expect_instant(&mut self, given: bool) {
+        SpanSteps::expect_instant(self, given);
     }
 
     fn give_up_below(&mut self, length: f64) {
