@@ -35,7 +35,7 @@ impl Eventful {
         if mode.contacts.is_empty() || (self.undecided && !inside) {
             return;
         }
-        let Eventful { whole, elements, touching, pieces, current, reporting, .. } = self;
+        let Eventful { whole, elements, touching, pieces, current, reporting, holding, .. } = self;
         let mut efforts = vec![0.0; whole.velocity_count];
         efforts[..self.outside.len()].copy_from_slice(&self.outside);
         self.felt.add(state.time, &mut efforts);
@@ -43,8 +43,9 @@ impl Eventful {
         mode.add_motor_efforts(elements, self.origin.time, state.time, state, &mut efforts);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let mut reporting = reporting.borrow_mut();
-        let unique = self.holding.is_unique() && !inside;
-        let forces = reporting.forces(&present, state, &efforts, unique);
+        let unique = holding.is_unique() && !inside;
+        let known = if unique { holding.recall(state, &efforts) } else { None };
+        let forces = known.unwrap_or_else(|| reporting.forces(&present, state, &efforts, unique));
         let bodies = body_states(whole, state);
         out.extend(mode.contacts.iter().zip(forces).map(|(closed, &[pressure, along, across])| {
             let touch = touch_motion(&closed.contact.joint, &bodies);

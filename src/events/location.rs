@@ -110,7 +110,8 @@ impl Eventful {
             if fresh { f64::INFINITY } else { watched.nearly(TOGETHER, &self.elements, &self.touching, &self.mode) }
         }));
         let end = self.pieces[self.current].small.time;
-        let found = first_sign_change(room, which.len(), since, end, noise, |time, of, values| {
+        let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
+        let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of], values);
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })

@@ -74,6 +74,11 @@ impl SpanSteps {
         self.given = given;
     }
 
+    /// Whether three stages made the last step: a span that is short beside the steps of the motion.
+    pub fn is_short_span(&self) -> bool {
+        self.by_few
+    }
+
     /// The scheme that made the last step.
     fn last(&self) -> &Lobatto {
         self.few.as_deref().filter(|_| self.by_few).unwrap_or(&self.many)

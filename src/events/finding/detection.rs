@@ -12,6 +12,8 @@ use std::ops::Range;
 
 /// Samples of a step besides its start.
 pub(crate) const SAMPLES: usize = 6;
+/// Those of a span that is short beside the steps of the motion, in which forces change in proportion to time.
+pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
 /// The samples that are looked at first,
 pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
 /// and the least value of a function there over all that it changes by, above which it is not looked at any more.
@@ -67,7 +69,7 @@ pub(crate) struct Room {
 }
 
 /// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
-/// `−noise` of a function count as zero at the start.
+/// `−noise` of a function count as zero at the start. In a `short` span both ends are looked at first.
 ///
 /// Allocates only where there are more functions than ever before.
 pub(crate) fn first_sign_change(
@@ -76,18 +78,20 @@ pub(crate) fn first_sign_change(
     start: f64,
     end: f64,
     noise: &[f64],
+    short: bool,
     mut sample: impl FnMut(f64, Range<usize>, &mut [f64]),
 ) -> Option<Bracket> {
     let length = end - start;
     let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
     let Room { values, calm } = room;
     values.resize(count * (SAMPLES + 1), 0.0);
-    for j in FIRST_SAMPLES {
+    let first: &[usize] = if short { &ENDS } else { &FIRST_SAMPLES };
+    for &j in first {
         sample(time(j), 0..count, &mut values[j * count..][..count]);
     }
     calm.clear();
-    calm.extend((0..count).map(|watched| is_calm(FIRST_SAMPLES.map(|j| values[j * count + watched]))));
-    for j in (0..=SAMPLES).filter(|j| !FIRST_SAMPLES.contains(j)) {
+    calm.extend((0..count).map(|watched| is_calm(first.iter().map(|j| values[j * count + watched]))));
+    for j in (0..=SAMPLES).filter(|j| !first.contains(j)) {
         for watched in (0..count).filter(|&watched| !calm[watched]) {
             sample(time(j), watched..watched + 1, &mut values[j * count + watched..][..1]);
         }
@@ -121,10 +125,9 @@ pub(crate) fn first_sign_change(
 }
 
 /// Whether a function stays far from zero: it is larger at all samples than all that it changes by between them, several times.
-fn is_calm(samples: [f64; FIRST_SAMPLES.len()]) -> bool {
-    let (least, most) = samples
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(*value), most.max(*value)));
+fn is_calm(samples: impl Iterator<Item = f64>) -> bool {
+    let (least, most) =
+        samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
     least > 0.0 && (least == f64::INFINITY || least > CALM * (most - least))
 }
 
@@ -253,7 +256,9 @@ mod tests {
     use super::*;
 
     fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
-        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| values[0] = function(time))
+        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], false, |time, _, values| {
+            values[0] = function(time)
+        })
     }
 
     #[test]
@@ -274,7 +279,7 @@ mod tests {
     fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
         let looks = |function: &dyn Fn(f64) -> f64| {
             let mut count = 0;
-            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| {
+            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], false, |time, _, values| {
                 count += 1;
                 values[0] = function(time);
             });

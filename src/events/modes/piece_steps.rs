@@ -98,6 +98,11 @@ pub(crate) trait PieceSteps: Integrator + Send {
     /// Says whether a given instant, such as a tick, bounds the next step.
     fn expect_instant(&mut self, _given: bool) {}
 
+    /// Whether the last step was a span to a given instant, short beside the steps of the motion.
+    fn is_short_span(&self) -> bool {
+        false
+    }
+
     /// From now on a step that is shorter than this (s) and cannot be solved is given up.
     fn give_up_below(&mut self, _length: f64) {}
 
@@ -153,6 +158,10 @@ impl PieceSteps for SpanSteps {
 
     fn expect_instant(&mut self, given: bool) {
         SpanSteps::expect_instant(self, given);
+    }
+
+    fn is_short_span(&self) -> bool {
+        SpanSteps::is_short_span(self)
     }
 
     fn give_up_below(&mut self, length: f64) {
