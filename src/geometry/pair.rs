@@ -237,6 +237,14 @@ impl PairGeometry {
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
     }
 
+    /// The least height over a half space of the vertices that are not part of `closed` places (m); `None` unless one shape is a half space and the other has flat faces.
+    pub fn lowest_beside(&self, closed: &[PlaceId], a: &Pose, b: &Pose) -> Option<f64> {
+        let First::HalfSpace(half_space) = &self.first else { return None };
+        let (_, (rotation, translation)) = self.relative(a, b);
+        let names = closed.iter().map(|place| if self.exchanged { place.a } else { place.b });
+        half_space.lowest_but(&self.second, names, &rotation, &translation)
+    }
+
     /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not. The other
     /// point may lie beside the face: [`PairGeometry::margin`] tells.
     pub fn rim_place(&self, known: &TouchPlace, towards: &Vector3<f64>, a: &Pose, b: &Pose) -> Option<TouchPlace> {

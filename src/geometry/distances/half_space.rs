@@ -58,8 +58,46 @@ impl HalfSpace {
             let (_, [_, q]) = meet(&self.part(), &on_b, &guess)?;
             Some(self.candidate(q, feature)).filter(|candidate| candidate.distance() - b.radius < near)
         };
-        let gap = self.nearest(b, rotation, translation).distance() - b.radius;
+        let nearest = self.nearest(b, rotation, translation);
+        let gap = nearest.distance() - b.radius;
+        if let (Core::Polytope(polytope), FeatureId::Vertex(lowest)) = (&b.core, nearest.features[1])
+            && polytope.neighbours.are_known()
+        {
+            let vertex = |vertex: usize| place(FeatureId::Vertex(vertex as u32));
+            let low = polytope.neighbours.connected(lowest as usize, |number| vertex(number).is_some());
+            return low.into_iter().filter_map(vertex).collect();
+        }
         contact_features(&b.core, &down, near - gap).filter_map(place).collect()
+    }
+
+    /// The least height of the vertices of a polytope that are not among these (m); `None` for other cores. Because the vertices below any height are connected, the
+    /// lowest of the others is the lowest of all or a neighbour of one of these.
+    pub fn lowest_but(
+        &self,
+        b: &Convex,
+        closed: impl Iterator<Item = FeatureId> + Clone,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+    ) -> Option<f64> {
+        let Core::Polytope(polytope) = &b.core else { return None };
+        let is_closed = |vertex: usize| closed.clone().any(|feature| feature == FeatureId::Vertex(vertex as u32));
+        let height = |vertex: usize| {
+            let q = rotation * polytope.vertices[vertex] + translation;
+            self.normal.dot(&(q - self.point)) - b.radius
+        };
+        let lowest_of = |vertices: &mut dyn Iterator<Item = usize>| {
+            vertices.filter(|&vertex| !is_closed(vertex)).map(height).fold(f64::INFINITY, f64::min)
+        };
+        if !polytope.neighbours.are_known() {
+            return Some(lowest_of(&mut (0..polytope.vertices.len())));
+        }
+        let lowest = polytope.support_vertex(&-rotation.tr_mul(&self.normal));
+        let beside = closed.clone().filter_map(|feature| match feature {
+            FeatureId::Vertex(vertex) if (vertex as usize) < polytope.vertices.len() => Some(vertex as usize),
+            _ => None,
+        });
+        let beside = beside.flat_map(|vertex| polytope.neighbours.of(vertex).iter().map(|&next| next as usize));
+        Some(lowest_of(&mut std::iter::once(lowest).chain(beside)))
     }
 
     /// A point (m) over the surface.

@@ -7,5 +7,6 @@ pub(crate) mod error;
 pub(crate) mod extents;
 pub(crate) mod hull;
 pub(crate) mod hull_surface;
+pub(crate) mod neighbours;
 pub(crate) mod plane;
 pub(crate) mod polytope;

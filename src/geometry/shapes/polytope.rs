@@ -2,6 +2,7 @@
 //!
 //! Its support number is `h(n) = max n · v` over the vertices v. Lengths are in m, in the frame of the body.
 
+use crate::shapes::neighbours::Neighbours;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -34,12 +35,14 @@ pub struct Polytope {
     pub edges: Vec<Edge>,
     /// Its faces, none for points and segments.
     pub faces: Vec<Face>,
+    /// The neighbours of its vertices, of one with many.
+    pub neighbours: Neighbours,
 }
 
 impl Polytope {
     /// One point (m).
     pub fn point(at: Vector3<f64>) -> Self {
-        Polytope { vertices: vec![at], edges: Vec::new(), faces: Vec::new() }
+        Polytope { vertices: vec![at], edges: Vec::new(), faces: Vec::new(), neighbours: Neighbours::default() }
     }
 
     /// The segment between two points (m).
@@ -48,6 +51,7 @@ impl Polytope {
             vertices: ends.to_vec(),
             edges: vec![Edge { ends: [0, 1], faces: None, open: true }],
             faces: Vec::new(),
+            neighbours: Neighbours::default(),
         }
     }
 
@@ -65,8 +69,9 @@ impl Polytope {
             faces: (faces.len() == 2).then(|| [faces[0], faces[1]]),
             open: true,
         };
-        let edges = found.into_iter().map(edge).collect();
-        Polytope { vertices, edges, faces }
+        let edges: Vec<Edge> = found.into_iter().map(edge).collect();
+        let neighbours = Neighbours::new(&vertices, &edges);
+        Polytope { vertices, edges, faces, neighbours }
     }
 
     /// The triangle with these corners (m), with a face on either side: face 0 is the one that they go round counterclockwise.
@@ -78,11 +83,17 @@ impl Polytope {
 
     /// `max n · v` (m) for n of any length.
     pub fn support(&self, normal: &Vector3<f64>) -> f64 {
+        if self.neighbours.are_known() {
+            return normal.dot(&self.vertices[self.support_vertex(normal)]);
+        }
         self.vertices.iter().map(|vertex| normal.dot(vertex)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The vertex that is farthest along a direction.
     pub fn support_vertex(&self, direction: &Vector3<f64>) -> usize {
+        if self.neighbours.are_known() {
+            return self.neighbours.support(&self.vertices, direction);
+        }
         let mut best = (f64::NEG_INFINITY, 0);
         for (number, vertex) in self.vertices.iter().enumerate() {
             let along = direction.dot(vertex);

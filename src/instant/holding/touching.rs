@@ -179,6 +179,9 @@ impl Touching {
         let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
         let (a, b) = (pose(*a, bodies), pose(*b, bodies));
         let features: Vec<PlaceId> = closed.iter().map(|contact| contact.features).collect();
+        if let Some(height) = geometry.lowest_beside(&features, &a, &b) {
+            return height.min(within);
+        }
         let mut least = within;
         for contact in closed {
             let TouchMotion { normal, point, .. } = touch_motion(&contact.joint, bodies);
