@@ -18,10 +18,10 @@ const STAGES: usize = 5;
 const STEP: f64 = 1e-3;
 const WARM_UP: usize = 4;
 const STEPS: usize = 12;
-/// Short chains are timed over so many runs at least as make this many bodies: a clock needs something to measure.
+/// Short chains are timed over enough runs to make at least this number of bodies: a clock needs something to measure.
 const BODIES_TO_TIME: usize = 1000;
 const ROUNDS: usize = 7;
-/// Tells the process that it is to measure the memory of a chain of so many links.
+/// Tells the process to measure the memory of a chain with this number of links.
 const MEMORY: &str = "CATENA_BENCH_MEMORY_LINKS";
 
 struct Length {

@@ -1,4 +1,5 @@
-//! Errors of the library as exceptions of Python: the messages of the command line, `InputError` for what was given, `RunError` for what happened.
+//! Errors of the library as exceptions of Python, with the messages of the command line: `InputError` for wrong input, `RunError` for a run that
+//! fails.
 
 use catena::session::Error;
 use pyo3::exceptions::PyRuntimeError;

@@ -120,7 +120,7 @@ impl Run {
         self.with(py, |simulation| simulation.set_efforts(&efforts))
     }
 
-    /// `controller(t, q, v)` is asked now and every period (s), and returns efforts, or `None` for none.
+    /// `controller(t, q, v)` is asked now and every period (s), and returns efforts, or `None` for zero efforts.
     fn set_controller(&self, py: Python<'_>, period: f64, controller: Py<PyAny>) -> PyResult<()> {
         let law = move |now: &Moment, efforts: &mut [f64]| -> Result<(), ControllerFailure> {
             Python::attach(|py| Ok(ask(py, &controller, now, efforts)?))

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! For a joint axis with screws `s_i` (`(p × z, z)` in space) about the common origin, `P = s_kᵀ F s_i` and so on, and the twist of the body
-//! is from then on that of its parent, `η_body = η_parent + s x` (method page of the project, newton.md §4c).
+//! is from then on that of its parent, `η_body = η_parent + s x`.
 
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::{Column, Elimination, TWIST};

@@ -1,7 +1,7 @@
 //! The exact Newton step, with all stages coupled: for closed loops, and where nothing simpler converges.
 //!
 //! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages
-//! i at once (newton.md §4c, loops.md §1 of the project's method pages). With η the twists about a common origin, for every
+//! i at once. With η the twists about a common origin, for every
 //! body, joint axis and closure
 //!
 //! ```text

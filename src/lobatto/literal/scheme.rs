@@ -26,6 +26,8 @@
 //! | g      | `RᵀR = 1` (6 a body), then the joint's rows (6 − degrees of freedom); loops; contacts | d; m and 1     |
 //! | Λ_i    | multipliers                                                             | d; N and N m                 |
 //!
+//! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, section 2.5 (`doc/method.md`).
+//!
 //! Every row of g is a polynomial of degree two, so its Jacobian and second derivative are exact and come from the
 //! same list of coefficients. Σ must be positive definite here, because (2.5.11a) divides by it; the elimination of
 //! `RᵀR = 1` that the fast solver uses only divides by J.

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! over all degrees of freedom and stages together. Source: D. Anderson, J. ACM 12 (1965); H. Walker and P. Ni, SIAM
-//! J. Numer. Anal. 49 (2011). Depth 3 is enough here (doc/findings/2026-11-notes.md).
+//! J. Numer. Anal. 49 (2011). Depth 3 is enough here (doc/decisions/003-simplified-newton-iteration.md).
 
 use crate::numbers::lanes::Lanes;
 

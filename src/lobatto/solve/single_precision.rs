@@ -33,7 +33,7 @@ const LARGE: f64 = 1e-2;
 /// Increments count as no smaller than what rounding leaves (rad, m), so that no step ends on them but one whose stop is coarser.
 const ROUNDED: f64 = 1e-5;
 /// Steps that are iterated further than this (rad, m) begin in double precision: with 1e-9 nothing is gained where motions amplify errors, and
-/// the errors of pilot runs say less of those of finer ones (doc/findings/2026-11-stages.md).
+/// the errors of pilot runs say less of those of finer ones (doc/decisions/003-simplified-newton-iteration.md).
 const FINEST: f64 = 1e-7;
 /// With moments below this part of half the sum of a link's own, single precision leaves two digits of a factor and less.
 const LIGHTEST: f64 = 1e-5;

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! They are computed with about 32 digits (`exact`) and rounded once; what that cuts off is kept where it counts
-//! ([`Remainders`]). Source: the constrained scheme (2.5.11).
+//! ([`Remainders`]). Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11).
 
 use crate::numbers::extended::Extended;
 use crate::tableau::exact::Exact;
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn tables_of_two_three_and_four_stages_are_the_published_ones() {
-        // Hairer, Lubich, Wanner, tables II.1.3 and II.1.4; the same numbers as tables 2.4 to 2.6 of the source.
+        // Hairer, Lubich, Wanner, tables II.1.3 and II.1.4; the same numbers as tables 2.4 to 2.6 of the thesis of T. M. Tyranowski.
         let over =
             |numerators: &[f64], denominator: f64| -> Vec<f64> { numerators.iter().map(|n| n / denominator).collect() };
         let two = Tableau::of(2).unwrap();

@@ -17,7 +17,7 @@
 //! ```
 //!
 //! while no eigenvalue of `(y₀, v₀) → (y₁, v₁)` exceeds 1 in size; for ζ ≥ ½ up to `(s − 1) √(2s)`, which is where the limit for
-//! ζ → ∞ is found to lie, and the least for such ζ within 2·10⁻³ (doc/findings/2026-11-stiff-limits.md).
+//! ζ → ∞ is found to lie, and the least for such ζ within 2·10⁻³ (doc/decisions/007-stability-with-springs-and-dampers.md).
 
 use crate::tableau::butcher::{MAXIMUM_STAGES, Tableau};
 use nalgebra::{DMatrix, DVector, Matrix2};

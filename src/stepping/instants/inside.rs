@@ -13,7 +13,7 @@
 //!     w = max l c_s √(S + B) E^{3/4},    or max ½ l E_i of those that are interpolated through the stages alone
 //! ```
 //!
-//! with the constants measured in `doc/findings/2026-11-24-between-steps-of-five-stages.md`.
+//! with the constants measured in `doc/decisions/005-samples-between-steps.md`.
 
 use crate::instants::levers::levers;
 use crate::instants::sampling::{Interpolation, LastStep};

@@ -18,7 +18,7 @@ const REST: f64 = 0.05;
 const TRUNCATED: f64 = 0.5;
 
 /// The error at the end of a step consists of products of two coefficients that the polynomials leave out. There are n² such products for n degrees
-/// of freedom, so the estimate grows like n² up to this n (`doc/findings/2026-11-24-honest-both-ways.md`).
+/// of freedom, so the estimate grows like n² up to this n (`doc/decisions/004-error-estimated-along-the-run.md`).
 const MANY_FREEDOMS: f64 = 8.0;
 
 /// The motion beside that of the run.

@@ -4,9 +4,9 @@
 //! those that fill it: nine with AVX-512. Two vectors of four lanes do not take twice as long as one either: in a plane arithmetic waits for arithmetic, and in
 //! space the first iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not
 //! have. With five stages and coarse tolerances some trees take less time with AVX2, but truncation is no less than the error of the iteration there, and the
-//! companion of a run does not see it: of 1856 runs that said that they had reached their accuracy 32 had not (doc/findings/2026-11-25-five-stages.md).
+//! companion of a run does not see it: of 1856 runs that said that they had reached their accuracy 32 had not (doc/decisions/002-stages-for-a-tolerance.md).
 //!
-//! Closed loops have five where their tolerance is not fine (doc/findings/2026-11-stages.md): all stages are coupled there, and an iteration with nine costs
+//! Closed loops have five where their tolerance is not fine: all stages are coupled there, and an iteration with nine costs
 //! twice as much. Nine make steps so long that Newton's method limits them, and not the accuracy. One or two four-bars, which pass singular positions, need
 //! much shorter steps with five, and keep nine; and so do springs and dampers so stiff that the stability of the scheme limits the step, which nine stages extend
 //! to twice the length: the trial runs see that (`simulation::tolerance::accuracy`).

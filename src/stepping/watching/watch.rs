@@ -119,7 +119,7 @@ impl Watch {
 
     /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
     ///
-    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (doc/findings/2026-11-stiff-limits.md).
+    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (doc/decisions/007-stability-with-springs-and-dampers.md).
     pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
         self.decays[1] = decay;
         let s = self.tableau.stages as f64;

@@ -1,4 +1,4 @@
-//! The stepping loop of Rapier, and what it costs: what both programs time.
+//! The stepping loop of Rapier and its cost, which both programs time.
 
 pub mod jointed;
 
