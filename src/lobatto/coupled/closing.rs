@@ -30,7 +30,7 @@ impl<G: Geometry<One>> Closing<G> {
         self.counted = Some(counted);
     }
 
-    /// Decides what is known of the closures in a state from which steps start ([`crate::coupled::deciding`]).
+    /// Determines the ranks of the closures in a state from which steps start ([`crate::coupled::deciding`]).
     pub fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         let counted = self.counted.take().filter(|counted| counted.is_at(state));
         let counted = counted.unwrap_or_else(|| Arc::new(Counted::at(mechanism, state)));
@@ -41,7 +41,7 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.find_empty(&self.start);
     }
 
-    /// What is known of the closures, with the equations that were empty where the latest step ended.
+    /// The ranks and flags of the closures, with the equations that were empty where the latest step ended.
     pub fn known(&self) -> &Known {
         self.projection.known()
     }

@@ -8,8 +8,8 @@
 //!     x = P⁻¹ (rhs − Σ_c r_c x_c) = z − Σ_c Y_c x_c,         F_mc ← F_mc − l_m Y_c
 //! ```
 //!
-//! For a joint axis with screws `s_i` (`(p × z, z)` in space) about the common origin, `P = s_kᵀ F s_i` and so on, and the twist of the body
-//! is from then on that of its parent, `η_body = η_parent + s x`.
+//! A joint axis has screws `s_i` (`(p × z, z)` in space) about the common origin, and `P = s_kᵀ F s_i` and so on. After its elimination the twist of
+//! the body is the twist of its parent, `η_body = η_parent + s x`.
 
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::{Column, Elimination, TWIST};

@@ -16,7 +16,7 @@ use crate::plan::tree::Plan;
 /// Largest number of repetitions.
 pub(crate) const ROUNDS: usize = 40;
 
-/// Corrections of velocities and accelerations that leave nothing but rounding.
+/// Corrections of velocities and accelerations below this part of them are rounding.
 const ROUNDED: f64 = 1e-15;
 
 /// When repetitions of a solve end: rounding does not fall any more.
@@ -26,7 +26,7 @@ pub(crate) struct Rounds {
 }
 
 impl Rounds {
-    /// Whether another round is worth it: the gap falls, or what is owed for lent inertia does, and is not rounding.
+    /// Whether another round is worth it: the gap still falls, or the correction owed for lent inertia still falls and is not rounding.
     pub(crate) fn go_on(&mut self, gap: f64, owed: f64) -> bool {
         let Some((last_gap, last_owed)) = self.last else {
             self.last = Some((gap, f64::INFINITY));
@@ -73,7 +73,7 @@ impl Coupled<One> {
     }
 }
 
-/// The largest of the latest corrections of light freedoms, as a part of the largest value; zero if none is lent anything.
+/// The largest of the latest corrections of light freedoms, as a part of the largest value; zero without lent inertia.
 pub(crate) fn owed(known: &Known, correction: &[f64], values: &[f64]) -> f64 {
     if known.lent.is_empty() {
         return 0.0;

@@ -4,7 +4,7 @@
 //!     B_ki of the mass blocks,  Â_ik of the proximal terms,  (Ā B)_ki of velocities in the rows,  a_ij of integrals to a stage
 //! ```
 //!
-//! A row k is a stage as [`row_stage`] says. With one stage all of them are 1: a projection at one configuration.
+//! A row k is a stage as [`row_stage`] says. A system of one stage has ones everywhere: a projection at one configuration.
 
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::stages::coefficients::{moved_rows, row_stage};

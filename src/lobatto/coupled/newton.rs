@@ -35,7 +35,7 @@ pub(crate) struct StageUnknowns<'s, V: Lanes, G: Geometry<V>> {
     pub displacement: &'s [V],
     /// To be found (rad, m).
     pub increment: &'s mut [V],
-    /// Of forces along every freedom in the rows [N m, N]; empty without forces.
+    /// Efforts of forces along every freedom in the rows [N m, N]; empty without forces.
     pub efforts: &'s [V],
     /// Length of the step (s).
     pub step: f64,
@@ -48,7 +48,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         Newton { coupled, geometry, mimics: Mimics::new(mechanism) }
     }
 
-    /// Takes the start of a step, and what is known of the closures.
+    /// Takes the start of a step, and the ranks and flags of its closures.
     pub fn begin(&mut self, plan: &G::Plan, start: &G::Start, known: Option<&Known>) {
         if let Some(known) = known {
             self.coupled.known.copy_from(known);
@@ -57,7 +57,8 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         self.coupled.begin();
     }
 
-    /// Where bodies are to be placed before every iteration, and the wrenches they resist with, about the common origin, to be written.
+    /// The geometry, in which the caller places the bodies before every iteration, and the wrenches of the bodies about the common origin, which the
+    /// caller writes.
     pub fn bodies(&mut self) -> (&mut G, &mut [Screw<V>]) {
         (&mut self.geometry, &mut self.coupled.bias)
     }
@@ -67,7 +68,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         self.geometry.touching().filter(|touching| !touching.leans().is_empty())
     }
 
-    /// What friction took in the rows of a solved step (J), after the bodies are placed.
+    /// Energy that friction dissipated in the rows of a solved step (J), after the bodies are placed.
     pub fn braked(&self) -> f64 {
         let Coupled { multipliers, .. } = &self.coupled;
         self.rubbing().map_or(0.0, |touching| touching.braked(self.coupled.rows_of_touches(touching), multipliers))

@@ -75,8 +75,8 @@ impl<V: Lanes> Space<V> {
         }
     }
 
-    /// Places the bodies at the poses of a step, and writes what they resist with there, `E_k` about the common origin, after
-    /// [`Stages::sweep_poses`] and [`Stages::sweep_applied`]; always with all digits of the coefficients.
+    /// Places the bodies at the poses of a step, and writes their residuals `E_k` about the common origin there, after [`Stages::sweep_poses`] and
+    /// [`Stages::sweep_applied`]; always with all digits of the coefficients.
     #[inline(always)]
     pub fn place_stages(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3], bias: &mut [Screw<V>]) {
         self.move_bodies(stages);
@@ -98,13 +98,13 @@ impl<V: Lanes> Space<V> {
         }
     }
 
-    /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
+    /// The place of an anchor at the columns' (0) or the rows' (1) stages, from the common origin.
     #[inline(always)]
     pub fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
         self.moved[body][side].anchor_from(&start.anchor(body), &self.origin)
     }
 
-    /// Where the second end of a loop is at the start, from the common origin (m).
+    /// The place of the second end of a loop at the start, from the common origin (m).
     pub fn end_point(&self, closure: usize) -> [f64; 3] {
         self.closures[closure].start.points[1]
     }

@@ -1,8 +1,7 @@
-//! The exact Newton step, with all stages coupled: for closed loops, and where nothing simpler converges.
+//! The exact Newton step, with all stages coupled: for closed loops, and for steps on which the simplified iteration does not converge.
 //!
-//! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages
-//! i at once. With η the twists about a common origin, for every
-//! body, joint axis and closure
+//! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages i at once. Let η be the
+//! twists about a common origin. For every body, joint axis and closure
 //!
 //! ```text
 //!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k)         rows: projected on the joint axes s_k at the rows' stages
@@ -12,12 +11,11 @@
 //! with the mass blocks D, screws s and gradients J of a [`Geometry`]: [`crate::coupled::space`], where twists have six components, or
 //! [`crate::planar::geometry`], where they have three. The elimination is in `operations`, step by step.
 //!
-//! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
-//! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
-//! carried on. The curvature `d(Jᵀλ)` is left out: what is exact is the mass matrix, with the geometry of every stage, and increments fall by
-//! a factor at each iteration, not quadratically.
+//! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision about rank. The
+//! multipliers start from zero in every step, so that undetermined parts of them are not carried on. The curvature `d(Jᵀλ)` is left out: the mass
+//! matrix is exact, with the geometry of every stage, and increments fall by a factor at each iteration, not quadratically.
 //!
-//! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
+//! For one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
 
 use crate::coupled::dependent::Dependent;
 use crate::coupled::front::{Fronts, Screws};
@@ -36,21 +34,21 @@ use catena_mechanism::motion::state::State;
 /// One configuration, where a step has a lane for each stage.
 pub type One = Portable<1>;
 
-/// ε of all solves: large against the square of the gaps that iterates leave, small against what is weak.
+/// ε of all solves: large against the square of the gaps that iterates leave, small against weak mobilities.
 pub const PROXIMAL: f64 = 1e-8;
 
-/// ε of equations that others imply in the run. What iterates leave in them cannot be met, and is divided by it: with the ε of the others
-/// multipliers that nothing determines become a million times as large as those that hold the mechanism, and their roundings move it.
+/// ε of equations that others imply in the run. Iterates leave gaps in them that cannot be closed, and ε divides these gaps. With the ε of the other
+/// equations, undetermined multipliers become a million times as large as the constraint forces of the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
-/// ε of contacts of which some imply others through joints. What the elimination rounds of their gaps is divided by it, and so is a force that friction
-/// feels; a body alone is rounded by less.
+/// ε of contacts of which some imply others through joints. The elimination rounds their gaps, and ε divides this rounding to a force that friction
+/// feels; a body alone has less rounding.
 pub const SHARED: f64 = 1e-6;
 
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
 pub type Screw<V> = [V; TWIST];
 
-/// What the system is made of: the bodies and closures of a mechanism in space, or in a plane.
+/// The geometry of the system: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
     /// What is constant of the mechanism.
     type Plan: Send;
@@ -71,8 +69,8 @@ pub trait Geometry<V: Lanes> {
     fn rows(&self) -> Vec<usize>;
     /// Takes the start of a step.
     fn begin(&mut self, plan: &Self::Plan, start: &Self::Start);
-    /// Where the bodies are: gaps, and at the columns' stages the gradients, at the rows' stages the directions in which multipliers push, of
-    /// all loops, contacts and lines of springs, which have these rows.
+    /// Evaluates all loops, contacts and lines of springs, which have these rows: gaps, gradients at the columns' stages, and the directions in which
+    /// multipliers push at the rows' stages.
     fn evaluate(&self, rows_of_loop: &[std::ops::Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]);
     /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
     fn screws(
@@ -112,18 +110,19 @@ pub struct Coupled<V: Lanes> {
     pub(crate) fronts: Fronts<V>,
     pub(crate) mixing: Mixing<V>,
     pub(crate) unit: [V; MAX_LANES],
-    /// Of the loops and contacts, then of the springs, then of the friction that turns with the slip of contacts.
+    /// The rows of the loops and contacts, then of the springs, then of the friction that turns with the slip of contacts.
     pub(crate) rows_of_loop: Vec<std::ops::Range<usize>>,
     /// The bodies at their ends.
     pub(crate) ends: Vec<[Option<usize>; 2]>,
     pub(crate) loops: usize,
-    /// The rows of the mimics; those of the springs' tensions come after them, and those of turning friction.
+    /// The rows of the mimics; the rows of the springs' tensions come after them, and then the rows of turning friction.
     pub(crate) mimic_rows: std::ops::Range<usize>,
-    /// How friction resists that slips turn, row by row: times h² and `Ā B`, what it changes by for a displacement across a slip [kg].
+    /// Resistance of friction to the turning of slips, row by row: times h² and `Ā B` it is the change of the friction for a displacement across a
+    /// slip [kg].
     pub(crate) turning_friction: Vec<V>,
-    /// What the rates of rolling contacts change by besides their gradients, at both ends of a row: times `h a_ij`; of the others nothing.
+    /// Change of the rates of rolling contacts besides their gradients, at both ends of a row, times `h a_ij`; `None` for all other rows.
     pub(crate) rolling: Vec<Option<[Screw<V>; 2]>>,
-    /// Of the point springs, and of every freedom's joint springs and dampers.
+    /// Resistances of the point springs, and of every freedom's joint springs and dampers.
     pub(crate) resistances: Vec<Resistance>,
     pub(crate) in_joints: Vec<Resistance>,
     /// Efforts along the freedoms, times h².

@@ -8,11 +8,10 @@
 //!     ẏ_j = ẏ₀ + h⁻¹ Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀),     j = 1..s
 //! ```
 //!
-//! which is (2.5.11) with y as one more coordinate, without mass, tied to the others by the constraint `y = y(q)`: its
-//! multiplier hands the force on. So the order stays 2s − 2, and nothing that turns as a whole feels a damper, which
-//! velocities of the embedding, `u·(V_b − V_a)`, would not promise: they leave the constraints at the inner stages.
-//! Note that ẏ₁ is not ẏ₀: the first column of Ā is b₁, not zero. That makes damping implicit also at the start, and
-//! the scheme stable for any damper.
+//! which is (2.5.11) with y as one more coordinate, without mass, tied to the others by the constraint `y = y(q)`: its multiplier hands the force on.
+//! So the order stays 2s − 2, and a damper does not act on a rigid motion of both its ends. Velocities of the embedding, `u·(V_b − V_a)`, would not
+//! guarantee that: they leave the constraints at the inner stages. Note that ẏ₁ is not ẏ₀: the first column of Ā is b₁, not zero. That makes damping
+//! implicit also at the start, and the scheme stable for any damper.
 //!
 //! A ball joint has three such coordinates in a step, the components of its rotation vector θ since the start; the
 //! damper acts on `ω = T(θ) θ̇`, `T = 1 − k₁ θ̂ + k₂ θ̂²`, and the effort along θ is `Tᵀ τ`.
@@ -25,8 +24,7 @@
 //!     κ = max |μ|² / Re μ           ½, ⅓, 0.272, 0.2375, … 0.176 for s = 2, 3, 4, 5, … 9; exact for s = 2
 //! ```
 //!
-//! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
-//! `h Σ_k b_k P_k`.
+//! The energy that dampers dissipate, and the work of torques without potential, are summed by the quadrature of the scheme, `h Σ_k b_k P_k`.
 //!
 //! Sources: the forced scheme: J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica
 //! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
@@ -88,7 +86,7 @@ impl<V: Lanes> Applied<V> {
         }
     }
 
-    /// The forces on scalar coordinates in one place, at the `end` of the step or at its rows; returns the power they dissipate, and that of
+    /// The forces on scalar coordinates in one place, at the `end` of the step or at its rows; returns the power they dissipate, and the power of
     /// efforts that change in time.
     #[inline(always)]
     pub(crate) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>, end: bool) -> (V, V) {

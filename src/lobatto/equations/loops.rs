@@ -1,8 +1,8 @@
 //! The equations of loop joints at all stages, in space or in a plane: gaps, and the directions in which their multipliers push.
 //!
-//! With the points `P_a`, `P_b` (m), `d = P_b − P_a`, directions u fixed in a and w fixed in b, and z what `d` has along the normal of a
-//! plane (m, constant; zero in space), every equation has one gradient, a force f and its torque t about the common origin that act on b,
-//! and their opposites on a:
+//! The points are `P_a`, `P_b` (m), `d = P_b − P_a`, the direction u is fixed in a and w in b, and z is the part of `d` along the normal of a plane
+//! (m, constant; zero in space). Every equation has one gradient, a force f and its torque t about the common origin that act on b, and their
+//! opposites on a:
 //!
 //! ```text
 //!     slide along u:         g = d · u                     f = u              t = P_b × u
@@ -37,7 +37,7 @@ pub(crate) struct LoopStart<C> {
     pub bodies: [Option<usize>; 2],
     /// Where its ends are, from the common origin (m).
     pub points: [C; 2],
-    /// From the bodies' anchors to the ends (m); of no account in the world.
+    /// From the bodies' anchors to the ends (m); not used for the world.
     pub arms: [C; 2],
     /// Every equation with its directions u and w.
     pub equations: Vec<(Equation, [C; 2])>,

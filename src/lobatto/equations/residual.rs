@@ -1,7 +1,7 @@
 //! The residual of the stage equations for one body: what `RᵀR = 1` leaves of (2.5.11), six numbers a row.
 //!
-//! With the displacements `Δx_i`, `N_i` of the body at stage i (world axes, since the start of the step), its velocity
-//! `v`, spin `ω`, second moments `Σ` and arm `com` from the anchor at the start, row k reads
+//! The displacements of the body at stage i are `Δx_i`, `N_i` (world axes, since the start of the step), its velocity `v`, spin `ω`, second moments
+//! `Σ`, and arm `com` from the anchor at the start. Row k reads
 //!
 //! ```text
 //!     f_k = m ( Σ_i B_ki (Δx_i − h c_i v) − h² g )                    [kg m]      force part, h² included

@@ -1,7 +1,7 @@
 //! Closed contacts at all stages: gaps, the directions in which their multipliers push, friction and rolling.
 //!
-//! With φ, n and p at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]), and the slip velocity u at
-//! p [m/s], of the scheme where contacts roll and of rotations where they slide ([`crate::equations::slips`]):
+//! The gap φ, n and p are at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]). The slip velocity u at p
+//! [m/s] comes from the rates of the scheme for rolling contacts, and from the rates of [`crate::equations::slips`] for sliding ones:
 //!
 //! ```text
 //!     gap of a stage        φ_i = 0                              its gradient: the force n_i on b with its torque p_i × n_i, and their opposites on a
@@ -39,7 +39,7 @@ pub(crate) struct SpatialTouch<V> {
     creep: [V; 2],
     /// What these change by.
     rolling: [[[V; 6]; 2]; 2],
-    /// Where the origin of the second feature is at the columns' stages, from the common origin (m).
+    /// The place of the origin of the second feature at the columns' stages, from the common origin (m).
     center: Vector<V>,
     /// Its friction.
     braking: Braking<V>,
@@ -223,7 +223,7 @@ impl<V: Lanes> SpatialTouch<V> {
         self.rolling
     }
 
-    /// Which rates of bodies its slip takes: those of the scheme if it rolls (0), those of slips if it slides (1).
+    /// The rates of bodies that its slip takes: the rates of the scheme if it rolls (0), the rates of slips if it slides (1).
     pub fn kind_of_rate(&self) -> usize {
         usize::from(self.joint.touch.grip != Grip::Rolls)
     }
@@ -258,7 +258,7 @@ impl<V: Lanes> SpatialTouch<V> {
         self.braking.lean(mixing, [self.slipping(0), self.slipping(1)])
     }
 
-    /// What its friction takes over the rows, for the multipliers of the gap ([`Braking::dissipated`]).
+    /// Energy that its friction dissipates over the rows, for the multipliers of the gap ([`Braking::dissipated`]).
     #[inline(always)]
     pub fn braked(&self, mixing: &StageMixing<V>, multiplier: V) -> f64 {
         self.braking.dissipated(self.slipping(1), mixing, multiplier)

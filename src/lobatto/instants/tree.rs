@@ -34,7 +34,7 @@ pub struct LaneInstants<V> {
     motion: Vec<Motion<V>>,
     eliminated: Vec<Eliminated<V>>,
     gathered: Vec<Articulated<V>>,
-    /// The efforts of forces in joints, freedom by freedom; none if there are none.
+    /// The efforts of forces in joints, freedom by freedom; empty without forces.
     efforts: Vec<Row>,
     scratch: Vec<f64>,
 }
@@ -79,7 +79,7 @@ impl<V: Lanes> LaneInstants<V> {
         }
     }
 
-    /// Root to leaf: frames, velocities, and the accelerations without those of the joints.
+    /// Root to leaf: frames, velocities, and the accelerations without the accelerations of the joints.
     #[inline(always)]
     fn find_motion(&mut self, joints: &Joints) {
         for (index, body) in self.bodies.iter().enumerate() {
@@ -184,7 +184,7 @@ impl<V: Lanes> LaneInstants<V> {
         }
     }
 
-    /// Root to leaf: the rest of the accelerations, and what it adds to the wrench that each body needs.
+    /// Root to leaf: the rest of the accelerations, and its part of the wrench that each body needs.
     #[inline(always)]
     fn resolve_accelerations(&mut self) {
         for (index, body) in self.bodies.iter().enumerate() {
@@ -310,7 +310,7 @@ fn store<V: Lanes>(lanes: V, row: &mut Row) {
 /// `R S Rᵀ` for a constant symmetric S.
 #[inline(always)]
 fn congruence<V: Lanes>(r: &Matrix<V>, s: &[f64; 6]) -> Symmetric<V> {
-    // Written out: what is called through a closure is not compiled for the vectors.
+    // Written out, because the compiler does not compile code called through a closure for the vectors.
     let [xx, xy, xz, yy, yz, zz] = *s;
     let s = [V::splat(xx), V::splat(xy), V::splat(xz), V::splat(yy), V::splat(yz), V::splat(zz)];
     let (s, [i, j, k]) = (Symmetric(s), r.rows());
