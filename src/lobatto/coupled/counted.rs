@@ -85,8 +85,8 @@ impl Counted {
         let mut known = self.known_nearby();
         projection.heed(known.clone());
         let first = projection.positions(mechanism, &mut start, &mut neighbour).gap;
-        // With all equations alike, a very redundant mechanism leaves roundings of the gaps; at a singular position the equations that are implied
-        // here only are needed beside it.
+        // If all equations are treated alike, a very redundant mechanism leaves roundings of the gaps. At a singular position, equations that are
+        // implied only there are needed beside it.
         known.implied = self.ranks.implied.iter().map(|(_, implied)| *implied).collect();
         projection.heed(known);
         let gap = if first <= CLOSED { first } else { projection.positions(mechanism, &mut start, &mut neighbour).gap };

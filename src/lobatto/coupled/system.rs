@@ -37,8 +37,8 @@ pub type One = Portable<1>;
 /// ε of all solves: large against the square of the gaps that iterates leave, small against weak mobilities.
 pub const PROXIMAL: f64 = 1e-8;
 
-/// ε of equations that others imply in the run. Iterates leave gaps in them that cannot be closed, and ε divides these gaps. With the ε of the other
-/// equations, undetermined multipliers become a million times as large as the constraint forces of the mechanism, and their roundings move it.
+/// ε of equations that others imply in the run. Iterates leave gaps in them that cannot be closed, and ε divides these gaps. The ε of the other
+/// equations would make undetermined multipliers a million times as large as the constraint forces of the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
 /// ε of contacts of which some imply others through joints. The elimination rounds their gaps, and ε divides this rounding to a force that friction
@@ -151,14 +151,15 @@ pub struct Coupled<V: Lanes> {
     pub(crate) pivots: Vec<V>,
     /// Right-hand sides of the fronts, for another solve with the same factors.
     pub(crate) right: Vec<f64>,
-    /// Mobility of every row in the direction of its own gradient, before the others of its closure; that of its body for one that goes there.
+    /// Mobility of every row in the direction of its own gradient, before the elimination of the other rows of its closure; for a row eliminated at
+    /// its body the mobility of the body.
     pub(crate) scales: Vec<f64>,
     /// How easily a push from the world moves every body, for the equations that go there [1/kg].
     pub(crate) weights: Vec<f64>,
     /// Contacts of which some may imply others, with what ε comes to then [1/kg]; and the same for every row where they do.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
-    /// The same as the scales, but that of the largest row for one with next to none.
+    /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.
     pub(crate) references: Vec<f64>,
     /// The part of that which the other rows leave.
     pub left_over: Vec<f64>,

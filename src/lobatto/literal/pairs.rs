@@ -1,6 +1,6 @@
 //! Gap, normal and point of contact of two features for the literal scheme, from where their frames are.
 //!
-//! With the origins P, the axes z and the radii r of both ends, n from a to b, and `c_a`, `c_b` the points of the cores that are nearest to
+//! Both ends have the origins P, the axes z and the radii r; n points from a to b, and `c_a`, `c_b` are the points of the cores that are nearest to
 //! each other:
 //!
 //! ```text
@@ -18,10 +18,10 @@
 //! ```
 //!
 //! A point of a rim about k with the centre P is `P + ρ m`, its tangent `τ = k × m`. Both conditions of a line and a rim are solved by Newton's
-//! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. Those of a round line and of two rims have several
-//! solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among those that are on the side that
-//! [`Touch::side`] says: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the plane of another, and the left of the way
-//! from centre to centre for two rims nearly in one plane.
+//! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. The conditions of a round line and of two rims
+//! have several solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among those
+//! that are on the side that [`Touch::side`] says: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the
+//! plane of another, and the left of the way from centre to centre for two rims nearly in one plane.
 //!
 //! Source: the conditions of nearest points, as above. This file shares no code with [`catena_mechanism::motion::contact_geometry`], for which it is the
 //! oracle. Both agree at places where features touch, as do their gradients.
@@ -146,7 +146,7 @@ impl Circle {
         self.point(self.angle_of(point))
     }
 
-    /// Of equally spaced angles the one whose point has the least distance (m), among those that are allowed.
+    /// Among equally spaced allowed angles, the one whose point has the least distance (m).
     fn least(&self, allowed: impl Fn(f64) -> bool, distance: impl Fn(&Vector3<f64>) -> f64) -> Option<f64> {
         let angles = (0..LOOKED_AT).map(|number| TAU * f64::from(number) / f64::from(LOOKED_AT));
         let of = |angle: &f64| distance(&self.point(*angle));

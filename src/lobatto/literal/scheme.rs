@@ -1,12 +1,11 @@
 //! The scheme (2.5.11) word for word: every coordinate, every constraint, every multiplier, one dense Newton iteration.
 //!
-//! This is the oracle of the tests, not a way to simulate: a step of n bodies costs O((s n)³). The fast solver
-//! eliminates most of what is written out here and must give the same step to rounding.
+//! This is the oracle of the tests, not a way to simulate: a step of n bodies costs O((s n)³). The fast solver eliminates most of these unknowns and
+//! must give the same step to rounding.
 //!
-//! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other), so that with the
-//! second-moment matrix `Σ = ½ tr(J) 1 − J` the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a
-//! constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. With the potential `V = −Σ m gᵀ x` and forces F besides
-//! gravity, which depend on the stages' positions and rates ([`crate::literal::forces`]),
+//! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other). Let `Σ = ½ tr(J) 1 − J` be its second-moment
+//! matrix. Then the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. The
+//! potential is `V = −Σ m gᵀ x`, and F are the forces besides gravity, which depend on the stages' positions and rates ([`crate::literal::forces`]):
 //!
 //! ```text
 //!     Q̇_i = M⁻¹ P_i                                  (2.5.11a)        Q_i = q + h Σ_j a_ij Q̇_j      (2.5.11d)
@@ -292,7 +291,7 @@ impl<'a> Literal<'a> {
         })
     }
 
-    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = 0` for the gradients G and the directions G̃ in which multipliers push; none if the rows depend on
+    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = 0` for the gradients G and the directions G̃ in which multipliers push; `None` if the rows depend on
     /// each other.
     fn project(
         &self,

@@ -1,8 +1,8 @@
 //! The number type of the equations of a step: one number for each stage, of sixteen digits or of thirty-two.
 //!
-//! `Lanes` are doubles; `Double` are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a
-//! step can be solved to sixteen digits fast and then to thirty-two ([`crate::step::precise`]) by the same lines. What does not mix stages asks for
-//! [`Arithmetic`] alone, and can be worked out for [one](Numbers::One) of them ([`crate::ending::velocities`]).
+//! `Lanes` are doubles; `Double` are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a step can be solved
+//! to sixteen digits fast and then to thirty-two ([`crate::step::precise`]) by the same lines. Code that does not mix stages requires [`Arithmetic`]
+//! alone, and can run for [one](Numbers::One) of them ([`crate::ending::velocities`]).
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -22,7 +22,7 @@ pub trait Arithmetic:
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// `c − self · b`.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// What rounding has cut off `product`, which is `self · b` rounded; nothing of numbers that keep it.
+    /// The rounding error of `product`, which is `self · b` rounded; zero for numbers that do not keep it.
     fn lost(self, b: Self, product: Self) -> Self;
     /// `1 / self`.
     fn reciprocal(self) -> Self;
@@ -73,7 +73,7 @@ pub trait Numbers: Arithmetic {
     fn half_angle(square: Self, few: bool) -> (Self, Self);
 }
 
-/// Arrays from the border of a cache line on: what is stored over a border comes back late.
+/// Arrays that begin at the border of a cache line: a value stored across a border is read back late.
 #[repr(align(64))]
 #[derive(Clone, Copy)]
 pub struct InLines<A, const N: usize>(pub [A; N]);

@@ -5,9 +5,8 @@
 //!     value = high + low,   |low| ≤ ½ ulp(high)        so that `high` is the value correctly rounded to a double
 //! ```
 //!
-//! Every operation is exact up to a relative error of a few 2⁻¹⁰⁴ ≈ 5e-32. Source: T. J. Dekker, "A floating-point
-//! technique for extending the available precision", Numerische Mathematik 18 (1971); the names two-sum and
-//! two-product are those of the literature that followed.
+//! Every operation is exact up to a relative error of a few 2⁻¹⁰⁴ ≈ 5e-32. Source: T. J. Dekker, "A floating-point technique for extending the
+//! available precision", Numerische Mathematik 18 (1971); the names two-sum and two-product are from the later literature.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

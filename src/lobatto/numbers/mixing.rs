@@ -1,8 +1,8 @@
 //! Mixing the stages of vectors, `Σ_i columns[i] · self[i]`: every lane meets a column of its own.
 //!
-//! Out of a register a lane has to be shuffled first. In memory it is an operand of the multiplication ([`ReadBack`]), which costs less where a
-//! register has many lanes; but then the multiplication waits for what was just stored, unless that was long before (`Numbers::STORES_EARLY`).
-//! Either way the products are added up in the same order, to the same bits.
+//! Out of a register a lane has to be shuffled first. A lane in memory is an operand of the multiplication ([`ReadBack`]), which costs less if a
+//! register has many lanes. But then the multiplication waits for the latest store, unless that was long before (`Numbers::STORES_EARLY`). Either way
+//! the products are added up in the same order, to the same bits.
 
 use crate::numbers::arithmetic::{Arithmetic, InLines, one_by_one};
 use crate::numbers::lanes::{Lanes, Mixing};

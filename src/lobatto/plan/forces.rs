@@ -1,4 +1,4 @@
-//! The forces on a mechanism, sorted for the sweeps, and what they need of the start of a step.
+//! The forces on a mechanism, sorted for the sweeps, and their quantities at the start of a step.
 
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::forces::PointSpring;
@@ -71,7 +71,7 @@ pub struct AppliedStart {
     /// Extension of each joint spring (rad or m).
     pub(crate) extensions: Vec<f64>,
     pub(crate) lines: Vec<LineStart<[f64; 3]>>,
-    /// From the anchor to the point of each wrench, in world axes (m).
+    /// Vectors from the anchor to the point of each wrench, in world axes (m).
     pub(crate) arms: Vec<[f64; 3]>,
 }
 
@@ -80,7 +80,7 @@ pub struct AppliedStart {
 pub(crate) struct LineStart<C> {
     /// From the anchors of the two bodies to the ends (m).
     pub(crate) arms: [C; 2],
-    /// Where one of them is very long, the end at which both forces act, and the arm of the other body to it (m).
+    /// If one of the arms is very long, the end at which both forces act, and the arm of the other body to it (m).
     pub(crate) common: Option<(usize, C)>,
     /// d, from a to b (m).
     pub(crate) separation: C,
@@ -185,7 +185,7 @@ impl AppliedPlan {
         plan
     }
 
-    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; none if there are no entries.
+    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; an empty slice means zero efforts.
     pub(crate) fn drive(&mut self, efforts: &[f64]) {
         let effort = |freedom: usize| efforts.get(freedom).copied().unwrap_or(0.0);
         for (freedom, own) in &mut self.driven {

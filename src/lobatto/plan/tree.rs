@@ -1,5 +1,4 @@
-//! The plan of the sweeps over a tree: where every body hangs, which axes are free, where what its children leave is gathered, and what is
-//! known to vanish.
+//! The plan of the sweeps over a tree: parents, free axes, the slots that gather the inertias of children, and the terms that vanish.
 
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -12,7 +11,7 @@ use std::ops::Range;
 /// The translations of a body that floats freely, which are known without an iteration.
 pub(crate) const TRANSLATIONS: Range<usize> = 0..3;
 
-/// What receives the articulated inertia of a body's children, and how.
+/// The slot that receives the articulated inertia of a body's children, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Children {
     /// No children.

@@ -1,4 +1,4 @@
-//! Where a body is in the plane at the start of a step, and how it moves.
+//! The pose and motion of a body in the plane at the start of a step.
 
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Default)]

@@ -1,8 +1,7 @@
-//! Springs between points and wrenches on bodies in a plane, and what they need of the start of a step.
+//! Springs between points and wrenches on bodies in a plane, and their quantities at the start of a step.
 //!
-//! Only what lies in the plane moves anything: of a force its projection, of a torque the part about the normal, of a line
-//! between two points its projection `d`, while its height z, the difference of their places along the normal, is
-//! constant: `ℓ² = |d|² + z²`.
+//! Only components in the plane act: the projection of a force, the part of a torque about the normal, and the projection `d` of a line between two
+//! points. Its height z, the difference of their places along the normal, is constant: `ℓ² = |d|² + z²`.
 
 use crate::plan::forces::{LineStart, SpringLaw};
 use crate::planar::body::{PlanarBody, turned};
@@ -33,7 +32,7 @@ pub(crate) struct LinePlan {
 /// A point of a body, or of the world.
 pub(crate) struct End {
     pub body: Option<usize>,
-    /// From the anchor of the body at zero displacement, or from the origin of the world (m).
+    /// Vector from the anchor of the body at zero displacement, or from the origin of the world (m).
     pub arm: [f64; 2],
 }
 

@@ -68,8 +68,8 @@ impl<V: Lanes> Flat<V> {
         }
     }
 
-    /// Places the bodies at the present displacements, and writes what they resist with there, `E_k` about the common origin; always with
-    /// all digits of the coefficients.
+    /// Places the bodies at the present displacements, and writes their residuals `E_k` about the common origin there; always with all digits of the
+    /// coefficients.
     #[inline(always)]
     pub fn place_stages(
         &mut self,
@@ -97,7 +97,7 @@ impl<V: Lanes> Flat<V> {
         }
     }
 
-    /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
+    /// The place of an anchor at the columns' (0) or the rows' (1) stages, from the common origin.
     #[inline(always)]
     pub fn anchor(&self, start: &PlanarStart, body: usize, side: usize) -> Vector2<V> {
         let position = &start.bodies[body].position;

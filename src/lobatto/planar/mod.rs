@@ -11,8 +11,8 @@
 //! | [`start`] | [`crate::stages::start`] | a cosine and a sine a body instead of a rotation matrix |
 //! | [`forces`] | [`crate::equations::forces`] | no ball joints; power from one angular velocity |
 //!
-//! CPU time of a run in space (`--keep planar`) over that in the plane; `catena simulate ROBOT --stages 9 --step 0.02 --no-log`, smallest of
-//! five runs in turns, AVX-512:
+//! The table has the CPU time of a run in space (`--keep planar`) over the time in the plane;
+//! `catena simulate ROBOT --stages 9 --step 0.02 --no-log`, smallest of five runs in turns, AVX-512:
 //!
 //! | robot | space / plane |
 //! |---|---|

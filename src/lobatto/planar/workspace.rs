@@ -1,4 +1,4 @@
-//! The workspace of a step in a plane, and what is done with it: an iteration, and the end of the step.
+//! The workspace of a step in a plane, and its operations: an iteration, and the end of the step.
 
 use crate::numbers::lanes::Lanes;
 use crate::numbers::reductions::{larger, largest_coefficient};
@@ -61,8 +61,7 @@ pub(crate) struct PlanarStages<V> {
     pub applied: Option<Box<Applied<V>>>,
     /// Displacement of each anchor since the start (m), for those who ask for it.
     pub anchors: Vec<Vector2<V>>,
-    /// Force (N) on each body and torque about its anchor [N m] of what does not act in joints; empty where there is nothing of the
-    /// kind.
+    /// Force (N) on each body and torque about its anchor [N m] of all forces that do not act in joints; empty if there are no such forces.
     pub acting: Vec<(Vector2<V>, V)>,
     /// Length of the step (s).
     pub step: f64,
@@ -98,8 +97,8 @@ impl<V: Lanes> PlanarStages<V> {
         Unknowns { displacement: &mut self.displacement, rates: &self.start.rates, step: self.step, coefficients }
     }
 
-    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). Where sweeps are chosen
-    /// the same is written out: behind a call the compiler would know too late.
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). The choice of the sweeps writes
+    /// this condition out: behind a call the compiler would know it too late.
     #[inline(always)]
     pub fn is_general(&self) -> bool {
         V::GENERAL_ALONE || self.applied.is_some()

@@ -1,6 +1,6 @@
 //! Anderson acceleration of the stage iteration.
 //!
-//! With the iterates `x_n`, the increments `f_n = G(x_n) − x_n` and the differences of the last m iterations,
+//! Let `x_n` be the iterates, `f_n = G(x_n) − x_n` their increments, and ΔX, ΔF the differences of the last m iterations:
 //!
 //! ```text
 //!     γ = argmin | f_n − ΔF γ |,      x_{n+1} = x_n + f_n − (ΔX + ΔF) γ

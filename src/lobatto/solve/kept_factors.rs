@@ -8,10 +8,9 @@
 //! ```
 //!
 //! (symbols as in [`crate::stages::articulated`]), so that a solution is a solution, and the work on the articulated inertias, a third of an
-//! iteration, is left out. The inertia changes by the increments: where these are small the iteration converges as before. Where the
-//! masses of a tree differ by thousands, increments that look small change `H` along the heavy directions by more than its light ones
-//! are; [`Chord`] finds out and keeps factors later.
-//! Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
+//! iteration, is left out. The inertia changes by the increments: where these are small the iteration converges as before. If the masses of a tree
+//! differ by thousands, increments that look small change `H` along the heavy directions by more than its light ones are; [`Chord`] finds out and
+//! keeps factors later. Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
 
 use crate::equations::pivot::pivot_torque;
 use crate::equations::residual::{body_residual, force_residual};
@@ -91,7 +90,7 @@ const LATER: f64 = 0.1;
 /// and a little earlier again in every step.
 const SOONER: f64 = 1.2;
 
-/// What a body hands to its parent: a wrench about the parent's anchor.
+/// The wrench that a body hands to its parent, about the parent's anchor.
 #[derive(Clone, Copy)]
 struct Wrench<V> {
     force: Vector<V>,
@@ -191,7 +190,7 @@ impl<V: Arithmetic> Factors<V> {
         }
     }
 
-    /// With what forces besides gravity do, what the body has already, and what the children have left.
+    /// The wrench of a body with the forces besides gravity, its own part, and the parts of its children.
     #[inline(always)]
     fn with_rest<R: Rows<V>>(&self, plans: &Plan, body: usize, rows: &R, mut own: Wrench<V>) -> Wrench<V> {
         if let Some((force, torque)) = rows.wrench(body) {

@@ -9,10 +9,10 @@
 //!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
 //! ```
 //!
-//! What an iteration needs that keeps the factors of the one before is in [`crate::solve::kept_factors`].
+//! Iterations that keep the factors of the one before are in [`crate::solve::kept_factors`].
 //!
-//! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone. Of one that a hinge holds to
-//! the world one is left ([`crate::equations::pivot`]). One that floats freely needs no recursion at all ([`crate::solve::free_body`]).
+//! A body that never turns keeps three of the six rows: its children hand it their mass and force alone. Of one that a hinge holds to the world one
+//! is left ([`crate::equations::pivot`]). One that floats freely needs no recursion at all ([`crate::solve::free_body`]).
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`crate::equations::forces`]).
 //!
@@ -86,8 +86,8 @@ impl<V: Numbers> Stages<V> {
 }
 
 impl<V: Arithmetic> Factors<V> {
-    /// Leaf to root. The kinds of joints are written out one after the other, because what follows after a branch has its 27 registers on the
-    /// stack: so what children leave is added from wherever it is, and the joint that is most common goes straight through.
+    /// Leaf to root. The kinds of joints are written out one after the other, because code after a branch has its 27 registers on the stack. So the
+    /// children's inertias are added from their slots, and the most common joint goes straight through.
     #[inline(always)]
     pub fn eliminate<R: Rows<V>>(
         &mut self,
@@ -139,7 +139,7 @@ impl<V: Arithmetic> Factors<V> {
                 let axis = turn.apply_plus(axis, axis);
                 if plan.translations == 0 {
                     if plan.parent.is_none() {
-                        // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                        // The rest of a root is not used: its one axis needs only the solution.
                         let zero = V::zero();
                         self.eliminated[rotations] = total.solve_rotation(axis, zero, zero, rows.push(rotations));
                     } else {

@@ -32,7 +32,7 @@ pub struct Articulated<V> {
     pub torque: Vector<V>,
 }
 
-/// What forces in a joint do along an axis, in the units of the residuals and of the inertia.
+/// Effect of forces in a joint along an axis, in the units of the residuals and of the inertia.
 #[derive(Clone, Copy)]
 pub struct Push<V> {
     /// The effort τ.
@@ -41,7 +41,7 @@ pub struct Push<V> {
     pub inertia: V,
 }
 
-/// What the elimination of one degree of freedom leaves for the forward solve.
+/// Factors of the elimination of one degree of freedom for the forward solve.
 #[derive(Clone, Copy)]
 pub struct Eliminated<V> {
     /// The axis in the world at each row's stage.

@@ -8,8 +8,8 @@
 //!     d_m    = Σ_{n≤m} w_mn (y_n − t_n h_old v),    w_mn   = t_n⁻² Π_{k≤m, k≠n} 1/(t_n − t_k)
 //! ```
 //!
-//! (divided differences `d_m`), and the `w_mn` are constants of the scheme, so that a guess is one mix of lanes for each degree of freedom.
-//! Newton's form holds all orders at once: an order less or more is a term less or more, by which the vote tells what it would have guessed.
+//! (divided differences `d_m`), and the `w_mn` are constants of the scheme, so that a guess is one mix of lanes for each degree of freedom. Newton's
+//! form holds all orders at once: an order less or more is a term less or more, so the vote knows the guesses of the neighbouring orders.
 
 use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::{Lanes, MAX_LANES};
@@ -41,8 +41,7 @@ impl<V: Lanes> Columns<V> {
 
 /// The past, and the guesses that it allows.
 pub struct Extrapolation<V> {
-    /// Displacements from the new start, one entry a degree of freedom: in the last lane in use that of stage 1, in the others those of
-    /// the stages 2 … s − 1.
+    /// Displacements from the new start, one entry a degree of freedom: stage 1 in the last lane in use, the stages 2 … s − 1 in the others.
     pub(crate) past: Vec<V>,
     /// `t_n`, newest first.
     nodes: Vec<f64>,
@@ -225,7 +224,7 @@ mod tests {
     const FREEDOMS: usize = 6;
     const OLD_STEP: f64 = 0.4;
 
-    /// What is known after a step of the motion, and the rates at its end.
+    /// The memory after a step of the motion, and the rates at its end.
     fn learned(tableau: &Tableau) -> (Extrapolation<Vector>, [f64; FREEDOMS]) {
         let coefficients = Coefficients::new(tableau);
         let mut displacement: Vec<Vector> = (0..FREEDOMS)
@@ -271,7 +270,7 @@ mod tests {
                 for (freedom, guess) in displacement.iter().enumerate() {
                     for (lane, &node) in tableau.nodes[1..].iter().enumerate() {
                         let (got, wanted) = (guess.to_array()[lane], literal(freedom, order, node));
-                        // Roundings of the past, 1e-16, over as much as so many nodes magnify them when they are left behind.
+                        // Roundings of the past, 1e-16, times their magnification by an extrapolation over `order` nodes.
                         let bound = 1e-14 * 6_f64.powi(order as i32);
                         assert!((got - wanted).abs() < bound, "{stages} stages, order {order}: {got} and {wanted}");
                     }

@@ -13,7 +13,7 @@ use crate::plan::forces::SpringLaw;
 pub(crate) struct Place<V> {
     /// `Ā B` by columns.
     pub(crate) velocity: [V; MAX_LANES],
-    /// One where a lane has the geometry of its stage, zero where it has that of the start.
+    /// One if a lane has the geometry of its stage, zero if it has the geometry of the start.
     pub(crate) moved: V,
     /// Weights b of the stages whose power this place has to account for.
     pub(crate) weights: V,

@@ -17,9 +17,9 @@ pub struct Applied<V> {
     pub efforts: Vec<V>,
     /// Force (N) and torque about the anchor [N m] on each body, in world axes, of all that does not act in joints.
     pub wrenches: Vec<(Vector<V>, Vector<V>)>,
-    /// `κ c` of the dampers along each degree of freedom: times h, what they add to its inertia.
+    /// `κ c` of the dampers along each degree of freedom; times h it is their addition to its inertia.
     pub resistance: Vec<f64>,
-    /// What the finished step dissipated, and the work put into it (J).
+    /// Energy that the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
     pub(crate) plan: AppliedPlan,
     /// Efforts that change in time, at the stages of the attempt.

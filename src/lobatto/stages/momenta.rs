@@ -56,7 +56,7 @@ impl<V: Arithmetic> MomentumWeights<V> {
     }
 }
 
-/// What the momenta of all bodies at the end of a step have in common.
+/// Coefficients that the momenta of all bodies at the end of a step share.
 pub struct Momenta<V> {
     /// `w_i / h` [1/s].
     pub weights: [V; MAX_LANES],

@@ -1,4 +1,4 @@
-//! Where a body is at all stages: its rotation and the displacement of its anchor since the start of the step.
+//! The pose of a body at all stages: its rotation and the displacement of its anchor since the start of the step.
 //!
 //! ```text
 //!     q = (w, u)                                 unit quaternion of the rotation since the start, in world axes

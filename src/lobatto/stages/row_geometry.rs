@@ -1,7 +1,7 @@
 //! How a body has moved in the rows of a sweep, worked out one body early.
 //!
-//! What is mixed over the stages ([`crate::equations::residual`]) is read back from memory lane by lane, where that is cheaper than to shuffle it out of
-//! registers ([`Rows::EARLY`]). Who reads what was only just written waits for it. So while one body is mixed the next one is written.
+//! The sums over the stages ([`crate::equations::residual`]) read their inputs back from memory lane by lane, if that is cheaper than to shuffle them
+//! out of registers ([`Rows::EARLY`]). Who reads what was only just written waits for it. So while one body is mixed the next one is written.
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::Arithmetic;
@@ -14,7 +14,7 @@ use crate::stages::start::{BodyStart, Start};
 pub struct RowGeometry<V, A> {
     /// What is to be mixed.
     pub ahead: A,
-    /// From the anchor to the centre of mass, with the geometry of the rows (m).
+    /// Vector from the anchor to the centre of mass, with the geometry of the rows (m).
     pub com: Vector<V>,
 }
 

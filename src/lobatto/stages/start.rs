@@ -9,10 +9,9 @@
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
 //!
-//! Under gravity alone nothing depends on the unit of mass, and a step may have one of its own: [`Start::with_units`]. An inertia
-//! about a joint that is the same in every step would round to the same side in every step, while the momentum that it is to be
-//! divided by it does not: the energy then drifts by some 2e-17 of itself a step. In a unit of mass that differs from step to step
-//! all roundings are as good as random.
+//! Under gravity alone the motion does not depend on the unit of mass, and a step may have one of its own: [`Start::with_units`]. An inertia about a
+//! joint that is the same in every step would round to the same side in every step, while the momentum that it is to be divided by it does not: the
+//! energy then drifts by some 2e-17 of itself a step. In a unit of mass that differs from step to step all roundings are as good as random.
 
 use crate::numbers::algebra::{Symmetric, Vector};
 use crate::numbers::arithmetic::Arithmetic;
@@ -125,7 +124,7 @@ impl<R: Copy + Default> Start<R> {
         }
     }
 
-    /// The same for a kernel: with a unit of mass for every step, if nothing but gravity acts.
+    /// The same for a kernel: a unit of mass for every step, if gravity is the only force.
     pub fn with_units(mechanism: &Mechanism) -> Self {
         Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }
     }
@@ -179,7 +178,7 @@ impl Start {
         &mut self.states[body]
     }
 
-    /// Takes the bodies on hinges that the world holds from what is known of all bodies.
+    /// Copies the bodies on hinges that the world holds from the start of all bodies.
     #[inline(always)]
     pub(crate) fn set_pivots(&mut self, mechanism: &Mechanism) {
         for (pivot, &body) in self.pivots.iter_mut().zip(&self.pivoted) {

@@ -56,8 +56,7 @@ pub struct Stages<V: Numbers> {
 }
 
 impl<V: Numbers> Stages<V> {
-    /// A workspace for a scheme and a mechanism on which nothing acts but gravity; the rules that are `kept` from leaving something out are
-    /// switched off.
+    /// A workspace for a scheme and a mechanism under gravity alone; the simplification rules in `kept` are disabled.
     pub fn unforced(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         Self::planned(Plan::lean(mechanism, kept), mechanism, tableau)
     }
@@ -152,8 +151,8 @@ impl<V: Lanes> Stages<V> {
         Stages { applied: Applied::new(mechanism, tableau), ..Stages::unforced(mechanism, tableau, kept) }
     }
 
-    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). Where sweeps are chosen
-    /// the same is written out: behind a call the compiler would know too late.
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). The choice of the sweeps writes
+    /// this condition out: behind a call the compiler would know it too late.
     #[inline(always)]
     pub fn is_general(&self) -> bool {
         V::GENERAL_ALONE || self.applied.is_some()

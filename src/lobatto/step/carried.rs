@@ -30,7 +30,7 @@ pub(crate) struct Carried<V, S> {
 }
 
 impl<V: Lanes, S> Carried<V, S> {
-    /// Room for a mechanism of so many degrees of freedom, of which some are iterated.
+    /// Room for a mechanism with this number of degrees of freedom, of which some are iterated.
     pub(crate) fn new<W: Workspace<V, Start = S>>(
         mechanism: &Mechanism,
         freedoms: usize,

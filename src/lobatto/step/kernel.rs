@@ -10,8 +10,8 @@
 //! ```
 //!
 //! with θ the displacements of the freedoms since the start of the step (rad, m) at the stages i = 2 … s, and ρ, H and α as in
-//! [`crate::step::workspace`]. With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact
-//! Newton method with all stages coupled ([`crate::coupled::system`]), and velocities are projected on the loops
+//! [`crate::step::workspace`]. For closed loops, and for steps on which this does not converge (stiff springs, hard dampers), the iteration is the
+//! exact Newton method with all stages coupled ([`crate::coupled::system`]), and velocities are projected on the loops
 //! ([`crate::coupled::projection`]).
 
 use crate::coupled::closing::Closing;
@@ -52,7 +52,7 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
-    /// What dry friction of contacts took from the finished step (J).
+    /// Energy that dry friction of contacts took from the finished step (J).
     pub(crate) friction: f64,
     /// What is carried beside the motion.
     pub(crate) carried: Option<Box<Carried<V, W::Start>>>,

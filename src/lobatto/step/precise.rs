@@ -11,10 +11,10 @@
 //!     the start of the next step from the poses at the end of this one: nothing is rounded between steps
 //! ```
 //!
-//! Iterative refinement, as of linear systems: the residual has the digits, the correction needs none. The sweeps are those of
-//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step ([`crate::step::precise_start`]), which
-//! loses 10⁻³² of them a step; the joint positions of the [`State`] are what has been moved, summed with compensation.
-//! Source of the refinement: C. B. Moler, J. ACM 14 (1967).
+//! Iterative refinement, as of linear systems: the residual has all digits, and the correction needs few. The sweeps are those of
+//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step
+//! ([`crate::step::precise_start`]), which loses 10⁻³² of them a step. The joint positions of the [`State`] are the sums of all displacements, with
+//! compensation. Source of the refinement: C. B. Moler, J. ACM 14 (1967).
 
 use crate::ending::velocities::Ending;
 use crate::numbers::arithmetic::{Arithmetic, Numbers};
@@ -66,7 +66,7 @@ pub struct Precise<V: Lanes> {
 }
 
 impl<V: Lanes> Precise<V> {
-    /// The workspace for a tree under gravity and a scheme; `kept` are the rules that leave nothing out.
+    /// The workspace for a tree under gravity and a scheme; `kept` are the disabled simplification rules.
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let freedoms = mechanism.velocity_count;
         // The inverse of an inertia is not known to 32 digits.
@@ -238,7 +238,7 @@ mod tests {
         state
     }
 
-    /// Rates to 32 digits after so many steps, and as many back again if that is wanted.
+    /// Rates to 32 digits after `steps` steps, and as many back again if `and_back` is set.
     fn rates(kind: JointKind, stages: usize, step: f64, steps: usize, and_back: bool) -> Vec<Extended> {
         let mechanism = arm(kind);
         let mut state = moving(&mechanism);
@@ -290,7 +290,8 @@ mod tests {
 
     #[test]
     fn the_order_of_the_scheme_holds_far_below_the_rounding_of_doubles() {
-        // Of 9 stages: 16, a bit more or less while the next term of the error counts. Coefficients, series, axes or moments of inertia of sixteen digits would leave 1e-16, whatever the step.
+        // Order 16 for nine stages, a bit more or less while the next term of the error counts. Coefficients, series, axes or moments of inertia of
+        // sixteen digits would leave 1e-16, whatever the step.
         let [coarse, fine, finest] =
             [8, 16, 32].map(|steps| rates(JointKind::Revolute, 9, 0.5 / steps as f64, steps, false));
         let (first, second) = (largest_difference(&coarse, &fine), largest_difference(&fine, &finest));

@@ -48,7 +48,7 @@ pub(crate) struct SpatialWorkspace<V: Lanes> {
 }
 
 impl<V: Lanes> SpatialWorkspace<V> {
-    /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
+    /// The workspace for a mechanism and a scheme; `kept` are the disabled simplification rules.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         let stages = Stages::new(mechanism, tableau, kept);
         SpatialWorkspace {

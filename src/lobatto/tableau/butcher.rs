@@ -40,14 +40,14 @@ pub struct Tableau {
     /// `(Ā B)_ji`, rows j = 1..s, columns i = 2..s (s × (s−1)): the velocity at stage j is
     /// `v₀ + Σ_i (Ā B)_ji (Q_i − q₀ − h c_i v₀) / h`.
     pub velocity: Vec<f64>,
-    /// What rounding has cut off `nodes`, `b_matrix` and `momentum_weights`: the coefficients to twice the digits.
+    /// Rounding errors of `nodes`, `b_matrix` and `momentum_weights`: the coefficients to twice the digits.
     pub remainders: Remainders,
     /// Row s of the inverse of the matrix `P_k(2c_i − 1)` (rows i, columns k = 0..s−1) (s): applied to values at the
     /// nodes it gives the highest Legendre coefficient of their interpolant, the step-size control's error measure.
     pub top_legendre: Vec<f64>,
 }
 
-/// The digits of the coefficients beyond those of a double; the same shapes as in [`Tableau`].
+/// The digits of the coefficients beyond a double; the same shapes as in [`Tableau`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remainders {
     /// Beyond `nodes` (s).

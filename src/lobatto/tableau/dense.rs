@@ -8,8 +8,8 @@
 //!     p(x) = L(x) + ω(x) (α + β x),    α = (h v₀ − L'(0)) / ω'(0),    α + β = (h v₁ − L'(1)) / ω'(1)
 //! ```
 //!
-//! What the velocities at the ends add has a part of degree `s` and one of degree `s + 1`. How large they are anywhere in the step tells how fast
-//! the coefficients of the motion fall, and whether the velocities belong to it:
+//! The velocities at the ends add a part of degree `s` and one of degree `s + 1`. How large they are anywhere in the step tells how fast the
+//! coefficients of the motion fall, and whether the velocities belong to it:
 //!
 //! ```text
 //!     ω (α + β x) = (α + β/2) ω + β ω (x − ½),    S = |α + β/2| max |ω|,    B = |β| max |ω (x − ½)|
@@ -37,7 +37,7 @@ pub struct DenseRule {
     reach: [f64; 2],
 }
 
-/// So many points of a step are looked at for the largest `|ω|`, which is flat there.
+/// Number of points of a step that are searched for the largest `|ω|`, which is flat there.
 const POINTS: usize = 64;
 
 /// Values and slopes at one point as linear combinations of nodal displacements and end velocities.
@@ -130,7 +130,7 @@ struct Nodal {
     omega: (f64, f64),
 }
 
-/// The nodal polynomials at `x`. Those of the stages that chosen steps have know their number when they are compiled, to the same bits.
+/// The nodal polynomials at `x`. The numbers of stages of chosen steps are known at compile time, with the same bits.
 fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
     match (<&[f64; 5]>::try_from(nodes), <&[f64; 9]>::try_from(nodes)) {
         (Ok(five), _) => nodal_at(five, scales, x),

@@ -16,9 +16,9 @@ use crate::vectors::portable::Portable;
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
-/// knows that registers will be kept on the stack: without, it depends on what was called before whether all of those of 512 bits and half
-/// of those of 256 bits reach over such a border.
+/// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it knows that
+/// registers will be kept on the stack. Without this, the preceding calls decide whether all 512-bit slots and half of the 256-bit slots reach over
+/// such a border.
 #[inline(always)]
 fn align_frame() {
     #[repr(align(64))]
