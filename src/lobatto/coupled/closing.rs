@@ -15,17 +15,17 @@ pub(crate) struct Closing<G: Geometry<One>> {
     projection: Projection<G>,
     start: G::Start,
     state: State,
-    /// What was counted in a state from which steps may start.
+    /// The ranks counted in a state from which steps may start.
     counted: Option<Arc<Counted>>,
 }
 
 impl<G: Geometry<One>> Closing<G> {
-    /// With the projection for a mechanism.
+    /// Closures without counted ranks yet, with the projection for a mechanism.
     pub fn new(mechanism: &Mechanism, projection: Projection<G>) -> Self {
         Closing { projection, start: G::start(mechanism), state: State::zero(mechanism), counted: None }
     }
 
-    /// Takes what was counted where steps are going to start.
+    /// Takes the ranks counted at the start of the next steps.
     pub fn expect(&mut self, counted: Arc<Counted>) {
         self.counted = Some(counted);
     }

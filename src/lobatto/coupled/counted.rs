@@ -24,7 +24,7 @@ pub struct Counted {
     pub(crate) state: State,
     /// The ranks in it.
     pub(crate) ranks: Ranks,
-    /// What every freedom is lent [kg m² or kg]; empty if none is.
+    /// Inertia lent to every freedom [kg m² or kg]; empty if it is zero.
     pub(crate) lent: Vec<f64>,
     neighbours: OnceLock<Vec<State>>,
     beside: OnceLock<Vec<Ranks>>,
@@ -43,7 +43,7 @@ impl Counted {
         self.state.position == state.position && self.state.compensation == state.compensation
     }
 
-    /// What is known where the state is not on the closures yet.
+    /// Ranks and flags for a state that is not on the closures yet.
     pub fn known_nearby(&self) -> Known {
         Known { lent: self.lent.clone(), ..Known::default() }
     }

@@ -18,10 +18,10 @@ use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::counting::{ROUNDING, Ranks};
 use catena_mechanism::structure::ranks::rows::{mimic_rows, scales};
 
-/// What the closures say at the start of a run.
+/// Decisions about the closures at the start of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Decided {
-    /// Where the rank is that of the run: here, or beside.
+    /// The ranks at the position with the rank of the run: here, or beside.
     pub ranks: Ranks,
     /// The rank of the run less the rank here.
     pub singular: usize,

@@ -3,7 +3,7 @@
 //! If more than three contacts lie on one plane, some imply others: the contacts of a box, or of a car with four wheels. Let R (m × n) be the rates
 //! of all gaps between two trees of bodies at one stage, for each motion of these trees. The part of the gaps g that is orthogonal to the columns of
 //! R is changed by no motion. That part is rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a
-//! thousandth of what carries a box. Where contacts slide its friction turns the box.
+//! thousandth of what carries a box. The friction of sliding contacts then turns the box.
 //!
 //! ```text
 //!     g ← Q Qᵀ g,     Q (m × r): an orthonormal basis of the columns of R      modified Gram–Schmidt, twice

@@ -63,7 +63,7 @@ impl<V: Lanes> Fronts<V> {
         self.slots
     }
 
-    /// Where the block of a row slot and a column slot starts.
+    /// Start of the block of a row slot and a column slot.
     #[inline(always)]
     fn at(&self, level: usize, row: usize, column: usize) -> usize {
         ((level * self.slots + row) * (self.slots + 1) + column) * self.active

@@ -34,7 +34,7 @@ impl Known {
         Known { empty: Vec::new(), implied: Vec::new(), ..self.clone() }
     }
 
-    /// What a freedom is lent.
+    /// Inertia lent to a freedom.
     #[inline(always)]
     pub fn lent_to(&self, freedom: usize) -> f64 {
         self.lent.get(freedom).copied().unwrap_or(0.0)
@@ -61,7 +61,7 @@ impl Known {
     }
 }
 
-/// The numbers of what is true.
+/// The indices of the flags that are set.
 fn numbers(flags: &[bool]) -> impl Iterator<Item = usize> {
     flags.iter().enumerate().filter_map(|(number, &flag)| flag.then_some(number))
 }

@@ -1,6 +1,6 @@
 //! Repeated solves where light freedoms have lent inertia ([`catena_mechanism::structure::ranks::lending`]): its effect is removed round by round.
 //!
-//! The matrix has `H + w`, the equations have H. With the correction δ of a round and δμ of its multipliers,
+//! The matrix has `H + w`, the equations have H. The correction of a round is δ, and the correction of its multipliers δμ:
 //!
 //! ```text
 //!     (H + w) δ − Jᵀ δμ = w δ_before,      J δ = −gap

@@ -27,7 +27,7 @@ pub struct Mixing<V> {
 }
 
 impl<V: Lanes> Mixing<V> {
-    /// Of a step of the scheme.
+    /// For a step of the scheme.
     pub fn of_stages(tableau: &Tableau) -> Self {
         let active = tableau.stages - 1;
         let row_of_lane = |lane: usize| row_stage(lane, active);
@@ -46,7 +46,7 @@ impl<V: Lanes> Mixing<V> {
         Mixing { active, mass, solve, integral, velocity, moved: moved_rows(active) }
     }
 
-    /// Of a projection at one configuration.
+    /// For a projection at one configuration.
     pub fn of_one() -> Self {
         let one = [V::splat(1.0); MAX_LANES];
         Mixing { active: 1, mass: one, solve: one, integral: one, velocity: one, moved: V::zero() }

@@ -31,7 +31,7 @@ pub(crate) struct Newton<V: Lanes, G: Geometry<V>> {
 pub(crate) struct StageUnknowns<'s, V: Lanes, G: Geometry<V>> {
     pub plan: &'s G::Plan,
     pub start: &'s G::Start,
-    /// Of every freedom at the stages 2 … s (rad, m).
+    /// Displacement of every freedom at the stages 2 … s (rad, m).
     pub displacement: &'s [V],
     /// To be found (rad, m).
     pub increment: &'s mut [V],
@@ -102,7 +102,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
 struct Mimics(Vec<(Coordinate, Coordinate, f64)>);
 
 impl Mimics {
-    /// Those of a mechanism.
+    /// The method for a mechanism.
     fn new(mechanism: &Mechanism) -> Self {
         let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower, mimic.leader, mimic.multiplier));
         Mimics(mimics.collect())

@@ -313,7 +313,7 @@ impl<G: Geometry<One>> Projection<G> {
                 *sum += one(*increment);
             }
         }
-        // Only now: what holds them is in the multipliers.
+        // Only now, because the multipliers have the forces that hold them.
         for freedom in self.coupled.known.still_freedoms() {
             acceleration[freedom] = 0.0;
         }

@@ -35,7 +35,7 @@ use catena_mechanism::motion::state::State;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Where bodies and closures are in space.
+/// Bodies and closures in space.
 pub struct Space<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<SpatialLoop>,
@@ -198,7 +198,7 @@ impl<V: Lanes> Geometry<V> for Space<V> {
         let com = Vector3::from_fn(|axis, _| anchor[axis] - self.origin[axis] + known.com[axis]);
         let [force, torque] = [0, 3].map(|first: usize| Vector3::from_column_slice(&direction[first..first + 3]));
         let [xx, _, _, yy, _, zz] = known.sigma;
-        // Of the second moments Σ, J = tr Σ 1 − Σ has twice the trace.
+        // The trace of J = tr Σ 1 − Σ is twice the trace of the second moments Σ.
         let moment = (xx + yy + zz) * (2.0 / 3.0);
         if moment > 0.0 { known.mass * (torque - com.cross(&force)).norm_squared() / moment } else { 0.0 }
     }

@@ -50,7 +50,7 @@ pub type Screw<V> = [V; TWIST];
 
 /// The geometry of the system: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
-    /// What is constant of the mechanism.
+    /// Constants of the mechanism.
     type Plan: Send;
     /// The known start of a step.
     type Start: Send;
@@ -97,14 +97,14 @@ pub trait Geometry<V: Lanes> {
     fn own(&self, start: &Self::Start, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize);
 }
 
-/// What a force changes by, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
+/// Derivative of a force, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Resistance {
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
 }
 
-/// The linear system of a step, and what it is made of.
+/// The linear system of a step, and its workspace.
 pub struct Coupled<V: Lanes> {
     pub(crate) elimination: Elimination,
     pub(crate) fronts: Fronts<V>,
@@ -131,9 +131,9 @@ pub struct Coupled<V: Lanes> {
     pub step: f64,
     /// ε, as a part of the mobility of an equation.
     pub proximal: f64,
-    /// What kinematics knows of the closures.
+    /// Ranks and flags of the closures from kinematics.
     pub known: Known,
-    /// What every body resists with, about the common origin.
+    /// Residual of every body, about the common origin.
     pub bias: Vec<Screw<V>>,
     /// One entry a row: the direction in which its multiplier pushes on the second end of its loop, at the columns' and at the
     /// rows' stages.
@@ -161,7 +161,7 @@ pub struct Coupled<V: Lanes> {
     pub(crate) even: Vec<Option<f64>>,
     /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.
     pub(crate) references: Vec<f64>,
-    /// The part of that which the other rows leave.
+    /// The mobility that the other rows leave, over the reference.
     pub left_over: Vec<f64>,
 }
 

@@ -57,7 +57,7 @@ impl<V: Lanes> Touching<V> {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no contacts.
     pub(crate) fn is_empty(&self) -> bool {
         self.touches.is_empty()
     }

@@ -58,7 +58,7 @@ impl<E: Arithmetic<Real = f64>> Ending<E> {
                 let (linear, angular) = carried[index];
                 let known = &start.bodies[index];
                 carried[index] = if let Some(pivot) = plan.pivot {
-                    // Of which nobody asks for more than what is along the axis.
+                    // Only the component along the axis is used.
                     (Vector::zero(), angular.times(E::splat(start.pivots[pivot].inertia)))
                 } else if plan.slides {
                     (linear.times(E::splat(known.mass)), Vector::zero())

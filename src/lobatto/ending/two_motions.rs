@@ -41,7 +41,7 @@ pub(crate) struct Recorded {
 
 /// The workspace of the ends of two motions.
 pub(crate) struct TwoEndings<L> {
-    /// Their starts, and those of the next step.
+    /// Their starts, and the starts of the next step.
     pub(crate) starts: TwoStarts<L>,
     factors: Factors<Twofold<L>>,
     recorded: Vec<Recorded>,
@@ -54,7 +54,7 @@ pub(crate) struct TwoMomenta {
 }
 
 impl<E: Arithmetic<Real = f64>> Ending<E> {
-    /// What the ends of two motions over this step have in common.
+    /// Coefficients that the ends of two motions over this step share.
     pub(crate) fn in_common(&self, step: f64, gravity: &[f64; 3]) -> TwoMomenta {
         let momenta = self.weights.over(step, gravity);
         TwoMomenta { impulse: momenta.impulse.lane(0), gravity: momenta.gravity.0.map(|side| side.lane(0)) }

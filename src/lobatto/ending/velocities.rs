@@ -115,7 +115,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRows<'_, V, REFINED, FORCED> {
     const MOMENTA: bool = true;
     const EARLY: bool = false;
-    /// Nothing: one lane alone takes the poses of all stages.
+    /// Empty: one lane alone takes the poses of all stages.
     type Ahead = ();
     #[inline(always)]
     fn pose(&self, body: usize) -> StagePose<V::One> {
@@ -177,7 +177,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     #[inline(always)]
     fn push(&self, freedom: usize) -> Option<Push<V::One>> {
         let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
-        // What dampers brake is among the efforts.
+        // The resistance of dampers is among the efforts.
         Some(Push {
             effort: applied.efforts[freedom].alone(self.last()) * self.momenta.impulse,
             inertia: V::One::zero(),

@@ -11,9 +11,9 @@
 //! The sign of t is the sign of u_T along the direction of the slip at the start of the step. So the friction of a step that goes on beyond the stop
 //! of a slip stays smooth, and an event finds the stop as a zero of `u_T · t`. A step that starts without slip has the direction that
 //! [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives. The slip of its first stage would not do: it differs from zero by
-//! the error of a stage, and its direction is arbitrary. From iterate to iterate t follows such a slip as [`crate::equations::turning`] says. A slip
-//! below a thousandth of the largest of the step counts as one that stops. It has the direction of the stage before, and at the end of the step the
-//! direction of the polynomial through the stages.
+//! the error of a stage, and its direction is arbitrary. The direction t follows such a slip from iterate to iterate by
+//! [`crate::equations::turning`]. A slip below a thousandth of the largest of the step counts as one that stops. It has the direction of the stage
+//! before, and at the end of the step the direction of the polynomial through the stages.
 //!
 //! Source: Coulomb's law in the forced scheme, L. O. Jay, SIAM J. Sci. Comput. 20 (1998).
 

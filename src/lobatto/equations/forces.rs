@@ -1,8 +1,8 @@
 //! Forces at all stages at once, by the forced (Lagrange–d'Alembert) version of the scheme.
 //!
-//! Row k of the stage equations gets `h² F_k`, the end momentum `h b_s F_s`, with F at the geometry and the velocity of
-//! the stage. A force that depends on a velocity depends on the rate of one scalar y: a joint displacement, or the length
-//! of a spring. Its rate at stage j is that of the scheme itself,
+//! Row k of the stage equations gets `h² F_k`, the end momentum `h b_s F_s`, with F at the geometry and the velocity of the stage. A force that
+//! depends on a velocity depends on the rate of one scalar y: a joint displacement, or the length of a spring. Its rate at stage j is the rate of the
+//! scheme itself,
 //!
 //! ```text
 //!     ẏ_j = ẏ₀ + h⁻¹ Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀),     j = 1..s
@@ -41,8 +41,8 @@ use crate::stages::workspace::Stages;
 use catena_mechanism::forces::total::Exchange;
 
 impl<V: Lanes> Stages<V> {
-    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, those at its
-    /// `end`, in the last active lane, with the energy exchanged in the step. Without forces, nothing.
+    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, those at its `end`, in the last active
+    /// lane, with the energy exchanged in the step. Does nothing without forces.
     #[inline(always)]
     pub fn sweep_applied(&mut self, end: bool) {
         if let Some(mut applied) = self.applied.take() {

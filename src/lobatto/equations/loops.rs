@@ -35,9 +35,9 @@ pub(crate) enum Equation {
 pub(crate) struct LoopStart<C> {
     /// The bodies at its ends a and b; `None` is the world.
     pub bodies: [Option<usize>; 2],
-    /// Where its ends are, from the common origin (m).
+    /// The places of its ends, from the common origin (m).
     pub points: [C; 2],
-    /// From the bodies' anchors to the ends (m); not used for the world.
+    /// Vectors from the bodies' anchors to the ends (m); not used for the world.
     pub arms: [C; 2],
     /// Every equation with its directions u and w.
     pub equations: Vec<(Equation, [C; 2])>,
@@ -52,7 +52,7 @@ impl<C: Copy + Default> LoopStart<C> {
     }
 }
 
-/// Where a body is since the start of the step, at all stages.
+/// The displacement of a body since the start of the step, at all stages.
 pub(crate) trait Displaced<V: Lanes> {
     /// In space or in a plane.
     type Vector: Euclidean<V>;
@@ -132,7 +132,7 @@ fn evaluate_one<V: Lanes, D: Displaced<V>>(
     }
 }
 
-/// Where the end of a closure is.
+/// The place of the end of a closure.
 #[inline(always)]
 fn point<V: Lanes, D: Displaced<V>>(start: &Components<V, D>, arm: &Components<V, D>, body: Option<&D>) -> D::Vector {
     let start = D::Vector::splat(start);

@@ -41,7 +41,7 @@ pub fn pivot_torque<V: Arithmetic, R: Rows<V>>(
 ) -> V {
     let turned = turned_about(&rows.pose(body), axis);
     let [sines, versines] = rows.swing(body, axis, rate, turned);
-    // From here on: the geometry of the rows.
+    // The code below has the geometry of the rows.
     let [sine, versine] = [turned[0] * rows.moved(), turned[1] * rows.moved()];
     let cosine = V::splat(1.0) - versine;
     let moment = V::whole(known.inertia) * versines.mul_add(sine, sines * cosine);

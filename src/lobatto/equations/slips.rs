@@ -11,9 +11,9 @@
 //! `Ω_j (1 + N_j)ᵀ` is skew but for the error of the stages: it is the rate of the rotation matrix as the scheme has it, which constraints on
 //! velocities must take for the order 2s − 2.
 //!
-//! Friction has the direction of a slip, and a slip that is slower than the error of its stage has an arbitrary direction. Most of this error is that
-//! of `Ṙ`, which turns with the body. So friction takes the velocity of the centre of mass x and an angular velocity ω of its own, which the scheme
-//! integrates from the angular accelerations that the second rates of the rotation matrix have:
+//! Friction has the direction of a slip, and a slip that is slower than the error of its stage has an arbitrary direction. Most of this error is the
+//! error of `Ṙ`, which turns with the body. So friction takes the velocity of the centre of mass x and an angular velocity ω of its own, which the
+//! scheme integrates from the angular accelerations that the second rates of the rotation matrix have:
 //!
 //! ```text
 //!     h² R̈_k R₀ᵀ = S_k = Σ_i B_ki (N_i − h c_i ω̂₀)                                       k = 1..s−1
@@ -29,7 +29,7 @@ use crate::stages::coefficients::{moved_rows, row_stage};
 use crate::stages::start::BodyStart;
 use crate::tableau::butcher::Tableau;
 
-/// What of the scheme velocities need.
+/// The coefficients of the scheme that velocities need.
 pub(crate) struct StageMixing<V> {
     /// Number of stages coupled.
     pub active: usize,

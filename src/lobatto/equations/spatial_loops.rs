@@ -30,7 +30,7 @@ pub(crate) struct SpatialLoop {
 pub(crate) struct End {
     /// P.
     pub point: [f64; 3],
-    /// From the anchor of the body.
+    /// Vector from the anchor of the body.
     pub arm: [f64; 3],
     /// x, y, z.
     pub axes: [[f64; 3]; 3],

@@ -16,7 +16,7 @@ use crate::plan::forces::{LineStart, SpringLaw};
 use crate::stages::force_motion::{Motion, Place};
 use catena_mechanism::forces::point_spring::NO_LENGTH;
 
-/// Where bodies are at all stages since the start of a step.
+/// Displacements of bodies at all stages since the start of a step.
 pub(crate) trait BodiesAtStages<V: Lanes> {
     /// In space or in a plane.
     type Vector: Euclidean<V>;

@@ -37,7 +37,7 @@ pub(crate) struct SpatialTouch<V> {
     at: [AtStages<V>; 2],
     /// `h Σ_j a_ij e_j · u_j` along both tangents (m).
     creep: [V; 2],
-    /// What these change by.
+    /// The changes of their rates.
     rolling: [[[V; 6]; 2]; 2],
     /// The place of the origin of the second feature at the columns' stages, from the common origin (m).
     center: Vector<V>,
@@ -66,7 +66,7 @@ struct AtStages<V> {
 }
 
 impl<V: Lanes> SpatialTouch<V> {
-    /// The contacts of a mechanism under so much gravity [m/s²].
+    /// The contacts of a mechanism under gravity of this size [m/s²].
     pub fn all(joints: &[TouchJoint], gravity: f64) -> Vec<Self> {
         let zero = Vector::zero();
         let nowhere = AtStages { gap: V::zero(), normal: zero, point: zero, slip: zero };
@@ -253,7 +253,7 @@ impl<V: Lanes> SpatialTouch<V> {
         self.braking.fastest(self.slipping(1))
     }
 
-    /// What its friction does at the end of the step.
+    /// Its friction at the end of the step.
     pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
         self.braking.lean(mixing, [self.slipping(0), self.slipping(1)])
     }

@@ -2,7 +2,7 @@
 //!
 //! If friction is large enough to stop a slip within the step, a small error of its direction t is a large error of the slip across t, and an iterate
 //! with the direction of that slip is further off. So t is an unknown of its own, the angle φ, and that the slip has its direction is an equation.
-//! With `m = n × t` and `ρ = |t · u|`, Newton's method for both is
+//! Let `m = n × t` and `ρ = |t · u|`. Newton's method for both is
 //!
 //! ```text
 //!     friction    μ Λ (t + m dφ),        m · u = ρ dφ       =>       dφ = m · (u + δu)/ρ
@@ -25,10 +25,10 @@ use nalgebra::Vector3;
 const AGREES: f64 = 1e-2;
 /// Speeds along t, of two iterates, of which neither is larger by more than this factor are alike.
 const ALIKE: f64 = 2.0;
-/// After so many iterations t has the direction of the slip.
+/// After this number of iterations t has the direction of the slip.
 const PATIENCE: usize = 12;
 
-/// What is kept of a stage.
+/// Memory of a stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Followed {
     /// `t · u` of the latest iterate [m/s].

@@ -5,13 +5,13 @@
 use catena_mechanism::description::joint::Pose;
 use catena_mechanism::description::mechanism::Mechanism;
 
-/// So many instants are looked at together.
+/// Number of instants that are evaluated together.
 pub const INSTANTS: usize = 8;
 
 /// A number at each of the instants.
 pub type Row = [f64; INSTANTS];
 
-/// Where links are and what joints carry at some instants.
+/// Poses of links and wrenches of joints at some instants.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshots {
     /// For each link the position x, y, z (m) and the unit quaternion w, x, y, z with w ≥ 0, in the world.
@@ -25,7 +25,7 @@ pub struct Snapshots {
 }
 
 impl Snapshots {
-    /// Room for a mechanism and so many links.
+    /// Room for a mechanism and its links.
     pub fn new(mechanism: &Mechanism, links: usize) -> Self {
         let bodies = mechanism.bodies.len();
         Snapshots {

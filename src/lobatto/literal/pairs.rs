@@ -35,7 +35,7 @@ const ITERATIONS: usize = 12;
 /// Points of a rim at which the least distance is looked for.
 const LOOKED_AT: u32 = 72;
 
-/// Where the frame of a feature is.
+/// The frame of a feature.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     /// P (m).
@@ -203,7 +203,7 @@ fn rim_and_rim(rims: [Circle; 2], side: f64) -> Option<[Vector3<f64>; 3]> {
     Some([a.point(angles.x), b.point(angles.y), normal])
 }
 
-/// From the nearest points of the cores.
+/// The meeting of features from the nearest points of their cores.
 fn meeting([on_a, on_b]: [Vector3<f64>; 2], normal: Vector3<f64>, [first, second]: [f64; 2]) -> Meeting {
     Meeting { gap: normal.dot(&(on_b - on_a)) - first - second, normal, point: on_b - normal * second }
 }

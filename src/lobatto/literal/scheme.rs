@@ -76,7 +76,7 @@ pub struct LiteralStep {
     pub stage_coordinates: Vec<DVector<f64>>,
     /// `P_1 … P_s`, each 12 n.
     pub stage_momenta: Vec<DVector<f64>>,
-    /// `Λ_1 … Λ_s`, each d: those of the contacts last.
+    /// `Λ_1 … Λ_s`, each d: multipliers of the contacts last.
     pub multipliers: Vec<DVector<f64>>,
     /// Newton iterations.
     pub iterations: usize,

@@ -213,7 +213,7 @@ fn slip(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>, rates: &DVector<f6
     across(&here.normal, Vector3::from_fn(|axis, _| along(axis)))
 }
 
-/// What of a vector is square to a unit vector.
+/// The part of a vector that is orthogonal to a unit vector.
 fn across(normal: &Vector3<f64>, vector: Vector3<f64>) -> Vector3<f64> {
     vector - normal * normal.dot(&vector)
 }

@@ -10,7 +10,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub trait Arithmetic:
     Copy + Send + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// What is known of the start of a step, with as many digits.
+    /// Number type of the start of a step, with as many digits.
     type Real: Copy + Default + Send + 'static;
     /// The same double for all stages.
     fn splat(value: f64) -> Self;
@@ -38,7 +38,7 @@ pub trait Arithmetic:
 pub trait Numbers: Arithmetic {
     /// One stage alone; or several, where they are to be had no cheaper.
     type One: Arithmetic<Real = Self::Real>;
-    /// What is known of the start of a step, from a double.
+    /// A number of the start of a step, from a double.
     fn real(value: f64) -> Self::Real;
     /// Doubles for the stages, zero above their end, and what rounding has cut off them, for those who keep it.
     fn from_parts(high: &[f64], low: &[f64]) -> Self;
@@ -49,7 +49,7 @@ pub trait Numbers: Arithmetic {
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
         one_by_one(values, columns)
     }
-    /// Whether what is mixed is better stored long before.
+    /// Whether the operands of sums over stages are better stored long before.
     const STORES_EARLY: bool;
     /// The stages one after the other, in memory.
     type Stored: Copy + Send;

@@ -15,7 +15,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct Extended {
     /// The value rounded to a double.
     high: f64,
-    /// What that rounding cut off.
+    /// The rounding error of `high`.
     low: f64,
 }
 
@@ -49,7 +49,7 @@ impl Extended {
         self.high
     }
 
-    /// What rounding to a double cuts off, itself rounded.
+    /// The rounding error of rounding to a double, itself rounded.
     pub(crate) fn remainder(self) -> f64 {
         self.low
     }

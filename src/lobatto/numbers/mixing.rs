@@ -57,7 +57,7 @@ pub(crate) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize
     mix_stored_before(std::hint::black_box(arrays), columns)
 }
 
-/// [`mix_from_memory`] of what was stored where the compiler does not see it.
+/// [`mix_from_memory`] of values stored out of the compiler's sight.
 #[inline(always)]
 pub(crate) fn mix_stored_before<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
     InLines(arrays): &InLines<A, N>,

@@ -37,7 +37,7 @@ pub struct Tilt<V> {
 }
 
 impl<V: Arithmetic> Tilt<V> {
-    /// That of a rotation vector.
+    /// The rotation of a rotation vector.
     #[inline(always)]
     pub fn of(vector: Vector<V>) -> Self {
         Tilt { vector, coefficients: tangent(vector.dot(vector)) }

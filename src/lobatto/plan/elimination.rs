@@ -42,7 +42,7 @@ pub enum Operation {
 pub struct Column {
     /// Its slot in the front.
     pub slot: usize,
-    /// What it multiplies.
+    /// The unknown that it multiplies.
     pub unknown: Unknown,
 }
 

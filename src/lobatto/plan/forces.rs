@@ -9,7 +9,7 @@ use catena_mechanism::forces::total::scalar_coordinate;
 use catena_mechanism::ground::matrices::times;
 use catena_mechanism::motion::state::State;
 
-/// The constant data of all forces, by what they need.
+/// The constant data of all forces, sorted by their inputs.
 pub(crate) struct AppliedPlan {
     /// Freedom and coefficient.
     pub(crate) dampers: Vec<(usize, f64)>,
@@ -33,7 +33,7 @@ pub(crate) struct Ball {
     pub(crate) driven: [f64; 3],
 }
 
-/// What a spring with a damper does for its length and rate.
+/// Law of a spring with a damper for its length and rate.
 #[derive(Clone, Copy)]
 pub(crate) struct SpringLaw {
     /// N/m.
@@ -45,7 +45,7 @@ pub(crate) struct SpringLaw {
 }
 
 impl SpringLaw {
-    /// That of a spring between points.
+    /// The law of a spring between points.
     pub(crate) fn of(spring: &PointSpring) -> Self {
         let &PointSpring { stiffness, damping, rest_length, .. } = spring;
         SpringLaw { stiffness, damping, rest_length }
@@ -65,7 +65,7 @@ pub(crate) struct WrenchPlan {
     pub(crate) torque: [f64; 3],
 }
 
-/// What the forces need of the start of a step.
+/// Quantities of the forces at the start of a step.
 #[derive(Default)]
 pub struct AppliedStart {
     /// Extension of each joint spring (rad or m).
@@ -78,7 +78,7 @@ pub struct AppliedStart {
 /// A spring between points at the start of a step, in the components `C` of the world or of a plane.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct LineStart<C> {
-    /// From the anchors of the two bodies to the ends (m).
+    /// Vectors from the anchors of the two bodies to the ends (m).
     pub(crate) arms: [C; 2],
     /// If one of the arms is very long, the end at which both forces act, and the arm of the other body to it (m).
     pub(crate) common: Option<(usize, C)>,
@@ -109,7 +109,7 @@ impl AppliedStart {
             let slot = spring.coordinate.position;
             *extension = state.position[slot] - spring.rest + state.compensation[slot];
         }
-        // From the anchor of a body to a point in its frame.
+        // Vector from the anchor of a body to a point in its frame.
         let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
             times(&bodies[body].rotation, &(point - mechanism.bodies[body].joint.on_child.translation.vector))
         };

@@ -44,11 +44,11 @@ impl Elimination {
 struct Closure {
     first_row: usize,
     rows: usize,
-    /// Its two ends; `None` is the world. A mimic has none.
+    /// Its two ends; `None` is the world. Empty for a mimic.
     sides: [Option<usize>; 2],
     /// Bodies with an end of it; fewer than two if it ends in the world.
     ends: Vec<usize>,
-    /// Where its branches meet; `None` is the world.
+    /// The body at which its branches meet; `None` is the world.
     meets: Option<usize>,
     /// Whether it goes at its only body, with a pivot of its own.
     on_world: bool,
@@ -66,12 +66,12 @@ pub(crate) struct Planner<'m> {
     processed: Vec<bool>,
     /// Whether a row's right-hand side is in a front already.
     gap_taken: Vec<bool>,
-    /// What is planned so far.
+    /// The plan so far.
     pub(crate) plan: Elimination,
 }
 
 impl<'m> Planner<'m> {
-    /// Nothing planned yet, for the arguments of [`Elimination::new`].
+    /// An empty plan, for the arguments of [`Elimination::new`].
     pub(crate) fn new(mechanism: &'m Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()

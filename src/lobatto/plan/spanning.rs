@@ -269,7 +269,7 @@ impl Rooted {
         for body in 0..graph.bodies {
             children[self.above[body].0.unwrap_or(graph.bodies)].push(body);
         }
-        // What passes between two branches of the same body.
+        // Closures that pass between two branches of the same body.
         let mut between: Vec<Vec<(usize, usize)>> = vec![Vec::new(); graph.bodies];
         for link in (0..graph.links.len()).filter(|&link| !self.used[link]) {
             if let [Some(&a), Some(&b)] = self.branches(graph, link).each_ref().map(|branch| branch.last()) {
@@ -289,7 +289,7 @@ impl Rooted {
     }
 }
 
-/// What two sorted lists have in common.
+/// The common entries of two sorted lists.
 fn common<'l>(one: &'l [usize], other: &'l [usize]) -> impl Iterator<Item = usize> + 'l {
     let mut next = 0;
     one.iter().copied().filter(move |entry| {

@@ -27,7 +27,7 @@ pub enum Children {
 pub struct BodyPlan {
     /// Parent body, or `None` for the world.
     pub parent: Option<usize>,
-    /// Where the parent collects; `Children::None` for the world.
+    /// The slot in which the parent collects; `Children::None` for the world.
     pub parent_collects: Children,
     /// Whether this is the last child of its parent, which the backward sweep meets first.
     pub first_collected: bool,

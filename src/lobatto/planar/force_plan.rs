@@ -50,7 +50,7 @@ impl Ends<'_> {
         self.plane.flat(&(self.zero[body].rotation * (point - anchor)))
     }
 
-    /// Where an end is.
+    /// The place of an end.
     pub fn end(&self, at: &Attachment) -> End {
         let point = at.frame.translation.vector;
         End { body: at.body, arm: at.body.map_or(self.plane.flat(&point), |body| self.arm_of(body, &point)) }
@@ -65,7 +65,7 @@ impl Ends<'_> {
 /// A constant wrench.
 pub(crate) struct WrenchPlan {
     pub body: usize,
-    /// From the anchor to where it acts, at zero displacement (m).
+    /// Vector from the anchor to the point of action, at zero displacement (m).
     arm: [f64; 2],
     pub force: [f64; 2],
     pub torque: f64,
@@ -73,12 +73,12 @@ pub(crate) struct WrenchPlan {
     offset: f64,
 }
 
-/// What forces need of the start of a step.
+/// Quantities of the forces at the start of a step.
 pub(crate) struct ForcesStart {
     /// Extension of each joint spring (rad or m).
     pub extensions: Vec<f64>,
     pub lines: Vec<LineStart<[f64; 2]>>,
-    /// From the anchor to the point of each wrench (m).
+    /// Vectors from the anchor to the point of each wrench (m).
     pub arms: Vec<[f64; 2]>,
 }
 

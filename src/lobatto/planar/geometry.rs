@@ -30,7 +30,7 @@ use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
 use std::ops::Range;
 
-/// Where bodies and closures are in the plane.
+/// Bodies and closures in the plane.
 pub(crate) struct Flat<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<PlanarLoop>,

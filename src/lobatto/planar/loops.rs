@@ -7,7 +7,7 @@
 //!     u = (C + S J) u⁰
 //! ```
 //!
-//! The equations themselves are those of space: [`crate::equations::loops`].
+//! The equations are the same as in space: [`crate::equations::loops`].
 
 use crate::equations::loops::{Displaced, Equation, LoopStart};
 use crate::numbers::lanes::Lanes;

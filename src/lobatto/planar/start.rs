@@ -46,7 +46,7 @@ pub(crate) struct PlanarPlan {
     pub tree: Plan,
     /// One entry a body.
     pub bodies: Vec<BodyPlane>,
-    /// Gravity in the plane [m/s²]; nothing along the normal.
+    /// Gravity in the plane [m/s²]; zero along the normal.
     pub gravity: [f64; 3],
     /// Forces between points, and on bodies.
     pub forces: ForcesPlan,
@@ -66,7 +66,7 @@ pub(crate) struct PlanarStart {
     pub rates: Vec<f64>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
-    /// What forces need.
+    /// Quantities of the forces.
     pub applied: ForcesStart,
     /// Energy of the state.
     pub energy: Energy,

@@ -53,7 +53,7 @@ pub(crate) struct PlanarStages<V> {
     pub eliminated: Vec<Eliminated2<V>>,
     /// Direction of each slide at the rows' stages.
     pub axes: Vec<Vector2<V>>,
-    /// Where the children of branching bodies meet.
+    /// Slots of the children of branching bodies.
     pub slots: Vec<Articulated2<V>>,
     /// Twist of the branching bodies on the way back.
     pub twists: Vec<(Vector2<V>, V)>,
@@ -92,7 +92,7 @@ impl<V: Lanes> PlanarStages<V> {
         }
     }
 
-    /// What the predictor is to guess.
+    /// The unknowns of the predictor.
     pub fn unknowns<'s>(&'s mut self, coefficients: &'s Coefficients<V>) -> Unknowns<'s, V> {
         Unknowns { displacement: &mut self.displacement, rates: &self.start.rates, step: self.step, coefficients }
     }

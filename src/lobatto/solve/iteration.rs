@@ -13,8 +13,8 @@
 //!                   E of bodies and joints after the fourth, and of joints, which cost less to ask, after the others
 //! ```
 //!
-//! A hopeless attempt is repeated with a plain guess, and then by the exact Newton method if the rule says so. What is iterated is the kernel's:
-//! [`crate::step::kernel`].
+//! A hopeless attempt is repeated with a plain guess, and then by the exact Newton method if the rule says so. The equations of an iteration are in
+//! the kernel: [`crate::step::kernel`].
 
 use crate::numbers::rotations::EACH;
 use crate::stages::attempt::{Attempt, Guess, StopRule};
@@ -23,8 +23,8 @@ use catena_mechanism::description::mechanism::Mechanism;
 
 /// The stage equations of a step, with a guess.
 pub(crate) trait Equations {
-    /// One iteration from where the last left off: finds the increments, returns the largest. Where they are `settled`, the
-    /// rounding of the coefficients counts.
+    /// One iteration from where the last left off: finds the increments, returns the largest. If they are `settled`, the rounding of the coefficients
+    /// counts.
     fn iterate(&mut self, settled: bool) -> f64;
     /// Whether iterations that are not settled do without the second half of the coefficients' digits, and those that are do not.
     fn refines(&self) -> bool {
@@ -120,9 +120,9 @@ const CLOSED: f64 = 1e-10;
 /// itself.
 const TOUCHED: f64 = 1e-12;
 
-/// With closures, an increment ends the first iteration only if it is at most this. The multipliers of a step begin at zero, and the proximal term
-/// leaves ε times their increments of the gaps. So the first iteration, from however good a guess, moves away from the closures by as much, and the
-/// second moves back.
+/// A mechanism with closures ends its first iteration only at an increment of at most this. The multipliers of a step begin at zero, and the proximal
+/// term leaves ε times their increments of the gaps. So the first iteration, from however good a guess, moves away from the closures by as much, and
+/// the second moves back.
 const UNPROVEN: f64 = 1e-13;
 /// The second iteration removes 99 % of that error. So it may end with an increment larger by this factor, or if increments have fallen.
 const TAKEN_BACK: f64 = 100.0;
@@ -155,7 +155,7 @@ pub(crate) fn exact_at_first(mechanism: &Mechanism) -> usize {
 /// determine. Increments of the exact method that stay below this are rounding.
 const SLACK: f64 = 1e-9;
 
-/// After so many iterations they are seen to stay there.
+/// Number of iterations after which increments count as staying.
 const PATIENCE: usize = 15;
 
 /// The direction of friction is known to these parts where increments are of such parts of a slide: of one that falls, and of one that stays.
@@ -175,9 +175,9 @@ const TOO_LONG_LATE: f64 = 3.0;
 /// After this iteration the rotations of bodies are looked at, too, and after the others the joints alone.
 const SHAPED: usize = 4;
 
-/// Digits after an increment below this (over the largest displacement) are the second half of its digits,
+/// After an increment below this (over the largest displacement), the digits that follow belong to the second half.
 const SETTLED: f64 = 1e-13;
-/// and so it is where the next increment, smaller than the last by as much as that was than the one before, will be below this.
+/// They also do if the next increment is forecast below this: smaller than the last by the factor between the last two.
 const ROUNDED: f64 = 1e-15;
 
 /// Up to this displacement no rotation vector is beyond [`MAX_TURN`]. A solution is asked how long it is; an iterate beyond is not, because it is
@@ -210,7 +210,7 @@ pub(crate) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
 pub(crate) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt {
     let mut recent = [f64::INFINITY; 5];
     let mut scale = 1.0_f64;
-    // Nobody has measured the guess.
+    // The error of the guess is unknown.
     let mut largest = f64::INFINITY;
     let refines = equations.refines();
     for iteration in 1..=rule.iterations {

@@ -7,7 +7,7 @@
 //!     θ̃ = θ rounded,   H̃(q̃_k) α̃_k = −ρ̃_k(θ̃),   δ_i = Σ_k Â_ik α̃_k
 //! ```
 //!
-//! Eight single lanes fill 256 bits. Such an iteration takes half the time if the processor works on 512-bit registers in two halves, or has none.
+//! Eight single lanes fill 256 bits. Such an iteration takes half the time if the processor has no 512-bit registers, or works on them in two halves.
 //! Rounding leaves some 10⁻⁵ rad of the displacements, more where the masses of a tree differ much, and leaves it in all powers of time; a guess is
 //! off in the high ones, of which an iteration leaves least. Steps that are iterated very far therefore do without, and [`FirstIterations`] finds out
 //! where single precision is too little altogether.
@@ -95,7 +95,7 @@ impl<V: Lanes> FirstIterations<V> {
         }
     }
 
-    /// What follows is in double precision.
+    /// Later iterations are in double precision.
     pub fn leave(&mut self) {
         (self.next, self.latest) = (false, false);
     }
@@ -173,8 +173,8 @@ impl<V: Lanes> FirstIterations<V> {
     }
 }
 
-/// The least moment of a body about the axes of its joint, or less, over half the sum of its moments about the joint's anchor. What a body's
-/// children add makes the first no smaller.
+/// The least moment of a body about the axes of its joint, or less, over half the sum of its moments about the joint's anchor. Children of a body
+/// only increase the first.
 fn least_moment(body: &Body) -> f64 {
     let frame = &body.joint.on_child;
     let arm = frame.translation.vector;
@@ -282,7 +282,7 @@ mod tests {
                 println!("{}, {which}: {apart:.1e} of {largest:.1e}", kind.name());
                 // 6e-8 of displacements of some tenths, which the mixing of nine stages and light bodies on heavy ones magnify by some 1e3.
                 assert!(apart > 0.0 && apart < 1e-4, "{}, {which}: {apart:.1e} apart", kind.name());
-                // What there is to be told apart.
+                // The stages differ by enough to be told apart.
                 assert!(largest > 100.0 * apart, "{}, {which}: {largest:.1e}", kind.name());
             }
         }

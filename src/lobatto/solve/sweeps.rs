@@ -11,13 +11,13 @@
 //!
 //! Iterations that keep the factors of the one before are in [`crate::solve::kept_factors`].
 //!
-//! A body that never turns keeps three of the six rows: its children hand it their mass and force alone. Of one that a hinge holds to the world one
-//! is left ([`crate::equations::pivot`]). One that floats freely needs no recursion at all ([`crate::solve::free_body`]).
+//! A body that never turns keeps three of the six rows: its children hand it their mass and force alone. A body on a hinge to the world keeps one
+//! ([`crate::equations::pivot`]). One that floats freely needs no recursion at all ([`crate::solve::free_body`]).
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`crate::equations::forces`]).
 //!
-//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage alone, with the momenta in place
-//! of the residuals ([`crate::ending::velocities`]). What is eliminated is therefore asked of [`Rows`].
+//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage alone, with the momenta in place of the
+//! residuals ([`crate::ending::velocities`]). [`Rows`] therefore supplies the right-hand side.
 
 use crate::equations::pivot::pivot_torque;
 use crate::equations::residual::{body_residual, force_residual};

@@ -37,7 +37,7 @@ pub struct Articulated<V> {
 pub struct Push<V> {
     /// The effort τ.
     pub effort: V,
-    /// What stands for the derivative of a damper's effort, κ.
+    /// Derivative of a damper's effort, κ, as an inertia.
     pub inertia: V,
 }
 
@@ -77,7 +77,7 @@ impl<V: Arithmetic> Articulated<V> {
         }
     }
 
-    /// A body that never turns: mass and force, and nothing else.
+    /// A body that never turns: mass and force only.
     #[inline(always)]
     pub fn sliding(mass: V, force: Vector<V>) -> Self {
         let zero = V::zero();
@@ -206,7 +206,7 @@ impl<V: Arithmetic> Articulated<V> {
     }
 }
 
-/// `d`; a literal `None` at the call costs nothing.
+/// `d`; a literal `None` at the call is free of cost.
 #[inline(always)]
 fn resisting<V: Arithmetic>(inertia: V, push: Option<Push<V>>) -> V {
     match push {

@@ -42,13 +42,13 @@ impl StopRule {
 /// How far the steps of a carried motion are iterated.
 #[derive(Clone, Copy, Debug)]
 pub struct Carrying {
-    /// What parted the starts (rad, m).
+    /// Distance of the starts (rad, m).
     pub apart: f64,
     /// The part of what parts the motions that an iteration may leave.
     pub part: f64,
-    /// After so many iterations this part will do,
+    /// Iterations after which the larger part `rest` suffices.
     pub most: usize,
-    /// which is larger.
+    /// The larger part that an iteration may leave after `most` iterations.
     pub rest: f64,
     /// Whether the exact Newton method has made the step.
     pub exactly: bool,
@@ -72,7 +72,7 @@ pub enum Attempt {
 }
 
 impl Attempt {
-    /// The same attempt after iterations that led nowhere.
+    /// The same attempt after iterations without result.
     pub fn after(mut self, spent: usize) -> Self {
         match &mut self {
             Attempt::Converged { iterations, .. }
@@ -94,10 +94,10 @@ impl Attempt {
     }
 }
 
-/// What a guess is made from.
+/// The source of a guess.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Guess {
-    /// The step before; where there is none, the velocities alone.
+    /// The step before; without one, the velocities alone.
     Past,
     /// The velocities alone.
     Plain,

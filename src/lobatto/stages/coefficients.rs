@@ -14,9 +14,9 @@ pub struct Coefficients<V> {
     pub active: usize,
     /// B by columns.
     pub residual: [V; MAX_LANES],
-    /// What rounding has cut off B, by columns.
+    /// The rounding errors of B, by columns.
     pub residual_rest: [V; MAX_LANES],
-    /// What rounding has cut off the nodes.
+    /// The rounding errors of the nodes.
     pub nodes_rest: V,
     /// Â by columns.
     pub solve: [V; MAX_LANES],

@@ -18,15 +18,15 @@ use crate::stages::unknowns::Unknowns;
 use crate::tableau::butcher::Tableau;
 use crate::tableau::dense::scales;
 
-/// At most so many degrees of freedom vote on the order.
+/// Largest number of degrees of freedom that vote on the order.
 const VOTERS: usize = 48;
 
 /// A polynomial in the past and the velocity of a degree of freedom, at the new stages.
 #[derive(Clone, Copy)]
 struct Columns<V> {
-    /// What each of the past displacements counts, lane by lane.
+    /// Weight of each past displacement, lane by lane.
     past: [V; MAX_LANES],
-    /// What `h_old v` counts.
+    /// Weight of `h_old v`.
     rate: V,
 }
 
@@ -53,7 +53,7 @@ pub struct Extrapolation<V> {
     basis: [V; MAX_LANES],
     /// The last guess without its last term.
     before: Columns<V>,
-    /// Length of the step the past comes from, zero for none.
+    /// Length of the step the past comes from, zero without a past.
     old_step: f64,
     /// The order in use.
     order: usize,
@@ -152,7 +152,7 @@ impl<V: Lanes> Extrapolation<V> {
     #[inline(always)]
     fn vote(&mut self, unknowns: &Unknowns<V>) {
         let (used, count) = (self.used, self.nodes.len());
-        // With an order less, as it was, and with one more.
+        // An order less, the same order, and one more.
         let mut worst = [V::zero(); 3];
         let freedoms = unknowns.displacement.len();
         let stride = freedoms.div_ceil(VOTERS).max(1);
@@ -185,7 +185,7 @@ fn lane_of(n: usize, count: usize) -> usize {
     if n + 1 == count { n } else { count - 2 - n }
 }
 
-/// The order of the first guess from a past of so many stages.
+/// The order of the first guess from a past of this number of stages.
 fn first_order(count: usize) -> usize {
     count.min(2)
 }

@@ -21,7 +21,7 @@ pub struct Factors<V> {
 }
 
 impl<V: Arithmetic> Factors<V> {
-    /// Room for those of a tree.
+    /// Room for the factors of a tree.
     pub fn new(plan: &Plan, freedoms: usize) -> Self {
         Factors {
             eliminated: vec![Eliminated::zero(); freedoms],

@@ -23,7 +23,7 @@ pub(crate) struct Place<V> {
 pub(crate) struct Motion<'s, V> {
     pub(crate) displacement: &'s [V],
     pub(crate) rates: &'s [f64],
-    /// Of the joint springs, at the start.
+    /// Extensions of the joint springs at the start.
     pub(crate) extensions: &'s [f64],
     /// `h c_i` and `1/h`.
     pub(crate) times: V,
@@ -45,7 +45,7 @@ pub(crate) struct Taut<V> {
     pub(crate) per_length: V,
     /// `ℓ̇` [m/s].
     pub(crate) rate: V,
-    /// What the damper has of the tension, and the whole (N).
+    /// The damper's part of the tension, and the whole (N).
     pub(crate) braking: V,
     pub(crate) tension: V,
 }

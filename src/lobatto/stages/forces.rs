@@ -24,7 +24,7 @@ pub struct Applied<V> {
     pub(crate) plan: AppliedPlan,
     /// Efforts that change in time, at the stages of the attempt.
     pub(crate) changing: Vec<Changing<V>>,
-    /// Where the rows take their velocities from.
+    /// The place whose velocities the rows take.
     pub(crate) rows: Place<V>,
     /// The same with the end of the step in the last lane.
     pub(crate) end: Place<V>,
@@ -39,7 +39,7 @@ pub(crate) struct Changing<V> {
 }
 
 impl<V: Lanes> Applied<V> {
-    /// Room for the forces of a mechanism; none if there are none.
+    /// Room for the forces of a mechanism; `None` without forces.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Option<Box<Self>> {
         if mechanism.forces.is_empty() {
             return None;

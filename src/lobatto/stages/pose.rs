@@ -47,7 +47,7 @@ impl<V: Arithmetic> StagePose<V> {
         self.turned().matrix()
     }
 
-    /// What N is linear in.
+    /// The vector in which N is linear.
     #[inline(always)]
     pub fn turned(&self) -> Turned<V> {
         let [x, y, z] = self.u.0;
@@ -67,7 +67,7 @@ pub struct Turned<V> {
 }
 
 impl<V: Arithmetic> Turned<V> {
-    /// Of the vector and the products, one after the other.
+    /// N of the vector and the products, one after the other.
     #[inline(always)]
     pub fn joined([x, y, z, products @ ..]: [V; 9]) -> Self {
         Turned { products, vector: [x, y, z] }

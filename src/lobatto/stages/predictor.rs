@@ -18,7 +18,7 @@ use crate::tableau::dense::scales;
 
 use crate::stages::extrapolation::Extrapolation;
 
-/// What guesses are made from.
+/// The memory from which guesses are made.
 pub struct Predictor<V> {
     /// The first of the three degrees of freedom of every ball joint.
     balls: Vec<usize>,

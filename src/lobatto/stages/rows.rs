@@ -25,7 +25,7 @@ pub trait Rows<V: Arithmetic> {
     fn moved(&self) -> V;
     /// Tilt of the free axes of a ball joint, of which this is the first, against the axes of the body; `None` without tilt.
     fn tilt(&self, freedom: usize) -> Option<Tilt<V>>;
-    /// What gravity adds to the mixed path.
+    /// Gravity's part of the mixed path.
     fn gravity(&self) -> Vector<V>;
     /// The mixed path of a centre of mass that has been `displaced` in these rows (m); for momenta its velocity [m/s], which needs all stages.
     fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
@@ -60,7 +60,7 @@ pub trait Rows<V: Arithmetic> {
 pub struct Steady<V> {
     /// `h c_i`.
     times: V,
-    /// What rounding has cut off `times`.
+    /// The rounding error of `times`.
     rest: V,
 }
 
@@ -102,11 +102,11 @@ impl<V: Arithmetic> Steady<V> {
     }
 }
 
-/// What is common to all bodies of a sweep.
+/// Data that all bodies of a sweep share.
 pub struct Sweep<'s, V> {
     /// Mixing matrix of the sweep, by columns.
     pub columns: &'s [V; MAX_LANES],
-    /// What rounding has cut off `columns`.
+    /// The rounding errors of `columns`.
     pub rest: &'s [V; MAX_LANES],
     /// The steady motion.
     pub steady: Steady<V>,
@@ -114,7 +114,7 @@ pub struct Sweep<'s, V> {
     pub moved: V,
     /// The part of gravity in the mixed displacement of a centre of mass.
     pub gravity: Vector<V>,
-    /// What multiplies applied forces: h², or the impulse's `h b_s`.
+    /// The factor of applied forces: h², or the impulse's `h b_s`.
     pub forces: V,
 }
 
@@ -135,7 +135,7 @@ impl<V: Numbers> Sweep<'_, V> {
 }
 
 impl<V: Numbers> Coefficients<V> {
-    /// What the residual has in common over all bodies of a step.
+    /// Data of the residual that all bodies of a step share.
     #[inline(always)]
     pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
         let square = V::splat(-step) * V::splat(step);
@@ -174,7 +174,7 @@ pub type Stored<V> = InLines<<V as Numbers>::Stored, 12>;
 
 /// The rows of all stages, with (`FORCED`) or without forces besides gravity, `REFINED` with twice the digits of the coefficients.
 pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
-    /// What is common to all bodies.
+    /// Data that all bodies share.
     pub sweep: Sweep<'s, V>,
     /// The tree.
     pub plan: &'s Plan,

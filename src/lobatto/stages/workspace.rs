@@ -45,9 +45,9 @@ pub struct Stages<V: Numbers> {
     pub increment: Vec<V>,
     /// One entry a body.
     pub poses: Vec<StagePose<V>>,
-    /// What the Newton step leaves.
+    /// The factors of the Newton step.
     pub factors: Factors<V>,
-    /// What a sweep knows of the next body.
+    /// The inputs of a sweep for the next body.
     pub early: LookAhead<V, Stored<V>>,
     /// Forces besides gravity, if the mechanism has any.
     pub applied: Option<Box<Applied<V>>>,
@@ -102,7 +102,7 @@ impl<V: Numbers> Stages<V> {
             let turns = !plan.parent_slides;
             let mut pose = match plan.parent {
                 Some(parent) => {
-                    // From registers, because each body waits for its parent's.
+                    // Pose of the parent from registers, because each body waits for it.
                     let mut pose = if parent + 1 == index { last } else { self.poses[parent] };
                     if turns {
                         pose.anchor = rotate_increment(pose.w, pose.u, Vector::splat(&known.arm)).plus(pose.anchor);
@@ -158,7 +158,7 @@ impl<V: Lanes> Stages<V> {
         V::GENERAL_ALONE || self.applied.is_some()
     }
 
-    /// What the predictor is to guess.
+    /// The unknowns of the predictor.
     pub fn unknowns(&mut self) -> Unknowns<'_, V> {
         let known = self.plan.known();
         Unknowns {

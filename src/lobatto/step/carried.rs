@@ -13,7 +13,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 pub(crate) struct Carried<V, S> {
     /// The start of its next step.
     pub(crate) start: S,
-    /// Where that is going to end.
+    /// The end of the carried motion.
     pub(crate) end: S,
     /// `θ` of the first motion.
     pub(crate) solved: Vec<V>,

@@ -59,7 +59,7 @@ pub trait Step: Send {
     fn redundant(&self) -> Option<usize>;
     /// Brings positions and velocities near the closures, if there are any, on them.
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
-    /// Carries a second motion beside this one from its next step on, from this state; steps of 32 digits carry none.
+    /// Carries a second motion beside this one from its next step on, from this state; without effect in steps of 32 digits.
     fn begin_to_carry(&mut self, _mechanism: &Mechanism, _state: &State) {}
     /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.
     fn carry_on(&mut self, _mechanism: &Mechanism, _state: &mut State, _carrying: &Carrying) {}

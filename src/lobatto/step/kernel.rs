@@ -43,7 +43,7 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) newton: Option<Box<Newton<V, W::Geometry<V>>>>,
     /// For how many more steps the exact Newton method comes first.
     pub(crate) exact_for: usize,
-    /// Where there are closures.
+    /// Projections, if the mechanism has closures.
     pub(crate) closing: Option<Closing<W::Geometry<One>>>,
     pub(crate) tableau: &'static Tableau,
     /// Top row of the inverse Legendre matrix for the stages 2 … s.
@@ -54,7 +54,7 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) displaced: Vec<f64>,
     /// Energy that dry friction of contacts took from the finished step (J).
     pub(crate) friction: f64,
-    /// What is carried beside the motion.
+    /// The motion carried beside the motion of the run.
     pub(crate) carried: Option<Box<Carried<V, W::Start>>>,
     /// The end of the finished step.
     pub(crate) end: W::Start,

@@ -35,7 +35,7 @@ pub(crate) struct PlanarWorkspace<V: Lanes> {
     stages: PlanarStages<V>,
     coefficients: Coefficients<V>,
     weights: MomentumWeights<V>,
-    /// Gravity in the plane [m/s²]; nothing along the normal.
+    /// Gravity in the plane [m/s²]; zero along the normal.
     gravity: [f64; 3],
     plane: Plane,
 }

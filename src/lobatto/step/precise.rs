@@ -11,7 +11,7 @@
 //!     the start of the next step from the poses at the end of this one: nothing is rounded between steps
 //! ```
 //!
-//! Iterative refinement, as of linear systems: the residual has all digits, and the correction needs few. The sweeps are those of
+//! Iterative refinement, as of linear systems: the residual has all digits, and the correction needs few. The sweeps are the ones of
 //! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step
 //! ([`crate::step::precise_start`]), which loses 10⁻³² of them a step. The joint positions of the [`State`] are the sums of all displacements, with
 //! compensation. Source of the refinement: C. B. Moler, J. ACM 14 (1967).
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn what_turns_together_keeps_its_shape_over_four_thousand_steps() {
-        // Hinges, because what slides is soon far away.
+        // Hinges, because a slide is soon far away.
         let mechanism = arm(JointKind::Revolute);
         let (mut state, tableau) = (moving(&mechanism), Tableau::of(9).unwrap());
         let mut precise = Precise::<Portable<8>>::new(&mechanism, tableau, &[]);

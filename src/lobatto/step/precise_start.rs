@@ -130,7 +130,7 @@ fn set_velocity<V: Lanes>(own: &BodyPlan, index: usize, start: &mut Start<Extend
     if let Some(parent) = own.parent {
         let parent = &start.bodies[parent];
         spin = Vector::splat(&parent.spin);
-        // From the parent's centre of mass by way of its anchor.
+        // Vector from the parent's centre of mass by way of its anchor.
         let arm = Vector::splat(&known.arm).minus(Vector::splat(&parent.com));
         velocity = spin.cross_plus(arm, Vector::splat(&parent.velocity));
     }

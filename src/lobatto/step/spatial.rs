@@ -275,7 +275,7 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         } else {
             in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity))
         };
-        // What dampers brake is in the factors, and no kinetic energy.
+        // The resistance of dampers is in the factors, and is no kinetic energy.
         stages.applied.is_none().then_some(square)
     }
 

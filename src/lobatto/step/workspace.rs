@@ -26,11 +26,11 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-/// What a step is computed with: everything that has lanes.
+/// The workspace of a step: all data that has lanes.
 pub(crate) trait Workspace<V: Lanes>: Send + 'static {
-    /// What is constant of the mechanism.
+    /// Constants of the mechanism.
     type Plan: Send;
-    /// What the equations need of the known state.
+    /// Quantities of the equations at the known state.
     type Start: Send;
     /// Bodies and closures at all stages, for the exact Newton method, and at one configuration, for projections on the closures.
     type Geometry<L: Lanes>: Geometry<L, Plan = Self::Plan, Start = Self::Start> + Send;
@@ -113,7 +113,7 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     fn begin_exactly(&mut self) {}
     /// Places the bodies at the present displacements, and writes their residuals there, for the exact Newton method.
     fn place_stages(&mut self, geometry: &mut Self::Geometry<V>, bias: &mut [Screw<V>]);
-    /// What that method solves, after [`Workspace::place_stages`].
+    /// The unknowns of that method, after [`Workspace::place_stages`].
     fn stage_unknowns(&mut self) -> StageUnknowns<'_, V, Self::Geometry<V>>;
 
     /// E of the iterate: the largest top Legendre coefficient of the displacements, for which `top` has the weights, and of the bodies'

@@ -50,11 +50,11 @@ pub struct Tableau {
 /// The digits of the coefficients beyond a double; the same shapes as in [`Tableau`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remainders {
-    /// Beyond `nodes` (s).
+    /// Digits beyond `nodes` (s).
     pub nodes: Vec<f64>,
-    /// Beyond `b_matrix` ((s−1) × (s−1)).
+    /// Digits beyond `b_matrix` ((s−1) × (s−1)).
     pub b_matrix: Vec<f64>,
-    /// Beyond `momentum_weights` (s−1).
+    /// Digits beyond `momentum_weights` (s−1).
     pub momentum_weights: Vec<f64>,
 }
 
@@ -64,7 +64,7 @@ pub enum TableauError {
     /// The number of stages is out of range.
     #[error("{stages} stages: the number of stages must be from {MINIMUM_STAGES} to {MAXIMUM_STAGES}")]
     Stages {
-        /// What was asked for.
+        /// The requested number of stages.
         stages: usize,
     },
 }

@@ -1,8 +1,7 @@
 //! Dense output: the motion inside a step, from the collocation polynomial.
 //!
-//! Each joint displacement is interpolated by the polynomial that meets it at all nodes and has the step's velocities
-//! at both ends; poses rebuilt from it satisfy every joint to rounding. With the interpolant `L` of the nodes alone
-//! and `ω(x) = Π (x − c_i)`,
+//! Each joint displacement is interpolated by the polynomial that meets it at all nodes and has the step's velocities at both ends; poses rebuilt
+//! from it satisfy every joint to rounding. Let `L` be the interpolant of the nodes alone and `ω(x) = Π (x − c_i)`:
 //!
 //! ```text
 //!     p(x) = L(x) + ω(x) (α + β x),    α = (h v₀ − L'(0)) / ω'(0),    α + β = (h v₁ − L'(1)) / ω'(1)
