@@ -1,4 +1,4 @@
-//! Where on its line of action a spring's two forces act.
+//! The points on its line of action at which a spring's two forces act.
 //!
 //! Equal and opposite forces F along the line through their points a and b have the same moments wherever on the line they act:
 //!
@@ -6,8 +6,8 @@
 //!     r_a × F = (P_b − O_a) × F      for F ∥ P_b − P_a        r_a = P_a − O_a (m), O_a: about which the torque on the body of a is taken
 //! ```
 //!
-//! Both act at one end where the arm of the other is far longer. This avoids the rounding of a product that is far larger than what is left of it:
-//! of an end 1e10 m outside its body, with a tension of 1e15 N, torques would be rounded by 1e9 N m.
+//! Both act at one end where the arm of the other is far longer. This avoids the rounding of a product that is far larger than the resulting torque:
+//! for an end 1e10 m outside its body, with a tension of 1e15 N, torques would be rounded by 1e9 N m.
 
 use nalgebra::SVector;
 

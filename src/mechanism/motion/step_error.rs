@@ -25,7 +25,7 @@ pub enum StepError {
         short(*.time)
     )]
     TurnedTooFar { time: f64, step: f64, joint: String },
-    /// Every step changes the energy by more than the tolerance allows, or to that of another motion, however short.
+    /// Every step, however short, changes the energy by more than the tolerance allows, or to the energy of another motion.
     #[error(
         "at t = {} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance, or with --step more --stages",
         short(*.time)

@@ -1,6 +1,6 @@
 //! How many equations of the closures are independent at a configuration, which of them are redundant, and which freedoms cannot move.
 //!
-//! Rank is kinematics. With the gradient J of all equations ([`crate::structure::ranks::rows`]), made dimensionless by lengths,
+//! Rank is kinematics. The gradient J of all equations ([`crate::structure::ranks::rows`]) is made dimensionless by lengths:
 //!
 //! ```text
 //!     A_ix = J_ix · (1 / L_i of a row in m,  1 of a row in rad) · (L_x of a slide,  1 of a turn),      L = size of the loop (m)
@@ -34,7 +34,7 @@ pub const WEAK: f64 = 1e-2;
 /// Blocks of more rows than this are decided by insertion, whose cost is linear in the number of loops.
 const DENSE: usize = 300;
 
-/// What the closures say at one configuration.
+/// Ranks of the closures at one configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ranks {
     /// For every equation its closure (the loops first, then the mimics), and whether the others imply it.
@@ -43,25 +43,25 @@ pub struct Ranks {
     pub still: Vec<bool>,
     /// For every degree of freedom whether its block has as many independent equations as freedoms: that holds beside the configuration, too.
     pub locked: Vec<bool>,
-    /// Orthonormal directions in which the mechanism can move, in the coordinates of the freedoms divided by `lengths`; none where a block was
-    /// too large for them.
+    /// Orthonormal directions in which the mechanism can move, in the coordinates of the freedoms divided by `lengths`; `None` if a block was too
+    /// large for them.
     pub free: Option<Vec<Vec<f64>>>,
     /// The length (m) of every slide, and one for every turn.
     pub lengths: Vec<f64>,
-    /// The smallest pivot that counts, as a part of the first of its block; one where there is none.
+    /// The smallest pivot that counts, as a part of the first of its block; one without pivots.
     pub weakest: f64,
     /// Number of independent equations that are weak: their pivots are below [`WEAK`] of the first of their block.
     pub weak: usize,
 }
 
 impl Ranks {
-    /// What the closures say of a mechanism in a state.
+    /// The ranks of the closures of a mechanism in a state.
     pub fn at(mechanism: &Mechanism, state: &State) -> Self {
         let (rows, lengths) = closure_rows(mechanism, state, &body_states(mechanism, state));
         Ranks::of(&rows, lengths, ROUNDING)
     }
 
-    /// What equations say that are dimensionless with the lengths of the freedoms; pivots below a part `rounding` of the first do not count.
+    /// The ranks of equations that are dimensionless with the lengths of the freedoms; pivots below a part `rounding` of the first do not count.
     pub fn of(rows: &[Row], lengths: Vec<f64>, rounding: f64) -> Self {
         let count = lengths.len();
         let mut ranks = Ranks {
@@ -166,7 +166,7 @@ fn blocks(rows: &[Row], count: usize) -> Vec<(Vec<usize>, Vec<usize>)> {
         blocks[number[head]].0.push(freedom);
     }
     for (index, row) in rows.iter().enumerate() {
-        // A row without freedoms says nothing to any of them, and stays implied.
+        // A row without freedoms constrains none of them, and stays implied.
         if let Some(&(freedom, _)) = row.entries.first() {
             blocks[number[first(&mut earlier, freedom)]].1.push(index);
         }
