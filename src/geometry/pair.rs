@@ -23,7 +23,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Two rims are at the same place up to this part of their radii.
 const CROSSES: f64 = 1e-6;
 
-/// A stand-in is that of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
+/// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
 const STANDS_IN: f64 = 5e-12;
 
 /// Two colliders, prepared for questions.
@@ -92,7 +92,7 @@ impl PairGeometry {
         self.reach
     }
 
-    /// What tolerances are made of.
+    /// The lengths from which tolerances are made.
     pub fn extents(&self) -> Extents {
         self.extents
     }
@@ -214,8 +214,8 @@ impl PairGeometry {
         form.min(of_first).min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
     }
 
-    /// How far what is not part of `closed` features is from the tangent plane of one of these places, which has this normal, from collider a to
-    /// collider b, and this point (m), in the world: the shapes overlap nowhere else while it is not negative. `None` unless both are convex.
+    /// The distance of all features outside `closed` from the tangent plane of one of these places, which has this normal, from collider a to
+    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative.
     pub fn beyond(
         &self,
         place: &PlaceId,
@@ -285,8 +285,8 @@ impl PairGeometry {
         Some(if self.exchanged { found.exchanged() } else { found })
     }
 
-    /// Where a rim touches what is round, or another rim, as the joint has it: with the normal and the points from the first body to the second, in the frame of
-    /// the first. `None` for a place of other features.
+    /// The place at which a rim touches a round feature, or another rim, as the joint has it: with the normal and the points from the first body to
+    /// the second, in the frame of the first.
     fn rim_meets(&self, place: &TouchPlace, poses: [&Pose; 2]) -> Option<Meeting> {
         let of = |feature: usize| {
             let pose = poses[usize::from((feature == 1) != place.swapped)] * place.frames[feature];

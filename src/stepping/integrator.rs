@@ -50,7 +50,7 @@ pub struct Lobatto {
     isa: Isa,
     /// Whether steps are solved to 32 digits.
     precise: bool,
-    /// Rules that leave nothing out.
+    /// Disabled simplification rules.
     kept: Vec<Rule>,
 }
 
@@ -72,7 +72,7 @@ impl Lobatto {
         self.stepper.companion = None;
     }
 
-    /// The motion beside that of the run.
+    /// The companion of the run.
     pub fn companion(&self) -> Option<&Companion> {
         self.stepper.companion.as_deref()
     }
@@ -87,7 +87,7 @@ impl Lobatto {
         matches!(&self.mode, Mode::Chosen(control) if control.was_held())
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: steps that were given.
+    /// The error of samples inside the steps so far, besides the error of their ends (m); `None` if it is unknown: given steps.
     pub fn between(&self) -> Option<f64> {
         match &self.mode {
             Mode::Chosen(control) => control.between(),
@@ -95,16 +95,16 @@ impl Lobatto {
         }
     }
 
-    /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
+    /// The largest error of samples inside steps that were too long for a damper (m), which the error of their ends does not include.
     pub fn ringing_inside(&self) -> f64 {
         self.stepper.ringing_inside()
     }
 }
 
-/// What the location of events asks of the steps.
+/// Requests of the location of events to the steps.
 impl Lobatto {
-    /// Makes the last step again from its start with another length (s), near the first, solved to rounding: moves `state` to the new end.
-    /// The inputs are those of the step.
+    /// Makes the last step again from its start with another length (s), near the first, solved to rounding: moves `state` to the new end. The inputs
+    /// are the inputs of the step.
     ///
     /// # Errors
     /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
@@ -157,7 +157,7 @@ impl Lobatto {
         }
     }
 
-    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.
     pub fn give_up_below(&mut self, length: f64) {
         if let Mode::Chosen(control) = &mut self.mode {
             control.given_up_below = length;
@@ -181,9 +181,9 @@ pub enum StepPace {
         /// s.
         origin: f64,
     },
-    /// With a step that was chosen.
+    /// With a chosen step.
     Step {
-        /// s; zero if none was.
+        /// Length (s); zero before the first step.
         length: f64,
         /// The largest kinetic energy that was seen (J).
         kinetic: f64,
@@ -191,7 +191,7 @@ pub enum StepPace {
 }
 
 impl Lobatto {
-    /// Makes a kernel for what acts now.
+    /// Makes a kernel for the present gravity, forces and inputs.
     fn renew(&mut self, mechanism: &Mechanism, inputs: Inputs, time: f64) -> Result<(), StepError> {
         let now = self.stepper.learn(mechanism, inputs);
         let tableau = self.stepper.tableau;

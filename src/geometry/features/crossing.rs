@@ -1,7 +1,7 @@
 //! How an edge crosses the rim of a cylinder: the form of their gap that suits it, as features of a joint.
 //!
-//! With the unit vector f along the edge, the axis k of the rim and the direction m from the axis to where they touch, the edge goes through the plane of
-//! the rim as fast as `k·f` and out of the rim as fast as `m·f`. What is larger says which pair it is
+//! The unit vector along the edge is f, the axis of the rim k, and m is the direction from the axis to the touching place. The edge goes through the
+//! plane of the rim as fast as `k·f` and out of the rim as fast as `m·f`. The larger of both decides which pair it is
 //! ([`catena_mechanism::motion::contact_geometry`]): line–rim if it is steep, rim–line if it is flat. A closed contact changes to the other pair once
 //! its own is a third of it, not where both are equal, so that it does not change to and fro.
 
@@ -9,7 +9,7 @@ use crate::features::feature::{FeatureId, Part};
 use catena_mechanism::description::contact::Feature;
 use nalgebra::Vector3;
 
-/// A gap up to this part of the radius of the rim is that of the pair: only where it is closed is it the distance.
+/// A gap up to this part of the radius of the rim is the gap of the pair, which equals the distance at a closed contact only.
 const CLOSED: f64 = 1e-6;
 /// An edge that leaves the tangent of the rim by less than this (rad) has no certain point on it.
 const TANGENT: f64 = 1e-3;
@@ -19,10 +19,10 @@ const FLAT_TANGENT: f64 = 1e-2;
 const FLAT: f64 = 1e-6;
 /// An edge that is nearer than this (rad) to the plane of a rim, or to its tangent, is in it.
 const LEVEL: f64 = 1e-13;
-/// A pair is kept until it suits so many times less than the other.
+/// A pair is kept until it suits less than the other by this factor.
 const KEPT: f64 = 3.0;
 
-/// Normals whose cosine with that of a cap is more than this are along it.
+/// Normals whose cosine with the normal of a cap is more than this are along it.
 const OUT_OF_CAP: f64 = 1.0 - 1e-6;
 
 /// How an edge and a rim are a pair of a joint.

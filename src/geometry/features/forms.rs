@@ -7,7 +7,7 @@
 //! | edge, circle | line–rim or rim–line | [`crate::features::crossing`] |
 //! | circle, point or line with a radius; circle, circle | rim first | [`crate::features::rims`] |
 //!
-//! The others have none: a place of them is a point and its tangent plane, which has the right gap and the right rate at one instant only.
+//! The other pairs have no form: a place of them is a point and its tangent plane, which has the right gap and the right rate at one instant only.
 
 use crate::features::crossing::crossing;
 use crate::features::feature::Part;

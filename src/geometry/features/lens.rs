@@ -7,14 +7,14 @@
 //!     α = acos((D² + R² − r²)/(2 D R)),      β = acos((D² + r² − R²)/(2 D r))
 //! ```
 //!
-//! Points at fixed angles may all be on one line, and a short arc may have none. So each arc has its own.
+//! Points at fixed angles may all be on one line, and a short arc may contain no fixed point. So each arc has its own.
 
 use crate::features::both::Both;
 use crate::features::feature::{FeatureId, rim_point_towards};
 use crate::shapes::convex::{Core, Cylinder};
 use nalgebra::Vector3;
 
-/// Where the points of an arc are, as parts of half its angle: of one of less than a quarter of a turn on either side,
+/// The points of an arc, as parts of half its angle, for an arc of less than a quarter of a turn on either side.
 const SHORT: &[f64] = &[-0.9, 0.0, 0.9];
 /// and of a longer one.
 const LONG: &[f64] = &[-0.9, -0.3, 0.3, 0.9];
@@ -27,7 +27,7 @@ pub fn flat_end(features: &[FeatureId]) -> Option<u32> {
     })
 }
 
-/// Half the angle of the arc of a rim that lies in another disc, a distance of the centres (m) away; `None` if it is the whole rim or nothing.
+/// Half the angle of the arc of a rim that lies in another disc, a distance of the centres (m) away; `None` if the rims do not cross.
 fn half_angle(radius: f64, other: f64, apart: f64) -> Option<f64> {
     let crosses = apart > (radius - other).abs() && apart < radius + other;
     crosses

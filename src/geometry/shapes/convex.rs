@@ -34,7 +34,7 @@ pub struct Cylinder {
     pub half: f64,
 }
 
-/// What is left of a convex shape without its radius.
+/// The core of a convex shape: the shape without its radius.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Core {
     /// Flat faces and straight edges, or less.

@@ -1,4 +1,4 @@
-//! Convex pieces of a closed surface: exact ones, or those of parry's VHACD.
+//! Convex pieces of a closed surface: exact ones, or the pieces of parry's VHACD.
 //!
 //! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly. Another one is cut along its own planes
 //! ([`crate::shapes::cells`]), if this gives few enough pieces. A surface with very many planes is cut along planes of voxels, of which the longest side of the surface has
@@ -34,7 +34,7 @@ pub struct Pieces {
 ///
 /// # Errors
 /// [`GeometryError`] for a surface without an extent or triangles, with triangles of vertices that do not exist, or with coordinates that are not
-/// finite; and for one that encloses nothing because it is flat or not closed.
+/// finite; and for a flat or open surface, which has no inside.
 pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> {
     check_surface(surface)?;
     let count = surface.vertices.len();
@@ -67,7 +67,7 @@ pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> 
     Ok(Pieces { hulls: hulls.filter(|hull: &Vec<_>| hull.len() > 3).collect(), exact: false })
 }
 
-/// Whether every edge has as many triangles on one side as on the other: what has a border encloses nothing.
+/// Whether every edge has as many triangles on one side as on the other: a surface with a border has no inside.
 fn check_closed(surface: &Surface) -> Result<(), GeometryError> {
     let mut balance: BTreeMap<[u32; 2], i32> = BTreeMap::new();
     for corners in &surface.triangles {

@@ -1,6 +1,6 @@
 //! Efforts that follow the state at every stage: the stage equations and the law of the efforts solved together.
 //!
-//! With the efforts `e` at all stages (m × s) [N m or N], the solution `(q_j, v_j)(e)` of the stage equations under them, and a law `f`:
+//! Let `e` be the efforts at all stages (m × s) [N m or N], `(q_j, v_j)(e)` the solution of the stage equations under them, and `f` a law:
 //!
 //! ```text
 //!     e_j = f(t_j, q_j(e), v_j(e)),   j = 1..s
@@ -47,8 +47,8 @@ pub(crate) fn attempt(
     let mut at_stages = AtStages::new(state, stages);
     let mut law = vec![0.0; count];
     feedback.efforts(state, &mut law);
-    // Freedom after freedom, as the kernel takes them. What the efforts at the start would do is what they follow first: constant ones of stiff laws would
-    // throw a light body away within the step.
+    // Freedom after freedom, as the kernel takes them. The efforts follow the effect of the law first: constant efforts of stiff laws would throw a
+    // light body away within the step.
     let mut efforts = DVector::from_fn(count * stages, |place, _| law[place / stages]);
     newton.solve_mut(&mut efforts);
     let mut remainder = DVector::zeros(count * stages);
@@ -95,7 +95,7 @@ fn newton_matrix(tableau: &Tableau, feedback: &dyn Feedback, state: &State, leng
     let mobility = feedback.mobility(state);
     let (by_position, by_rate) = (by_position * &mobility, by_rate * mobility);
     let active = stages - 1;
-    // Nothing is displaced at stage 1, and nothing by the effort of stage s.
+    // Displacements at stage 1 are zero, and the effort of stage s has no effect.
     let a_hat = |row: usize, column: usize| {
         if row == 0 || column == active { 0.0 } else { tableau.a_hat[(row - 1) * active + column] }
     };
@@ -129,7 +129,7 @@ struct AtStages {
     /// Freedom after freedom (n × s).
     displacements: Vec<f64>,
     rates: Vec<f64>,
-    /// Of one stage (n).
+    /// Displacements of one stage (n).
     displacement: Vec<f64>,
     state: State,
 }

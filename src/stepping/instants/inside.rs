@@ -37,11 +37,11 @@ pub(crate) struct Inside {
     top: &'static [f64],
     /// `c_s`, where it was measured.
     factor: Option<f64>,
-    /// Of each degree of freedom, whether it is interpolated through the stages alone,
+    /// For each degree of freedom, whether it is interpolated through the stages alone.
     alone: Vec<bool>,
     /// and whether any is.
     any_alone: bool,
-    /// What a displacement of each freedom moves the bodies by (1, m).
+    /// Motion of the bodies per displacement of each freedom (1, m).
     levers: Vec<f64>,
     /// The largest error of samples of freedoms that were interpolated through the stages alone, so far (m).
     ringing: f64,

@@ -31,7 +31,7 @@ pub enum MethodError {
     /// The length of the steps.
     #[error("a step of {step} s: steps must be longer than zero, and finite")]
     Step {
-        /// What was asked for (s).
+        /// The given step (s).
         step: f64,
     },
     /// Reversible steps need a motion that is reversible itself and whose pace is known.
@@ -47,7 +47,7 @@ pub enum MethodError {
     /// Steps with 32 digits have eight lanes.
     #[error("steps with 32 digits have at most {MOST_PRECISE_STAGES} stages, not {stages}")]
     TooManyStages {
-        /// What was asked for.
+        /// The given number of stages.
         stages: usize,
     },
 }

@@ -29,8 +29,8 @@ use catena_mechanism::structure::plane::Plane;
 use catena_mechanism::structure::spanning_tree::{Graph, SpanningTree};
 use nalgebra::Vector3;
 
-/// The spanning tree on which steps of a mechanism are made, if it is not the file's; efforts from outside act in the joints of the bodies `driven`, and
-/// `kept` are rules that leave nothing out.
+/// The spanning tree on which steps of a mechanism are made, if it is not the file's. Efforts from outside act in the joints of the bodies `driven`,
+/// and `kept` are disabled simplification rules.
 pub fn other_tree(mechanism: &Mechanism, driven: &[usize], kept: &[Rule]) -> Option<(SpanningTree, Option<Plane>)> {
     if mechanism.loops.is_empty() || kept.contains(&Rule::Tree) {
         return None;
@@ -48,10 +48,10 @@ pub struct OnOtherTree {
     tree: SpanningTree,
     plane: Option<Plane>,
     inside: Inside,
-    /// Where the last step began and ended, in the coordinates of the file.
+    /// Start and end of the last step, in the coordinates of the file.
     origin: State,
     left: Option<State>,
-    /// What acted when it was made.
+    /// Gravity and forces at its creation.
     gravity: Vector3<f64>,
     forces: Forces,
     turns: Turns,
@@ -159,8 +159,8 @@ impl OnOtherTree {
         Ok(outcome)
     }
 
-    /// The weighted mean of the squares of a scalar joint coordinate's rate over the last step [(m/s)² or (rad/s)²]; `rates` is room. Zero of a joint
-    /// that is cut, along which nothing acts.
+    /// The weighted mean of the squares of a scalar joint coordinate's rate over the last step [(m/s)² or (rad/s)²]; `rates` is room. Zero for a
+    /// joint that is cut, because it has no forces.
     pub fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
         let freedom = match (&self.on_file, self.inside.other.joint(coordinate.body)) {
             (Some(_), _) => coordinate.freedom,
@@ -180,7 +180,7 @@ impl OnOtherTree {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
     }
 
-    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.
     pub fn give_up_below(&mut self, length: f64) {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).give_up_below(length);
     }
@@ -219,7 +219,7 @@ impl OnOtherTree {
         self.left = Some(state.clone());
     }
 
-    /// Makes sure that all joints which are driven are on this tree; `false` if there is none with all of them.
+    /// Makes sure that all driven joints are on this tree; `false` if no tree has all of them.
     fn heed(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> bool {
         let count = self.in_joints.len();
         for freedom in acting(inputs).filter(|&freedom| self.inside.other.freedom(freedom).is_none()) {
