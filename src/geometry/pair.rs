@@ -154,10 +154,9 @@ impl PairGeometry {
         if self.exchanged { found.into_iter().map(TouchPlace::exchanged).collect() } else { found }
     }
 
-    /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges
-    /// and the planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane; of a stand-in, how far the shapes are from where it says
-    /// they are. Zero where another feature takes over, negative
-    /// beyond; infinite if there are no borders.
+    /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges and the
+    /// planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane; of a stand-in, how far the shapes are from where it
+    /// says they are. Zero where another feature takes over, negative beyond; infinite if there are no borders.
     pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
         if place.is_stand_in() {
             return self.extents.within(STANDS_IN) - self.distance(a, b).distance.abs();
@@ -237,8 +236,8 @@ impl PairGeometry {
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
     }
 
-    /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not. The other
-    /// point may lie beside the face: [`PairGeometry::margin`] tells.
+    /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not.
+    /// The other point may lie beside the face: [`PairGeometry::margin`] tells.
     pub fn rim_place(&self, known: &TouchPlace, towards: &Vector3<f64>, a: &Pose, b: &Pose) -> Option<TouchPlace> {
         self.renamed(known, [a, b], |core, name, rotation| rim_point(core, name, &(rotation * towards)))
     }

@@ -18,9 +18,10 @@ use crate::shapes::polytope::Polytope;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Arcs with less than this half angle (rad) have no point: that is at both of their ends,
+/// Arcs with less than this half angle (rad) have no point of their own: their ends are at the same place.
 const LEAST: f64 = 1e-6;
-/// Arcs beside one edge with less than this have none, because the middle of the edge touches there ([`crate::features::crossing`]).
+/// Arcs beside one edge with less than this half angle (rad) have no point, because the middle of the edge touches there
+/// ([`crate::features::crossing`]).
 const LEAST_BESIDE: f64 = 1e-2;
 
 /// A disc, seen along the normal: its rim is a circle about the origin.

@@ -13,7 +13,8 @@ use nalgebra::Vector3;
 const CLOSED: f64 = 1e-6;
 /// An edge that leaves the tangent of the rim by less than this (rad) has no certain point on it.
 const TANGENT: f64 = 1e-3;
-/// Nor has one in the plane of the rim that leaves it by less than this: both its places run together ever faster, and what each of them carries is a difference.
+/// Nor has one in the plane of the rim that leaves it by less than this: both its places run together ever faster, and what each of them carries is a
+/// difference.
 const FLAT_TANGENT: f64 = 1e-2;
 /// An edge is in the plane of a rim if it leaves it by less than this (rad).
 const FLAT: f64 = 1e-6;
@@ -74,8 +75,8 @@ fn least_angle(steep: f64) -> f64 {
     if steep.abs() < FLAT { FLAT_TANGENT } else { TANGENT }
 }
 
-/// How two parts in one frame are such a pair, with their points (m), the normal from the first to the second, and their gap (m). `None` if they are not: other
-/// features, an edge along the rim, or parts that are too far from each other.
+/// How two parts in one frame are such a pair, with their points (m), the normal from the first to the second, and their gap (m). `None` if they are
+/// not: other features, an edge along the rim, or parts that are too far from each other.
 pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>, gap: f64) -> Option<Crossing> {
     let LineAndCircle { ends, circle, radius, line_first } = line_and_circle(parts)?;
     let point = points[usize::from(line_first)];
@@ -95,8 +96,8 @@ pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<
     Some(Crossing { line_first: steeper, reversed, side: if across.dot(&from_first) < 0.0 { -1.0 } else { 1.0 } })
 }
 
-/// The point that stands for what of an edge lies on a cap beside the tangent of its rim, where the edge is about to leave the cap or has just come over it: the
-/// two places where it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
+/// The point that stands for what of an edge lies on a cap beside the tangent of its rim, where the edge is about to leave the cap or has just come
+/// over it: the two places where it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
 pub struct Beside {
     /// As a part of the way from the first to the second end.
     pub part: f64,
@@ -106,7 +107,8 @@ pub struct Beside {
     pub normal: Vector3<f64>,
 }
 
-/// That point of a sharp edge and the circle of a rim, if the edge is along the tangent of the rim at their place (m) and their normal is along the axis.
+/// That point of a sharp edge and the circle of a rim, if the edge is along the tangent of the rim at their place (m) and their normal is along the
+/// axis.
 pub fn beside_tangent(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>) -> Option<Beside> {
     let LineAndCircle { ends, circle: [centre, axis], radius, line_first } = line_and_circle(parts)?;
     let (along, [steep, outwards]) = slopes(ends, [centre, axis], &points[usize::from(line_first)]);
@@ -124,8 +126,9 @@ pub fn beside_tangent(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Ve
     on.then_some(Beside { part, points: [at, at - axis * height], normal: axis * up.signum() })
 }
 
-/// How far two features that cross so are from another place (m): where the other pair suits better, or where the edge lies on the cap or on the side beside
-/// the rim, and would go into the cylinder beyond. Negative there; infinite for other features. The parts, in one frame, have these names and points (m).
+/// How far two features that cross so are from another place (m): where the other pair suits better, or where the edge lies on the cap or on the side
+/// beside the rim, and would go into the cylinder beyond. Negative there; infinite for other features. The parts, in one frame, have these names and
+/// points (m).
 pub fn off_crossing(
     features: &[Feature; 2],
     names: [FeatureId; 2],
@@ -144,7 +147,8 @@ pub fn off_crossing(
         [Feature::Rim { .. }, Feature::Line { .. }] => (outwards, steep),
         _ => return f64::INFINITY,
     };
-    // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards. One that is level but for rounding goes neither way.
+    // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards. One that is level but for rounding goes neither
+    // way.
     let outside = if other.abs() <= LEVEL { f64::INFINITY } else { -own.signum() * other };
     radius * (own.abs() - other.abs() / KEPT).min(own.abs() - least).min(outside)
 }

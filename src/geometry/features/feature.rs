@@ -128,9 +128,10 @@ pub fn rim_point_towards(cylinder: &Cylinder, end: u32, direction: &Vector3<f64>
 /// A point of a rim touches in its place while the tilt across it is less than this: the rim runs then.
 const STRAIGHT: f64 = 1e-9;
 
-/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim: the radius (m) where it is in that plane, and zero where it
-/// is out of it by [`STRAIGHT`]; the plane that it touches has this normal in the frame of its body. Infinite for other features. In lengths of the size of the
-/// cylinder, because the nearest border is the least of several: one that is always next to zero would hide the others until they are crossed.
+/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim: the radius (m) where it is in that plane, and
+/// zero where it is out of it by [`STRAIGHT`]; the plane that it touches has this normal in the frame of its body. Infinite for other features. In
+/// lengths of the size of the cylinder, because the nearest border is the least of several: one that is always next to zero would hide the others
+/// until they are crossed.
 pub fn off_tilt(core: &Core, name: FeatureId, normal: &Vector3<f64>) -> f64 {
     match (core, name) {
         (Core::Cylinder(cylinder), FeatureId::RimPoint { end, turn }) => {

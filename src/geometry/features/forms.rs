@@ -14,7 +14,8 @@ use crate::features::feature::Part;
 use crate::features::rims::{Form, beside, rims};
 use nalgebra::Vector3;
 
-/// The form of two parts in one frame, with radii about them (m), the points of their surfaces (m), the normal from the first to the second, and the gap (m).
+/// The form of two parts in one frame, with radii about them (m), the points of their surfaces (m), the normal from the first to the second, and the
+/// gap (m).
 pub fn form(
     parts: [&Part; 2],
     radii: [f64; 2],

@@ -18,16 +18,17 @@ use nalgebra::Vector3;
 const CLOSED: f64 = 1e-6;
 /// Tangents that leave the plane of the other rim by less than this (rad) have no certain point on it.
 const TANGENT: f64 = 1e-3;
-/// Two rims are nearly in one plane from this cosine of their axes on,
+/// Two rims are nearly in one plane from this cosine of their axes on.
 const PARALLEL: f64 = 0.95;
-/// and keep to it up to this one.
+/// Two such rims keep their form down to this cosine.
 const STILL_PARALLEL: f64 = 0.9;
 /// A pair of rims is kept until the other order suits better by this factor.
 const KEPT: f64 = 3.0;
-/// A line is said to go outwards if c is below this part of ρβ², and it does by this part of β,
+/// The largest c over ρβ² of a line that counts as going outwards.
 const ACROSS: f64 = 1.2;
+/// A line with c above ρβ² must go outwards by more than this part of β.
 const OUTWARDS: f64 = 0.1;
-/// and keeps to it up to this part.
+/// A contact keeps that form up to this c over ρβ².
 const STILL_ACROSS: f64 = 1.4;
 
 /// How two parts are a pair of a joint.
@@ -177,8 +178,8 @@ impl Joined {
     }
 }
 
-/// How far a place on a rim is from the cap and from the side (m): the height of its partner over both, if that is at a distance (m) along the normal out of
-/// the rim; negative beyond.
+/// How far a place on a rim is from the cap and from the side (m): the height of its partner over both, if that is at a distance (m) along the normal
+/// out of the rim; negative beyond.
 pub fn off_rim(part: &Part, name: FeatureId, point: &Vector3<f64>, normal: &Vector3<f64>, distance: f64) -> f64 {
     let Part::Circle(centre, axis, _) = part else { return f64::INFINITY };
     let up = if name == FeatureId::Rim(0) { -axis } else { *axis };

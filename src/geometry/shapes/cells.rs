@@ -1,17 +1,17 @@
 //! Exact convex pieces of a closed surface with few planes: its hull, cut along the planes of the surface until no triangle is inside of a cell.
 //!
-//! A cell that contains parts of the surface in its interior is cut along the plane of one of them, the one that cuts the fewest others. A cell without any lies
-//! inside or outside of the surface as a whole, by the winding number of its middle c:
+//! A cell that contains parts of the surface in its interior is cut along the plane of one of them, the one that cuts the fewest others. A cell
+//! without any lies inside or outside of the surface as a whole, by the winding number of its middle c:
 //!
 //! ```text
 //!     w(c) = Σ Ω/4π,     tan(Ω/2) = a · (b × c) / (abc + (a·b) c + (b·c) a + (c·a) b)        a, b, c from the middle to the corners of a triangle
 //! ```
 //!
-//! Cells inside whose hull encloses as much as both are joined again. The pieces have the vertices of the surface as they are, and points where its edges
-//! go through planes of others, exact to rounding. They do not overlap and enclose together what the surface encloses.
+//! Cells inside whose hull encloses as much as both are joined again. The pieces have the vertices of the surface as they are, and points where its
+//! edges go through planes of others, exact to rounding. They do not overlap and enclose together what the surface encloses.
 //!
-//! Source: B. Chazelle, Convex partitions of polyhedra, SIAM Journal on Computing 13 (1984): cuts along the planes of notches. A. van Oosterom, J. Strackee, The solid angle
-//! of a plane triangle, IEEE Transactions on Biomedical Engineering 30 (1983).
+//! Source: B. Chazelle, Convex partitions of polyhedra, SIAM Journal on Computing 13 (1984): cuts along the planes of notches. A. van Oosterom, J.
+//! Strackee, The solid angle of a plane triangle, IEEE Transactions on Biomedical Engineering 30 (1983).
 
 use crate::shapes::hull::convex_hull;
 use crate::shapes::hull_surface::fans;
@@ -56,7 +56,8 @@ impl Plane {
     }
 }
 
-/// The convex pieces of a closed surface with this hull, each by its corners (m); `None` if they are more than wanted, or if the surface has too many planes.
+/// The convex pieces of a closed surface with this hull, each by its corners (m); `None` if they are more than wanted, or if the surface has too many
+/// planes.
 pub fn exact_pieces(surface: &Surface, hull: &Polytope, most: usize) -> Option<Vec<Vec<Vector3<f64>>>> {
     if surface.triangles.len() > MOST_TRIANGLES {
         return None;

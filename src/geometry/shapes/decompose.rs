@@ -1,8 +1,9 @@
 //! Convex pieces of a closed surface: exact ones, or the pieces of parry's VHACD.
 //!
-//! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly. Another one is cut along its own planes
-//! ([`crate::shapes::cells`]), if this gives few enough pieces. A surface with very many planes is cut along planes of voxels, of which the longest side of the surface has
-//! 64, and each piece is the hull of the part of the surface in its voxels: such pieces are approximate, and reach into hollows.
+//! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly. Another one is cut along its own
+//! planes ([`crate::shapes::cells`]), if this gives few enough pieces. A surface with very many planes is cut along planes of voxels, of which the
+//! longest side of the surface has 64, and each piece is the hull of the part of the surface in its voxels: such pieces are approximate, and reach
+//! into hollows.
 //!
 //! Source: Mamou, Volumetric Hierarchical Approximate Convex Decomposition, Game Engine Gems 3, chapter 12.
 

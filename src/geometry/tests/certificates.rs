@@ -7,8 +7,8 @@ use std::ops::Range;
 
 const KINDS: [&str; 6] = ["half space", "sphere", "capsule", "box", "hull", "cylinder"];
 
-/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero. Rounds before the first are drawn,
-/// but not looked at.
+/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero. Rounds before the first are
+/// drawn, but not looked at.
 fn worst_certificate(one: &str, other: &str, size: f64, rounds: Range<usize>) -> (f64, String) {
     let mut numbers = Numbers::new(7);
     let mut worst = (0.0, String::new());

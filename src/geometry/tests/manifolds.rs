@@ -176,8 +176,8 @@ fn the_frames_of_a_place_give_its_gap_and_its_normal_also_after_the_bodies_have_
                         "{one}-{other}: {said:e} for {:e}, {place:?}",
                         place.gap
                     );
-                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs. The gap of an edge and a rim,
-                    // and of two rims, is a distance to first order only.
+                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs. The gap of an edge
+                    // and a rim, and of two rims, is a distance to first order only.
                     let crosses = matches!(
                         place.features,
                         [Feature::Line { radius: 0.0 }, Feature::Rim { .. }]
@@ -334,7 +334,8 @@ fn a_stand_in_ends_where_the_shapes_are_elsewhere() {
 
 #[test]
 fn a_level_cylinder_above_a_floor_touches_it_nowhere() {
-    // Turned about the vertical its axis has roundings, and the middle of its end is above the place that is nearest to itself: neither is a direction.
+    // Turned about the vertical its axis has roundings, and the middle of its end is above the place that is nearest to itself: neither is a
+    // direction.
     let pair = pair(Shape::HalfSpace, Shape::Cylinder { radius: 0.05, half: 0.0285 });
     for turn in 0..500 {
         // The rotation comes from a quaternion: the square of its length is one but for rounding.

@@ -42,8 +42,8 @@ pub(crate) struct Dependent {
     /// Whether one tree can move as a whole relative to the other.
     floats: bool,
     joints: Vec<JointColumn>,
-    /// For every stage the columns of R, then of Q, one after the other; and for every joint the sum of the squares of what its rate is the sum of, of the
-    /// row that has the largest.
+    /// For every stage the columns of R, then of Q, one after the other; and for every joint the sum of the squares of what its rate is the sum of,
+    /// of the row that has the largest.
     columns: Vec<f64>,
     sizes: Vec<f64>,
     gaps: Vec<f64>,

@@ -141,8 +141,8 @@ impl<V: Lanes> Touching<V> {
     }
 
     /// How friction changes as slips turn and what slips that it lags behind make of it, contact by contact that has friction, and what the rates of
-    /// rolling contacts change by, row by row; the contacts have the rows `touches`, of which these are all multipliers. Returns whether the direction of
-    /// any friction lags behind its slip.
+    /// rolling contacts change by, row by row; the contacts have the rows `touches`, of which these are all multipliers. Returns whether the
+    /// direction of any friction lags behind its slip.
     pub(crate) fn turn(
         &mut self,
         touches: &[Range<usize>],

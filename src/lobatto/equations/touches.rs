@@ -4,7 +4,7 @@
 //! [m/s] comes from the rates of the scheme for rolling contacts, and from the rates of [`crate::equations::slips`] for sliding ones:
 //!
 //! ```text
-//!     gap of a stage        φ_i = 0                              its gradient: the force n_i on b with its torque p_i × n_i, and their opposites on a
+//!     gap of a stage        φ_i = 0                              gradient: the force n_i on b with its torque p_i × n_i, opposites on a
 //!     push of a row         f_k = n_k − μ t_k                    at p_k; t has the direction of u ([`crate::equations::braking`])
 //!     rolling               h Σ_j a_ij e_j · u_j = 0             two tangents e; gradient and push e_i, because A Ā B = 1
 //! ```

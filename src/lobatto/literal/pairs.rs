@@ -23,8 +23,8 @@
 //! that are on the side that [`Touch::side`] says: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the
 //! plane of another, and the left of the way from centre to centre for two rims nearly in one plane.
 //!
-//! Source: the conditions of nearest points, as above. This file shares no code with [`catena_mechanism::motion::contact_geometry`], for which it is the
-//! oracle. Both agree at places where features touch, as do their gradients.
+//! Source: the conditions of nearest points, as above. This file shares no code with [`catena_mechanism::motion::contact_geometry`], for which it is
+//! the oracle. Both agree at places where features touch, as do their gradients.
 
 use catena_mechanism::description::contact::{Feature, LEVEL, Touch};
 use nalgebra::{Matrix2, Vector2, Vector3};

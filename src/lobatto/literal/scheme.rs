@@ -14,9 +14,9 @@
 //!     0   = Dg(q̄) M⁻¹ p̄                              (2.5.11h)        p̄ = p + h Σ_i b_i Ṗ_i         (2.5.11g)
 //! ```
 //!
-//! for i = 1..s. Closed contacts ([`crate::literal::touches`]) add equations to g whose multipliers push along other directions than their gradients, and of
-//! velocities. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage
-//! values follow from them by the linear equations above, and Λ_s from (2.5.11h), which is linear.
+//! for i = 1..s. Closed contacts ([`crate::literal::touches`]) add equations to g whose multipliers push along other directions than their gradients,
+//! and of velocities. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage values follow from them by
+//! the linear equations above, and Λ_s from (2.5.11h), which is linear.
 //!
 //! | symbol | meaning                                                                 | size, unit                   |
 //! |--------|-------------------------------------------------------------------------|------------------------------|

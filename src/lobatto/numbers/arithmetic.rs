@@ -68,8 +68,8 @@ pub trait Numbers: Arithmetic {
     fn max_abs(self, bound: Self) -> Self;
     /// Largest of numbers that are not negative, to sixteen digits; NaN if any is NaN.
     fn largest(self) -> f64;
-    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](crate::stages::pose::MAX_TURN), or `φ ≤` [`FEW`](crate::numbers::series::FEW) where
-    /// few terms are asked for.
+    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](crate::stages::pose::MAX_TURN), or `φ ≤` [`FEW`](crate::numbers::series::FEW)
+    /// where few terms are asked for.
     fn half_angle(square: Self, few: bool) -> (Self, Self);
 }
 

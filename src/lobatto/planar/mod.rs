@@ -5,7 +5,7 @@
 //!
 //! | here | in space | what differs |
 //! |---|---|---|
-//! | [`sweeps`] | [`crate::equations::residual`], [`crate::solve::sweeps`] | the path from the root adds up mixed: 2 mixed numbers a body and row instead of 12 |
+//! | [`sweeps`] | [`crate::equations::residual`], [`crate::solve::sweeps`] | mixes 2 numbers a body and row instead of 12 |
 //! | [`articulated`] | [`crate::stages::articulated`] | 6 numbers an inertia instead of 21, of which a hinge without forces leaves 3 |
 //! | [`kept_factors`] | [`crate::solve::kept_factors`] | reads the paths of [`sweeps`]; axes of hinges never turn |
 //! | [`start`] | [`crate::stages::start`] | a cosine and a sine a body instead of a rotation matrix |

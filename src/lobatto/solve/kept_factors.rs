@@ -81,13 +81,13 @@ impl Chord {
 
 /// Below this (rad, m) increments change an inertia little.
 const SMALL: f64 = 0.1;
-/// An increment that is a larger part of the one before, with kept factors,
+/// An increment that is a larger part of the one before, with kept factors, shows that they were kept too early.
 const SLOW: f64 = 0.5;
-/// and above rounding says that they were kept too early:
+/// Increments below this are rounding, and do not show that.
 const SETTLED: f64 = 1e-11;
-/// from now on they are kept when increments are smaller by this factor,
+/// The bound for keeping factors falls by this factor then.
 const LATER: f64 = 0.1;
-/// and a little earlier again in every step.
+/// The bound grows by this factor in every later step.
 const SOONER: f64 = 1.2;
 
 /// The wrench that a body hands to its parent, about the parent's anchor.

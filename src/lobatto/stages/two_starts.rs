@@ -1,7 +1,7 @@
 //! The starts of two motions of one tree at once, one in each of two lanes: a run and its companion ([`crate::step::carrying`]).
 //!
-//! The same as [`Start::set`], with poses and velocities as in [`catena_mechanism::motion::kinematics`], in the same order of operations, so that each
-//! start has the bits of one that is set alone. For trees under gravity alone that are more than one free body.
+//! The same as [`Start::set`], with poses and velocities as in [`catena_mechanism::motion::kinematics`], in the same order of operations, so that
+//! each start has the bits of one that is set alone. For trees under gravity alone that are more than one free body.
 
 use crate::numbers::lanes::Lanes;
 use crate::stages::start::{BodyStart, Pivot, Start, units_per_kilogram};

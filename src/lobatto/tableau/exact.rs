@@ -23,8 +23,8 @@
 //!     γ_k = 1 / (2k+1) for k < s−1,   γ_{s−1} = 1 / (s−1),   ∫₀^x P_k = (P_{k+1} − P_{k−1}) / (2 (2k+1)) at 2x − 1
 //! ```
 //!
-//! Sources: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11) and (2.5.12); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
-//! Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
+//! Sources: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11) and (2.5.12); E. Hairer, C. Lubich, G. Wanner,
+//! "Geometric Numerical Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
 
 use crate::numbers::extended::Extended;
 

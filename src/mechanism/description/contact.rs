@@ -138,8 +138,8 @@ pub const LEVEL: f64 = 2.0;
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for an
-    /// edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for
+    /// an edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
     /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as
     /// [`crate::motion::contact_geometry`] says; [`LEVEL`] times it of two rims nearly in one plane. A rim and a line with a radius have 0 for the

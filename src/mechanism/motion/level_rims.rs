@@ -13,8 +13,8 @@
 //!     n = side (k × m) × (l × u)/|…|                     φ = n·q         p = τ u + d, from the centre of the first
 //! ```
 //!
-//! φ is zero where the two touch, and has the gradient of the distance there. All of it is smooth where the planes are parallel; it is not where the circles are
-//! tangent (β = 0). Which of the two places it is follows from the direction of z.
+//! φ is zero where the two touch, and has the gradient of the distance there. All of it is smooth where the planes are parallel; it is not where the
+//! circles are tangent (β = 0). Which of the two places it is follows from the direction of z.
 //!
 //! Source: derived.
 

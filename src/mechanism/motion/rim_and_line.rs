@@ -37,8 +37,8 @@ pub struct Beside<S> {
     pub foot: Triple<S>,
 }
 
-/// The nearest points of a circle of a radius (m) about an axis through the origin, and of the line through a point (m) along a unit vector; if `outwards`
-/// is 1, where the line goes outwards, and if it is 0 wherever they are.
+/// The nearest points of a circle of a radius (m) about an axis through the origin, and of the line through a point (m) along a unit vector; if
+/// `outwards` is 1, where the line goes outwards, and if it is 0 wherever they are.
 #[inline(always)]
 pub fn nearest<S: Smooth>(
     radius: f64,

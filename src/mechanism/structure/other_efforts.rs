@@ -1,7 +1,7 @@
 //! Efforts on a mechanism, and the accelerations they cause, on another spanning tree than the file's.
 //!
-//! Along coordinates that both trees have the same efforts act. An effort `w` along the rates `q̇ = a · (B ω_relative)` of a joint that is cut acts as the
-//! wrenches on both of its bodies that do the same work:
+//! Along coordinates that both trees have the same efforts act. An effort `w` along the rates `q̇ = a · (B ω_relative)` of a joint that is cut acts
+//! as the wrenches on both of its bodies that do the same work:
 //!
 //! ```text
 //!     sliding along the axis e at the anchor p       force  w e on the child, −w e on the parent, both at p

@@ -39,7 +39,7 @@ pub(crate) struct Inside {
     factor: Option<f64>,
     /// For each degree of freedom, whether it is interpolated through the stages alone.
     alone: Vec<bool>,
-    /// and whether any is.
+    /// Whether any degree of freedom is.
     any_alone: bool,
     /// Motion of the bodies per displacement of each freedom (1, m).
     levers: Vec<f64>,

@@ -1,5 +1,5 @@
-//! How far the bodies of a mechanism move for a small displacement of each degree of freedom: one for a slide [m/m], and for a rotation a distance from
-//! the origin of its joint (m).
+//! How far the bodies of a mechanism move for a small displacement of each degree of freedom: one for a slide [m/m], and for a rotation a distance
+//! from the origin of its joint (m).
 //!
 //! ```text
 //!     own(b)   = max( |c_b| + ρ_b,  max_children |a_child − a_b| )                         ρ² = tr(J) / (2 m)

@@ -1,4 +1,5 @@
-//! Which method an integrator is: fixed steps, reversible ones, ones with 32 digits, or steps that are chosen for a tolerance; and why one cannot be used.
+//! Which method an integrator is: fixed steps, reversible ones, ones with 32 digits, or steps that are chosen for a tolerance; and why one cannot be
+//! used.
 
 use crate::integrator::{Lobatto, Mode};
 use crate::length::control::Control;
@@ -79,7 +80,8 @@ impl Lobatto {
     /// Fixed steps of `step` seconds, solved to 32 digits ([`catena_lobatto::step::precise`]): conserved quantities do not drift by rounding.
     ///
     /// # Errors
-    /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under gravity.
+    /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under
+    /// gravity.
     pub fn precise(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {
@@ -97,7 +99,8 @@ impl Lobatto {
     /// round retraces itself ([`crate::length::reversible`]).
     ///
     /// # Errors
-    /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under gravity.
+    /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under
+    /// gravity.
     pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {

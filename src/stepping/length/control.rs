@@ -34,9 +34,9 @@ use catena_mechanism::motion::state::State;
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
 pub const COARSEST_STOP: f64 = 0.1;
 
-/// `h Ω` of the first step for the stop
+/// `h Ω` of the first step for the stop [`FIRST_STOP`].
 const FIRST: f64 = 0.4;
-/// of this size,
+/// The stop at which `h Ω` of the first step is [`FIRST`].
 const FIRST_STOP: f64 = 1e-10;
 /// The power of the stop with which `h Ω` grows: E lets the steps of nine stages grow with the same power, 1/(2s − 2).
 const FIRST_POWER: f64 = 1.0 / 16.0;
@@ -96,9 +96,9 @@ pub struct Control {
     pub telling: bool,
     /// How often a step that does not converge is halved before the exact Newton method is tried.
     pub(crate) patience: usize,
-    /// The largest E of the steps that were kept,
+    /// The largest E of the steps that were kept.
     pub(crate) largest: f64,
-    /// and the largest error of samples inside them (m), where it is known.
+    /// The largest error of samples inside these steps (m), if it is known.
     pub(crate) between: Option<f64>,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
@@ -138,9 +138,9 @@ pub struct Memory {
     pub smoothest: Option<(f64, f64)>,
     /// Whether these attempts show a kink.
     pub kink: Kink,
-    /// How many attempts at the present step had too large an E,
+    /// Number of attempts at the present step that had too large an E.
     pub too_long: usize,
-    /// and how many of them were broken off for it.
+    /// Number of these attempts that were abandoned for it.
     pub broken_off: usize,
     /// Observed change of the energy by rounding alone (J).
     pub rounding: f64,

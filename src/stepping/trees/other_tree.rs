@@ -5,12 +5,12 @@
 //!     State of the file ─ take ─▶ own State ── Lobatto::step ──▶ own State ─ give ─▶ State of the file
 //! ```
 //!
-//! The integrator's own state is kept from step to step; it is computed again if the caller has changed the other one. The angle of a joint that is cut follows from
-//! the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with dense
-//! output inside the step where it is long.
+//! The integrator's own state is kept from step to step; it is computed again if the caller has changed the other one. The angle of a joint that is
+//! cut follows from the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with
+//! dense output inside the step where it is long.
 //!
-//! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the first
-//! time, another tree is chosen (`driven_elsewhere`).
+//! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the
+//! first time, another tree is chosen (`driven_elsewhere`).
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::recipe::Recipe;

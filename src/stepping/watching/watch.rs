@@ -42,9 +42,9 @@ pub struct Transient {
 /// The times of the looks at the frequency, and their results.
 pub struct Watch {
     tableau: &'static Tableau,
-    /// Steps until the first look,
+    /// Steps until the first look.
     first: usize,
-    /// and until the next.
+    /// Steps until the next look.
     wait: usize,
     latest: Option<FrequencyStep>,
     nearest: Option<FrequencyStep>,
@@ -118,7 +118,8 @@ impl Watch {
 
     /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
     ///
-    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (doc/decisions/007-stability-with-springs-and-dampers.md).
+    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each
+    /// (doc/decisions/007-stability-with-springs-and-dampers.md).
     pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
         self.decays[1] = decay;
         let s = self.tableau.stages as f64;
