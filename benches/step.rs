@@ -1,9 +1,8 @@
 //! Measures a step of the scheme: by number of stages, by kind of joint, by length of chain, and in a plane.
 //!
-//! The throughput that criterion prints is bodies per second, so its inverse is the cost of a step per body. The line
-//! below each measurement says the same in nanoseconds, the fastest sample counting, and divides it by the number of
-//! iterations as well: the cost per body and iteration is what the kernel is to be held to, while the number of
-//! iterations belongs to the motion and the step.
+//! The throughput that criterion prints is bodies per second, so its inverse is the cost of a step per body. The line below each measurement says the
+//! same in nanoseconds, the fastest sample counting, and divides it by the number of iterations as well: the cost per body and iteration is the
+//! property of the kernel, while the number of iterations belongs to the motion and the step.
 
 use catena::mechanism::description::joint::JointKind;
 use catena::mechanism::description::mechanism::Mechanism;

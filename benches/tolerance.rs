@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The runs are made in turns and the fastest of each counts, so that a loaded machine changes the ratios little. Models are read before, and limits
-//! are left out. With arguments only the scenes that are named: `cargo bench --bench tolerance -- arm7`.
+//! are left out. Arguments select scenes: `cargo bench --bench tolerance -- arm7`.
 
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;

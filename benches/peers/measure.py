@@ -14,7 +14,7 @@ from scene import Scene
 # A run is repeated until the clock has seen this time (s); the fastest counts, because other programs only ever make a run slower.
 REPEAT_UNTIL = 0.15
 REPEATS = 3
-# Runs of so many seconds are not repeated.
+# Runs of this length (s) are not repeated.
 LONG = 1.0
 
 

@@ -1,4 +1,4 @@
-//! `catena._catena.Recorded`: what a run leaves, as arrays and files.
+//! `catena._catena.Recorded`: the results of a run, as arrays and files.
 
 use crate::model::seven;
 use crate::refusal::{input, refuse};

@@ -15,7 +15,7 @@ pub fn named(py: Python<'_>, class: &str, message: String) -> PyErr {
     }
 }
 
-/// What was given is wrong.
+/// The exception for wrong input.
 pub fn input(py: Python<'_>, message: impl ToString) -> PyErr {
     named(py, "InputError", message.to_string())
 }
@@ -30,7 +30,7 @@ pub fn refuse(py: Python<'_>, error: Error) -> PyErr {
     exception
 }
 
-/// What a controller failed with.
+/// The failure of a controller.
 fn raised(error: &Error) -> Option<&catena::session::ControllerFailure> {
     match error {
         Error::Controller { failure, .. } => Some(failure),

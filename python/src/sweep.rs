@@ -85,7 +85,7 @@ impl Sweep {
         let (shard, format) = (parsed(py, shard)?, format_of(py, format)?);
         let jobs = jobs.unwrap_or_else(|| available_parallelism().map_or(1, usize::from));
         let interrupt = AtomicBool::new(false);
-        // What `progress` raised, which ends the work.
+        // The exception raised by `progress`, which ends the work.
         let mut raised = None;
         let made = watched(py, &interrupt, || {
             let mut told = |done: &Done| {

@@ -62,7 +62,7 @@ enum Mode {
 }
 
 impl Lobatto {
-    /// Carries a companion from the next step on, which shows what errors the steps make: of trees, with chosen steps.
+    /// Carries a companion from the next step on, which shows the errors of the steps: for trees, with chosen steps.
     pub fn accompany(&mut self, mechanism: &Mechanism) {
         self.stepper.companion = Some(Box::new(Companion::new(mechanism, self.stepper.tableau)));
     }
@@ -124,8 +124,8 @@ impl Lobatto {
         self.stepper.sample(mechanism, time, position, velocity);
     }
 
-    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], with the weights of the stages: what a damper along it
-    /// has turned into heat is `h Σ_k b_k c ẏ_k²`.
+    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], with the weights of the stages: a damper along it has turned
+    /// `h Σ_k b_k c ẏ_k²` into heat.
     pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) -> &'static [f64] {
         self.stepper.stage_rates(freedom, rates);
         &self.stepper.tableau.weights
@@ -181,7 +181,7 @@ pub enum StepPace {
         /// s.
         origin: f64,
     },
-    /// With a chosen step.
+    /// Chosen steps.
     Step {
         /// Length (s); zero before the first step.
         length: f64,

@@ -20,7 +20,7 @@ pub struct Best<'a> {
 }
 
 impl<'a> Best<'a> {
-    /// None yet.
+    /// No candidate yet.
     pub fn new(both: &'a Both<'a>) -> Self {
         Best { both, found: None, steepest: (f64::NEG_INFINITY, both.centres()) }
     }

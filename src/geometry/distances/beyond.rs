@@ -10,9 +10,9 @@
 //! Unlike the gaps of pairs of features this is there for everything at any distance, and no faster than the bodies: a function that can be
 //! bracketed.
 //!
-//! Vertices that other places hold in the plane are left out, because their heights are roundings: those that touch themselves, the ends of an edge
-//! on which two places are, and the corners of a face on which three are. One place on an edge holds neither of its ends, because shapes that lie on
-//! each other may tilt about two corners of their common area.
+//! Vertices that other places hold in the plane are left out, because their heights are roundings: vertices that touch themselves, the ends of an
+//! edge with two places on it, and the corners of a face with three. One place on an edge holds neither of its ends, because shapes that lie on each
+//! other may tilt about two corners of their common area.
 
 use crate::features::feature::{FeatureId, Part, part};
 use crate::shapes::convex::{Convex, Core};
@@ -20,8 +20,8 @@ use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
 /// The least height of a core over the tangent plane of a place, without the touching features (m). The plane has this normal into the core's side
-/// and goes through `foot`, all in the frame of the body; `own` is the core's feature of the place, which is among those that are closed. Infinite if
-/// that is flat: what else the body has is behind it for ever.
+/// and goes through `foot`, all in the frame of the body; `own` is the core's feature of the place, which is one of the closed ones. Infinite for a
+/// flat feature: the rest of the body is always behind it.
 pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foot]: [&Vector3<f64>; 2]) -> f64 {
     if matches!(own, FeatureId::Face(_) | FeatureId::Cap(_)) {
         return f64::INFINITY;

@@ -326,7 +326,7 @@ impl Mesh {
     }
 }
 
-/// Vertices in the frame of the body, those at the same place once, and the new number of each.
+/// Vertices in the frame of the body, vertices at the same place once, and the new number of each.
 fn merged(vertices: &[Vector3<f64>], pose: &Pose) -> (Vec<Vector3<f64>>, Vec<usize>) {
     let mut numbers: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let mut kept = Vec::new();

@@ -98,7 +98,7 @@ fn try_crossings(best: &mut Best, both: &Both) {
     }
 }
 
-/// Tries the normals of faces and caps, and those straight out of the sides of cylinders.
+/// Tries the normals of faces and caps, and the normals straight out of the sides of cylinders.
 fn try_normals(best: &mut Best, both: &Both) {
     let towards = both.centres();
     let radial = |core: &Core, towards: Vector3<f64>| match core {

@@ -13,8 +13,8 @@ use nalgebra::Vector3;
 const CLOSED: f64 = 1e-6;
 /// An edge that leaves the tangent of the rim by less than this (rad) has no certain point on it.
 const TANGENT: f64 = 1e-3;
-/// Nor has one in the plane of the rim that leaves it by less than this: both its places run together ever faster, and what each of them carries is a
-/// difference.
+/// An edge in the plane of the rim that leaves the tangent by less than this has no certain point either: both its places run together ever faster,
+/// and the force of each of them is a difference.
 const FLAT_TANGENT: f64 = 1e-2;
 /// An edge is in the plane of a rim if it leaves it by less than this (rad).
 const FLAT: f64 = 1e-6;
@@ -96,8 +96,8 @@ pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<
     Some(Crossing { line_first: steeper, reversed, side: if across.dot(&from_first) < 0.0 { -1.0 } else { 1.0 } })
 }
 
-/// The point that stands for what of an edge lies on a cap beside the tangent of its rim, where the edge is about to leave the cap or has just come
-/// over it: the two places where it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
+/// The point that stands for the part of an edge on a cap beside the tangent of its rim, if the edge is about to leave the cap or has just come over
+/// it: the two places at which it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
 pub struct Beside {
     /// As a part of the way from the first to the second end.
     pub part: f64,

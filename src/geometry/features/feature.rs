@@ -32,7 +32,7 @@ pub enum FeatureId {
         /// The bits of its angle in turns, from 0 to 1.
         turn: u64,
     },
-    /// A point of an edge that stands for what of it lies on a cap, where that is short.
+    /// A point of an edge that stands for its part on a cap, if that is short.
     EdgePoint {
         /// The number of the edge.
         edge: u32,

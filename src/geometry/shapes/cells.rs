@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Cells inside whose hull encloses as much as both are joined again. The pieces have the vertices of the surface as they are, and points where its
-//! edges go through planes of others, exact to rounding. They do not overlap and enclose together what the surface encloses.
+//! edges go through planes of others, exact to rounding. They do not overlap, and together enclose the same volume as the surface.
 //!
 //! Source: B. Chazelle, Convex partitions of polyhedra, SIAM Journal on Computing 13 (1984): cuts along the planes of notches. A. van Oosterom, J.
 //! Strackee, The solid angle of a plane triangle, IEEE Transactions on Biomedical Engineering 30 (1983).

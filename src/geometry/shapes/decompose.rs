@@ -27,7 +27,7 @@ const MOST_EXACT: usize = 64;
 pub struct Pieces {
     /// The points of the hull of each (m).
     pub hulls: Vec<Vec<Vector3<f64>>>,
-    /// Whether they are together what the surface encloses.
+    /// Whether they enclose exactly the volume of the surface.
     pub exact: bool,
 }
 

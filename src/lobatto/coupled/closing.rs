@@ -51,7 +51,8 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.lean(leans);
     }
 
-    /// Projects the velocities at the end of a step, which `start` has taken; returns what friction takes there (J). Does not allocate.
+    /// Projects the velocities at the end of a step, which `start` has taken; returns the energy that friction dissipates there (J). Does not
+    /// allocate.
     pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> f64 {
         self.projection.velocities(mechanism, start, velocity);
         let braked = self.projection.braked();

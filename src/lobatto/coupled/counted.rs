@@ -17,7 +17,7 @@ const ASIDE: f64 = 1e-3;
 /// A neighbour with larger gaps [rad, and over the size of the loops] is not on the closures.
 const CLOSED: f64 = 1e-11;
 
-/// The ranks in a state and beside it, and what light freedoms are lent there.
+/// The ranks in a state and beside it, and the inertia lent to light freedoms there.
 #[derive(Clone, Debug)]
 pub struct Counted {
     /// The state.

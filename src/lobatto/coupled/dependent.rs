@@ -3,7 +3,7 @@
 //! If more than three contacts lie on one plane, some imply others: the contacts of a box, or of a car with four wheels. Let R (m × n) be the rates
 //! of all gaps between two trees of bodies at one stage, for each motion of these trees. The part of the gaps g that is orthogonal to the columns of
 //! R is changed by no motion. That part is rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a
-//! thousandth of what carries a box. The friction of sliding contacts then turns the box.
+//! thousandth of the weight of a box. The friction of sliding contacts then turns the box.
 //!
 //! ```text
 //!     g ← Q Qᵀ g,     Q (m × r): an orthonormal basis of the columns of R      modified Gram–Schmidt, twice
@@ -42,8 +42,8 @@ pub(crate) struct Dependent {
     /// Whether one tree can move as a whole relative to the other.
     floats: bool,
     joints: Vec<JointColumn>,
-    /// For every stage the columns of R, then of Q, one after the other; and for every joint the sum of the squares of what its rate is the sum of,
-    /// of the row that has the largest.
+    /// For every stage the columns of R, then of Q, one after the other. For every joint the sum of the squares of the terms of its rate, in the row
+    /// with the largest sum.
     columns: Vec<f64>,
     sizes: Vec<f64>,
     gaps: Vec<f64>,
@@ -83,7 +83,7 @@ impl Dependent {
         dependent.map(|(trees, rows)| Dependent::of(mechanism, trees, &rows)).collect()
     }
 
-    /// Those between two trees.
+    /// The group between two trees.
     fn of(mechanism: &Mechanism, trees: Ends, rows: &[Between]) -> Self {
         let is_floating = |body: usize| mechanism.bodies[body].joint.kind == JointKind::Floating;
         let floats = trees[0] != trees[1] && trees.iter().flatten().any(|&first| is_floating(first));
@@ -195,7 +195,7 @@ impl Dependent {
     }
 }
 
-/// A body and those that carry it, up to the first of its tree.
+/// A body and its ancestors, up to the first of its tree.
 fn ancestors(mechanism: &Mechanism, body: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(body), |&body| mechanism.bodies[body].parent)
 }

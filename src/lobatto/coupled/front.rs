@@ -25,7 +25,7 @@ pub struct Fronts<V: Lanes> {
     data: Vec<V>,
     /// Columns of the pivot, by slot: `[slot][k]`, lanes i.
     left: Vec<V>,
-    /// Rows of the pivot, by slot, the right-hand side last: `COUNT` vectors each, those above the stages in use zero.
+    /// Rows of the pivot, by slot, the right-hand side last: `COUNT` vectors each, with zeros above the stages in use.
     right: Vec<V>,
     /// The inverse of the pivot.
     inverse: [V; MAX],
@@ -216,8 +216,8 @@ impl<V: Lanes> Fronts<V> {
         self.inverse[..active].copy_from_slice(&self.data[source..source + active]);
     }
 
-    /// Eliminates the gathered pivot from the front; writes `Y_c` of the columns and then `z` to `kept`, `COUNT` vectors each,
-    /// of which those above the stages in use stay zero.
+    /// Eliminates the gathered pivot from the front; writes `Y_c` of the columns and then `z` to `kept`, `COUNT` vectors each, which keep zeros above
+    /// the stages in use.
     #[inline(always)]
     pub fn eliminate(&mut self, level: usize, columns: &[Column], kept: &mut [V]) {
         let active = self.active;

@@ -9,7 +9,7 @@
 //!
 //! m is the mass of the body, `whole` the mass of the mechanism; the value for a body alone is its mobility. A foot under a robot moves less easily
 //! than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as M/ε, beside which the
-//! inertia of a light body is rounded; and ε of a feather would be no small part of what the robot presses it with.
+//! inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses it.
 
 use catena_mechanism::description::mechanism::Mechanism;
 

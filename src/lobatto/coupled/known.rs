@@ -1,6 +1,6 @@
 //! Properties of the closures that kinematics determines before any solve ([`catena_mechanism::structure::ranks`]).
 
-/// Which equations are empty, which freedoms are still, and what light ones are lent.
+/// The flags of the closures: empty equations, still freedoms, and the inertia lent to light ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     /// For every equation of the loops whether it is empty: its gradient is rounding, so motions do not change it. Such an equation has no scale of
@@ -14,12 +14,12 @@ pub struct Known {
     pub locked: Vec<bool>,
     /// Inertia that the matrix has besides the inertia of the bodies, for every freedom [kg m² or kg]; empty if it is zero.
     pub lent: Vec<f64>,
-    /// Number of independent equations that are weak where steps begin: what a singular position makes redundant.
+    /// Number of independent equations that are weak at the start of the steps: a singular position makes them redundant.
     pub weak: usize,
 }
 
 impl Known {
-    /// Takes over what another knows. Does not allocate once it has.
+    /// Copies another's flags. Does not allocate once it has.
     pub fn copy_from(&mut self, other: &Known) {
         self.empty.clone_from(&other.empty);
         self.implied.clone_from(&other.implied);

@@ -39,7 +39,7 @@ impl Rounds {
 }
 
 impl Coupled<One> {
-    /// Repeats a solve for the present gaps until what light freedoms owe for the inertia that they are lent is rounding; `correction` becomes the
+    /// Repeats a solve for the present gaps until the correction owed by light freedoms for their lent inertia is rounding; `correction` becomes the
     /// sum.
     pub(crate) fn settle_lent(&mut self, tree: &Plan, increment: &mut [One], correction: &mut [f64]) {
         if self.known.lent.is_empty() {
@@ -64,8 +64,8 @@ impl Coupled<One> {
         correction.copy_from_slice(&sum);
     }
 
-    /// Lets light freedoms resist with what the latest correction owes for the inertia that they are lent: the matrix has `H + w`, the
-    /// equation H, so that `(H + w) δ − Jᵀ δμ = w δ_before`.
+    /// Adds an effort to light freedoms: the latest correction times their lent inertia. The matrix has `H + w`, the equation H, so that
+    /// `(H + w) δ − Jᵀ δμ = w δ_before`.
     pub(crate) fn owe(&mut self, correction: &[f64], corrected: bool) {
         for ((effort, &lent), correction) in self.efforts.iter_mut().zip(&self.known.lent).zip(correction) {
             *effort = One::splat(if corrected { lent * correction } else { 0.0 });

@@ -4,9 +4,9 @@
 //!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k),     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i,     λ ← λ + dλ
 //! ```
 //!
-//! with the twists η of all bodies, `E_k` what the bodies resist with [kg m, kg m²: h² times a force and its torque], the multipliers
-//! `λ_k = h² Λ_k` of the closures and their gaps `g_i` (m, rad): [`crate::coupled::system`], which has the elimination. A mimic is a closure
-//! of two freedoms, `g = q_follower − ratio · q_leader − offset`.
+//! The twists of all bodies are η, their residuals `E_k` [kg m, kg m²: h² times a force and its torque], the multipliers of the closures
+//! `λ_k = h² Λ_k` and their gaps `g_i` (m, rad): [`crate::coupled::system`], which has the elimination. A mimic is a closure of two freedoms,
+//! `g = q_follower − ratio · q_leader − offset`.
 
 use crate::coupled::known::Known;
 use crate::coupled::system::{Coupled, Geometry, Screw};
@@ -108,7 +108,7 @@ impl Mimics {
         Mimics(mimics.collect())
     }
 
-    /// Their gaps at all stages, from those at the start of the step and the displacements since.
+    /// Their gaps at all stages, from the gaps at the start of the step and the displacements since.
     fn gaps<V: Lanes>(&self, coupled: &mut Coupled<V>, start: &[f64], displacement: &[V]) {
         for (row, (&gap, (follower, leader, ratio))) in coupled.mimic_rows().zip(start.iter().zip(&self.0)) {
             let (follows, leads) = (displacement[follower.freedom], displacement[leader.freedom]);

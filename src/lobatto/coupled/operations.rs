@@ -7,7 +7,7 @@ use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
 use crate::plan::tree::Plan;
 
-/// A mobility of this part of the largest is less than what the rounding of a gradient leaves beside a body that is lighter by 1e15, which is 1e-32.
+/// Beside a body that is lighter by 1e15, the rounding of a gradient leaves a mobility of 1e-32; this bound is above that.
 const NOTHING: f64 = 1e-30;
 
 impl<V: Lanes> Coupled<V> {
@@ -234,7 +234,7 @@ impl<V: Lanes> Coupled<V> {
         self.mixing.velocity[k].mul_add(V::splat(self.step * resistance.damping), stiffness)
     }
 
-    /// The value of an eliminated unknown from those that come after it; a freedom moves on the twist of its body.
+    /// The value of an eliminated unknown from the later ones; a freedom moves on the twist of its body.
     pub(crate) fn back_substitute(
         &mut self,
         tree: &Plan,
@@ -267,7 +267,7 @@ impl<V: Lanes> Coupled<V> {
         });
     }
 
-    /// The value of an eliminated unknown from those that come after it.
+    /// The value of an eliminated unknown from the later ones.
     #[inline(always)]
     fn substitute(&self, kept_at: usize, columns: &[Column]) -> V {
         let active = self.mixing.active;
@@ -291,8 +291,8 @@ impl<V: Lanes> Coupled<V> {
     }
 }
 
-/// Couples the multiplier in a slot to the twist of a body at one end of its loop. A closure's row is its gap alone; the
-/// row of a spring's tension is what its length makes of it, `by_gap`.
+/// Couples the multiplier in a slot to the twist of a body at one end of its loop. A closure's row is its gap alone; the row of a spring's tension is
+/// the derivative by its length, `by_gap`.
 #[inline(always)]
 fn couple<V: Lanes>(
     fronts: &mut Fronts<V>,

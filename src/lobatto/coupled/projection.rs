@@ -54,7 +54,7 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     near: bool,
     /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
     circuits: Vec<[Vec<usize>; 2]>,
-    /// The positions with the smallest gap so far, and what their roundings left out.
+    /// The positions with the smallest gap so far, and their rounding errors.
     nearest: [Vec<f64>; 2],
 }
 
@@ -94,7 +94,7 @@ impl<G: Geometry<One>> Projection<G> {
     /// The workspace for a mechanism in its geometry.
     pub fn of(mechanism: &Mechanism, geometry: G, plan: G::Plan) -> Self {
         let mut coupled = Coupled::of_one(mechanism, &geometry);
-        // Room for what every solve finds.
+        // Room for the flags that every solve finds.
         coupled.known.empty = vec![false; coupled.closure_of_row().len()];
         Projection {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
@@ -149,7 +149,7 @@ impl<G: Geometry<One>> Projection<G> {
         worst
     }
 
-    /// Solves for the present gaps; with new factors for this configuration, or again with those at hand.
+    /// Solves for the present gaps; with new factors for this configuration, or again with the present ones.
     fn solve(&mut self, start: &G::Start, again: bool) {
         let Projection { coupled, geometry, plan, .. } = self;
         coupled.keep_gaps_of_motions(geometry, plan, start, &self.displacement);
@@ -283,8 +283,8 @@ impl<G: Geometry<One>> Projection<G> {
         }
     }
 
-    /// Corrects joint accelerations for what the closures forbid, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives`
-    /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
+    /// Corrects joint accelerations so that the closures hold, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives` writes the second
+    /// derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
     pub fn accelerations(
         &mut self,
         start: &G::Start,
@@ -334,7 +334,7 @@ impl<G: Geometry<One>> Projection<G> {
         leans.filter(|(_, rows)| !rows.is_empty()).map(|(lean, rows)| lean.slip * self.impulses[rows.start]).sum()
     }
 
-    /// Takes over what kinematics knows of the closures, but for the equations that are empty, which every solve finds itself.
+    /// Takes over the flags from kinematics, but for the equations that are empty, which every solve finds itself.
     pub fn heed(&mut self, known: Known) {
         let empty = std::mem::take(&mut self.coupled.known.empty);
         self.coupled.known = Known { empty, ..known };

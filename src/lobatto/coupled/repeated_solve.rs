@@ -1,4 +1,4 @@
-//! Another right-hand side for a system of one configuration that has been factored: what the closures' gaps alone change.
+//! Another right-hand side for a system of one configuration that has been factored: only the closures' gaps differ.
 //!
 //! The matrix of one stage is `[H −Jᵀ; J ε]`, which the elimination keeps symmetric but for the signs between twists and multipliers: the column `l`
 //! of a pivot is `±` its row, `l_m = ± P Y_m`, so that the factors `Y` and `1/P` suffice,

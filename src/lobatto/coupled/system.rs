@@ -156,7 +156,7 @@ pub struct Coupled<V: Lanes> {
     pub(crate) scales: Vec<f64>,
     /// How easily a push from the world moves every body, for the equations that go there [1/kg].
     pub(crate) weights: Vec<f64>,
-    /// Contacts of which some may imply others, with what ε comes to then [1/kg]; and the same for every row where they do.
+    /// Contacts of which some may imply others, with the value of ε for them [1/kg]; and the same for every row of such contacts.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
     /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.

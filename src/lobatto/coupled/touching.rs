@@ -28,7 +28,7 @@ pub struct Touching<V> {
     /// slips.
     moving: Vec<[bool; 2]>,
     rates: Vec<[[BodyRate<V>; 2]; 2]>,
-    /// In a step where anything slips or rolls, what velocities need of the scheme.
+    /// The coefficients of the scheme that velocities need, in a step with slips or rolling contacts.
     mixing: Option<StageMixing<V>>,
     step: f64,
     /// One entry a contact if any has friction: in a step the friction at its end, at one configuration the directions of the multipliers if they are
@@ -140,9 +140,9 @@ impl<V: Lanes> Touching<V> {
         self.touches.iter().filter(|touch| touch.friction() != 0.0)
     }
 
-    /// How friction changes as slips turn and what slips that it lags behind make of it, contact by contact that has friction, and what the rates of
-    /// rolling contacts change by, row by row; the contacts have the rows `touches`, of which these are all multipliers. Returns whether the
-    /// direction of any friction lags behind its slip.
+    /// Writes the derivatives of friction by the turning of slips, and the correction for directions that lag behind slips, contact by contact that
+    /// has friction. Writes the changes of the rates of rolling contacts, row by row. The contacts have the rows `touches`, of which these are all
+    /// multipliers. Returns whether the direction of any friction lags behind its slip.
     pub(crate) fn turn(
         &mut self,
         touches: &[Range<usize>],

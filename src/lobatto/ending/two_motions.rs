@@ -60,7 +60,7 @@ impl<E: Arithmetic<Real = f64>> Ending<E> {
         TwoMomenta { impulse: momenta.impulse.lane(0), gravity: momenta.gravity.0.map(|side| side.lane(0)) }
     }
 
-    /// Writes down what the end of this `motion` takes from all stages, of which the poses are known.
+    /// Writes down the inputs of the end of this `motion` from all stages, of which the poses are known.
     #[inline(always)]
     pub(crate) fn record<V: Numbers<One = E, Real = f64>, L: Lanes, const REFINED: bool>(
         &self,

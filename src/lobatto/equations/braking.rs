@@ -40,7 +40,7 @@ const STOPS: f64 = 1e-3;
 pub struct Lean {
     /// `μ t` in the world.
     pub along: [f64; 3],
-    /// `μ t · u` with the slip velocity u at the end of the step: what an impulse dissipates [m/s].
+    /// `μ t · u` with the slip velocity u at the end of the step: the dissipation of an impulse [m/s].
     pub slip: f64,
 }
 

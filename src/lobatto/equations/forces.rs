@@ -41,8 +41,8 @@ use crate::stages::workspace::Stages;
 use catena_mechanism::forces::total::Exchange;
 
 impl<V: Lanes> Stages<V> {
-    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, those at its `end`, in the last active
-    /// lane, with the energy exchanged in the step. Does nothing without forces.
+    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, the forces at its `end`, in the last
+    /// active lane, with the energy exchanged in the step. Does nothing without forces.
     #[inline(always)]
     pub fn sweep_applied(&mut self, end: bool) {
         if let Some(mut applied) = self.applied.take() {
@@ -61,7 +61,7 @@ impl<V: Lanes> Stages<V> {
 }
 
 impl<V: Lanes> Applied<V> {
-    /// The forces of the rows, as `evaluate` finds them in a place; for a solved step those at its `end`, too, with the energy exchanged in the
+    /// The forces of the rows, as `evaluate` finds them in a place; for a solved step the forces at its `end`, too, with the energy exchanged in the
     /// step, of which `evaluate` returns the power (W).
     #[inline(always)]
     pub(crate) fn evaluate_places(

@@ -72,8 +72,8 @@ struct Value<V: Lanes, E: Euclidean<V>> {
     torque: E::Axial,
 }
 
-/// Gaps and gradients of all closures, which have these rows, for the bodies at the columns' (0) and the rows' (1) stages. Gaps are those at
-/// the columns' stages.
+/// Gaps and gradients of all closures, which have these rows, for the bodies at the columns' (0) and the rows' (1) stages. Gaps are the gaps at the
+/// columns' stages.
 #[inline(always)]
 pub(crate) fn evaluate<'l, V: Lanes, D: Displaced<V> + 'l>(
     closures: impl Iterator<Item = &'l LoopStart<Components<V, D>>>,

@@ -1,4 +1,4 @@
-//! The residual of the stage equations for one body: what `RᵀR = 1` leaves of (2.5.11), six numbers a row.
+//! The residual of the stage equations for one body: (2.5.11) after the elimination of `RᵀR = 1`, six numbers a row.
 //!
 //! The displacements of the body at stage i are `Δx_i`, `N_i` (world axes, since the start of the step), its velocity `v`, spin `ω`, second moments
 //! `Σ`, and arm `com` from the anchor at the start. Row k reads
@@ -45,7 +45,7 @@ fn force_along<V: Arithmetic, R: Rows<V>>(rows: &R, known: &BodyStart<V::Real>, 
     if R::MOMENTA { force.times(V::splat(-1.0)) } else { force }
 }
 
-/// The residual of one body about its anchor, and what its inertia is made of; all with the geometry of the rows.
+/// The residual of one body about its anchor, and the terms of its inertia; all with the geometry of the rows.
 pub struct BodyResidual<V> {
     /// `f`.
     pub force: Vector<V>,

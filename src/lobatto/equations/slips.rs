@@ -1,4 +1,4 @@
-//! Velocities of bodies at the stages, in the embedding of the scheme: what slips where bodies touch.
+//! Velocities of bodies at the stages, in the embedding of the scheme, for the slips of touching bodies.
 //!
 //! The displacement of the anchor a is Δa and the turn of a body N, since the start of the step, at the stages i = 2 … s; their rates at the start
 //! are `v_a` [m/s] and `ω̂₀` [rad/s], and c is the node of a stage:
@@ -53,7 +53,7 @@ pub(crate) struct StageMixing<V> {
 }
 
 impl<V: Lanes> StageMixing<V> {
-    /// Of a scheme.
+    /// The coefficients of a scheme.
     pub fn new(tableau: &Tableau) -> Self {
         let (stages, active) = (tableau.stages, tableau.stages - 1);
         let lanes = |value: &dyn Fn(usize) -> f64| V::from_slice(&(0..active).map(value).collect::<Vec<f64>>());
@@ -148,7 +148,7 @@ impl<V: Lanes> BodyRate<V> {
         rates
     }
 
-    /// Those that slips take: with the velocity of the centre of mass and the angular velocity that accelerations add up to.
+    /// The rates for slips: the velocity of the centre of mass, and the angular velocity integrated from the angular accelerations.
     #[inline(always)]
     pub fn of_slips(
         mixing: &StageMixing<V>,

@@ -34,7 +34,7 @@ pub(crate) type Wrench<V, E> = (E, <E as Euclidean<V>>::Axial);
 /// A spring: the bodies at its ends (`None` is the world), its law, and its line at the start of the step.
 pub(crate) type Spring<'s, C> = ([Option<usize>; 2], &'s SpringLaw, &'s LineStart<C>);
 
-/// Adds to `wrenches` on all bodies what springs do in one place; returns the power that their dampers dissipate (W).
+/// Adds the forces of springs in one place to `wrenches` on all bodies; returns the power that their dampers dissipate (W).
 #[inline(always)]
 pub(crate) fn add_springs<'s, V: Lanes, B: BodiesAtStages<V>>(
     bodies: &B,

@@ -56,7 +56,7 @@ struct TouchEnd {
 /// The rates of a body and where its anchor is, from the common origin (m), at the columns' and at the rows' stages.
 type BodySides<'r, V> = [(&'r BodyRate<V>, Vector<V>); 2];
 
-/// A contact at stages: what [`Contact`] says, and the slip velocity [m/s].
+/// A contact at stages: the fields of [`Contact`], and the slip velocity [m/s].
 #[derive(Clone, Copy)]
 struct AtStages<V> {
     gap: V,
@@ -185,7 +185,7 @@ impl<V: Lanes> SpatialTouch<V> {
         }
     }
 
-    /// Finds what the rates of a rolling contact change by besides its gradients, at the columns' stages. For twists η of the bodies
+    /// Computes the changes of the rates of a rolling contact besides its gradients, at the columns' stages. For twists η of the bodies
     ///
     /// ```text
     ///     δ vel_b(p) = (η_b(p))˙ + η_ω × (vel_b(p) − ṗ) − ω_b × (η_b(p) − δp)        and the same of a
@@ -218,7 +218,7 @@ impl<V: Lanes> SpatialTouch<V> {
         }
     }
 
-    /// For both tangents of a rolling contact what its rates change by, for the twists of a and of b.
+    /// For both tangents of a rolling contact the changes of its rates, for the twists of a and of b.
     pub fn rolling(&self) -> [[[V; 6]; 2]; 2] {
         self.rolling
     }

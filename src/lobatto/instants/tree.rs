@@ -39,7 +39,7 @@ pub struct LaneInstants<V> {
     scratch: Vec<f64>,
 }
 
-/// A body's frame and motion without joint accelerations, and what that motion needs; later the wrench of its joint.
+/// A body's frame and motion without joint accelerations, and the wrench which that motion needs; later the wrench of its joint.
 #[derive(Clone, Copy)]
 struct Motion<V> {
     turn: Quaternion<V>,
@@ -206,7 +206,7 @@ impl<V: Lanes> LaneInstants<V> {
         }
     }
 
-    /// Leaf to root: a joint carries what its own body needs and what the joints of the body's children carry.
+    /// Leaf to root: a joint carries the wrench of its own body and the wrenches of the joints of the body's children.
     #[inline(always)]
     fn gather_wrenches(&mut self, out: &mut Snapshots) {
         for (index, body) in self.bodies.iter().enumerate().rev() {

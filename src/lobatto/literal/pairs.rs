@@ -19,9 +19,9 @@
 //!
 //! A point of a rim about k with the centre P is `P + ρ m`, its tangent `τ = k × m`. Both conditions of a line and a rim are solved by Newton's
 //! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. The conditions of a round line and of two rims
-//! have several solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among those
-//! that are on the side that [`Touch::side`] says: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the
-//! plane of another, and the left of the way from centre to centre for two rims nearly in one plane.
+//! have several solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among the
+//! points on the side of [`Touch::side`]: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the plane of
+//! another, and the left of the way from centre to centre for two rims nearly in one plane.
 //!
 //! Source: the conditions of nearest points, as above. This file shares no code with [`catena_mechanism::motion::contact_geometry`], for which it is
 //! the oracle. Both agree at places where features touch, as do their gradients.

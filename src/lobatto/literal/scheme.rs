@@ -271,7 +271,7 @@ impl<'a> Literal<'a> {
         for i in 0..s {
             end_momentum += (&forces[i] - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
         }
-        // Twice, so that what rounding leaves of the first solution is projected away too.
+        // Twice, so that the rounding error of the first solution is projected away too.
         let gradient = stacked(&self.constraint_jacobian(&stage_coordinates[s - 1]), &touching.ends);
         for _ in 0..2 {
             let correction =

@@ -85,7 +85,7 @@ impl TouchStep<'_> {
         })
     }
 
-    /// `Q̇_1 … Q̇_s`, and with `ω̂ R` in the place of Ṙ those that slips take.
+    /// `Q̇_1 … Q̇_s`, and the rates for slips, with `ω̂ R` in the place of Ṙ.
     fn rates(&self, increments: &[DVector<f64>], positions: &[DVector<f64>]) -> [Vec<DVector<f64>>; 2] {
         let (s, h) = (self.tableau.stages, self.step);
         let Tableau { a, a_bar, nodes, .. } = self.tableau;

@@ -40,7 +40,7 @@ pub trait Numbers: Arithmetic {
     type One: Arithmetic<Real = Self::Real>;
     /// A number of the start of a step, from a double.
     fn real(value: f64) -> Self::Real;
-    /// Doubles for the stages, zero above their end, and what rounding has cut off them, for those who keep it.
+    /// Doubles for the stages, zero above their end, and their rounding errors, for numbers that keep them.
     fn from_parts(high: &[f64], low: &[f64]) -> Self;
     /// Mixes stages: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the stages.
     fn mix(self, columns: &[Self]) -> Self;

@@ -1,5 +1,5 @@
-//! A number of about 32 digits: the unevaluated sum of two doubles, for the coefficients that are computed at start-up and for what steps of
-//! 32 digits start from. Many of them at once, in lanes, are [`crate::numbers::double::Double`].
+//! A number of about 32 digits: the unevaluated sum of two doubles, for the coefficients that are computed at start-up and for the start of steps of
+//! 32 digits. Many of them at once, in lanes, are [`crate::numbers::double::Double`].
 //!
 //! ```text
 //!     value = high + low,   |low| ≤ ½ ulp(high)        so that `high` is the value correctly rounded to a double

@@ -38,7 +38,7 @@ pub trait Lanes:
     type Mixing: crate::numbers::lanes::Mixing<Self>;
     /// `[f64; COUNT]`.
     type Array: Copy + Send + AsRef<[f64]> + AsMut<[f64]>;
-    /// The same lanes in single precision, where those are cheaper.
+    /// The same lanes in single precision, if that is cheaper.
     type Single: crate::numbers::arithmetic::Numbers;
     /// Whether they are.
     const HAS_SINGLE: bool;

@@ -48,8 +48,8 @@ const fn series(odd: usize, first: f64) -> [f64; 11] {
     terms
 }
 
-/// A polynomial of many terms, with ascending coefficients: `c₀ + x ((c₁ + c₃ x² + …) + x (c₂ + c₄ x² + …))`, two chains of half the length for
-/// those who wait for it.
+/// A polynomial of many terms, with ascending coefficients: `c₀ + x ((c₁ + c₃ x² + …) + x (c₂ + c₄ x² + …))`, two chains of half the length, for code
+/// that waits for the result.
 #[inline(always)]
 pub fn polynomial<V: Arithmetic>(coefficients: &[f64], x: V) -> V {
     let square = x * x;

@@ -6,8 +6,8 @@
 //! two branches meet, or at the world if it ends there. Before that its block may have no full rank, however many freedoms are gone: hinges are
 //! parallel, knees straight, and other loops need them, too.
 //!
-//! In a step, what pushes a body from the world and gives goes at that body, before any freedom. Springs and the friction of contacts give, and
-//! so do contacts with the world, by their proximal term ε alone. Such a contact is a 6 × 6 block that the body's inertia takes up,
+//! In a step, a compliant connection of a body to the world is eliminated at that body, before any freedom. Springs and the friction of contacts
+//! give, and so do contacts with the world, by their proximal term ε alone. Such a contact is a 6 × 6 block that the body's inertia takes up,
 //!
 //! ```text
 //!     D_ki ← D_ki + J_kᵀ (B_ki/ε) J_i

@@ -29,7 +29,7 @@ pub(crate) struct Ball {
     pub(crate) first: usize,
     pub(crate) coefficients: [f64; 3],
     pub(crate) efforts: [f64; 3],
-    /// Those that drive it from outside in this step.
+    /// Efforts that drive it from outside in this step.
     pub(crate) driven: [f64; 3],
 }
 
@@ -84,7 +84,7 @@ pub(crate) struct LineStart<C> {
     pub(crate) common: Option<(usize, C)>,
     /// d, from a to b (m).
     pub(crate) separation: C,
-    /// z² of what d has along the normal of a plane, and never changes (m²).
+    /// Square of the part z of d along the normal of a plane, which never changes (m²).
     pub(crate) square: f64,
     /// ℓ (m) and its rate [m/s].
     pub(crate) length: f64,

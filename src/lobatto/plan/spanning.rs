@@ -93,7 +93,7 @@ fn latest(graph: &Graph, order: &[(usize, Option<usize>)]) -> Vec<usize> {
     order.iter().filter_map(of_node).collect()
 }
 
-/// A spanning tree of the links that must be in it, then of those that are preferred, then of the others.
+/// A spanning tree of the links that must be in it, then of the preferred ones, then of the others.
 fn spanning(graph: &Graph, preferred: Vec<usize>) -> Vec<bool> {
     let mut root: Vec<usize> = (0..=graph.bodies).collect();
     let mut used = vec![false; graph.links.len()];
@@ -257,7 +257,7 @@ impl Rooted {
         change
     }
 
-    /// The tree with its bodies in an order that keeps what passes between neighbouring branches short.
+    /// The tree with its bodies in an order that keeps closures between neighbouring branches short.
     fn tree(&self, graph: &Graph) -> SpanningTree {
         let hang = |body: usize| {
             let (parent, link) = self.above[body];
@@ -300,8 +300,8 @@ fn common<'l>(one: &'l [usize], other: &'l [usize]) -> impl Iterator<Item = usiz
     })
 }
 
-/// Branches in an order in which few equations are open between those that came and those that are to come: next is the one with the most to
-/// those that came, less those to the others.
+/// Branches in an order in which few equations are open between earlier and later branches: next is the one with the most equations to earlier ones,
+/// less the equations to the others.
 fn arranged(children: &[usize], between: &[Vec<(usize, usize)>]) -> Vec<usize> {
     if children.len() < 3 {
         return children.to_vec();

@@ -126,7 +126,7 @@ impl Plan {
         Plan { bodies: plans, slots, tumbles: false }
     }
 
-    /// The same with what vanishes left out, but for the rules that are `kept` from it.
+    /// The same with the simplification rules, but for the rules that are `kept` from it.
     pub fn lean(mechanism: &Mechanism, kept: &[Rule]) -> Self {
         let mut plan = Plan::new(mechanism);
         if !kept.contains(&Rule::Translation) {
@@ -150,8 +150,8 @@ impl Plan {
         plan
     }
 
-    /// The slot with the sum of what the children of a body have left: one of the first for a branching body, the next after those for an only
-    /// child, and the last, which is zero for good, where there are no children.
+    /// The slot with the sum of the children's inertias: one of the first for a branching body, the next after those for an only child, and the last,
+    /// which is always zero, without children.
     #[inline(always)]
     pub fn below(&self, body: usize) -> usize {
         match self.bodies[body].children {

@@ -31,7 +31,7 @@ impl<V: Lanes> Wrench2<V> {
         Wrench2 { force: self.force.plus(force), torque: self.torque + torque }
     }
 
-    /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the effort of forces in the joint).
+    /// Removes a joint's part along an axis of which the wrench is `load` (minus the effort of forces in the joint).
     #[inline(always)]
     fn relieve(&mut self, load: V, joint: &mut Eliminated2<V>) {
         joint.bias = -(load * joint.inverse);

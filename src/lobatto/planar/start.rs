@@ -50,7 +50,7 @@ pub(crate) struct PlanarPlan {
     pub gravity: [f64; 3],
     /// Forces between points, and on bodies.
     pub forces: ForcesPlan,
-    /// Largest component of the normal: what the sine of a turn counts for in the rotation matrix.
+    /// Largest component of the normal: the weight of the sine of a turn in the rotation matrix.
     pub share: f64,
     /// Potential energy of the heights along n (J).
     offset: f64,

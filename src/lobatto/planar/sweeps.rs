@@ -8,9 +8,9 @@
 //!     a_k = a_k of the parent + (p + q J) arm of the parent's turn + Σ_i B_ki (d_i − h c_i ḋ)         [m]
 //! ```
 //!
-//! because the displacement of an anchor is linear in the parent's `(κ, σ)`: the path from the root adds up mixed what space mixes
-//! for every body. `d = Σ θ (1 + κ + σ J) e` are the slides; `a_k` begins at the root with `−h² g`. Then, about the anchor, with
-//! the geometry of the row, `(1 + N_k) = (1 + κ_k) + σ_k J`, and r the arm to the centre of mass,
+//! because the displacement of an anchor is linear in the parent's `(κ, σ)`: the path from the root adds up mixed vectors, which space mixes for
+//! every body. `d = Σ θ (1 + κ + σ J) e` are the slides; `a_k` begins at the root with `−h² g`. Then, about the anchor, with the geometry of the row,
+//! `(1 + N_k) = (1 + κ_k) + σ_k J`, and r the arm to the centre of mass,
 //!
 //! ```text
 //!     f_k = m a_k + (p_k + q_k J) m r                                              [kg m]
@@ -248,7 +248,7 @@ pub(crate) fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned:
     }
 }
 
-/// Mixes what a displacement is ahead of a velocity that lasts; for momenta, with that velocity.
+/// Mixes the deviation of a displacement from a constant velocity; for momenta, with that velocity.
 #[inline(always)]
 fn mix_ahead<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,

@@ -59,7 +59,7 @@ pub(crate) struct PlanarStages<V> {
     pub twists: Vec<(Vector2<V>, V)>,
     /// Forces, if there are any.
     pub applied: Option<Box<Applied<V>>>,
-    /// Displacement of each anchor since the start (m), for those who ask for it.
+    /// Displacement of each anchor since the start (m), if requested.
     pub anchors: Vec<Vector2<V>>,
     /// Force (N) on each body and torque about its anchor [N m] of all forces that do not act in joints; empty if there are no such forces.
     pub acting: Vec<(Vector2<V>, V)>,

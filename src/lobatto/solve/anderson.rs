@@ -94,8 +94,7 @@ impl<V: Lanes> Anderson<V> {
     }
 }
 
-/// Solves the normal equations, eliminating the newest difference first and leaving out those that the newer ones
-/// already span to rounding.
+/// Solves the normal equations, eliminating the newest difference first and leaving out differences that the newer ones already span to rounding.
 fn solve(gram: &[[f64; DEPTH]; DEPTH], right: [f64; DEPTH], newest: usize) -> [f64; DEPTH] {
     let order: [usize; DEPTH] = [newest, (newest + DEPTH - 1) % DEPTH, (newest + DEPTH - 2) % DEPTH];
     let mut matrix = [[0.0; DEPTH]; DEPTH];

@@ -10,8 +10,8 @@
 //!     α_k = −T(θ_k)⁻¹ J₀⁻¹ (1 + N_k)ᵀ e_k,   T⁻¹ ≈ 1 + ½ θ̂ + κ θ̂²                                           [rad]
 //! ```
 //!
-//! At the end of the step the rates of the joint are what `y` has along the axes of the start, and the velocity of the centre of mass, from which
-//! the joint's anchor is `−(1 + N) c`, is `v + h g`:
+//! At the end of the step the rates of the joint are the components of `y` along the axes of the start, and the velocity of the centre of mass, from
+//! which the joint's anchor is `−(1 + N) c`, is `v + h g`:
 //!
 //! ```text
 //!     J_s (1 + N_s) y = π:     y₀ = J₀⁻¹ (1 + N_s)ᵀ π,   y = y₀ + J₀⁻¹ (1 + N_s)ᵀ (π − J_s (1 + N_s) y₀)           [rad/s]

@@ -26,7 +26,7 @@ pub(crate) trait Equations {
     /// One iteration from where the last left off: finds the increments, returns the largest. If they are `settled`, the rounding of the coefficients
     /// counts.
     fn iterate(&mut self, settled: bool) -> f64;
-    /// Whether iterations that are not settled do without the second half of the coefficients' digits, and those that are do not.
+    /// Whether the second half of the coefficients' digits is used in settled iterations only.
     fn refines(&self) -> bool {
         false
     }
@@ -48,7 +48,7 @@ pub(crate) trait Equations {
     fn joint_legendre(&self) -> f64;
     /// The degree of freedom with the largest increment.
     fn worst_freedom(&self) -> usize;
-    /// The joint that has turned furthest; beyond [`MAX_TURN`] it has left what the stage poses represent.
+    /// The joint that has turned furthest; beyond [`MAX_TURN`] the stage poses cannot represent it.
     fn furthest_turn(&self) -> Turn;
 }
 
@@ -113,8 +113,8 @@ impl<K: Coupling> Equations for Exact<'_, K> {
     }
 }
 
-/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
-/// an iteration leaves of them is of the order of its increment times the one before.
+/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: an iteration leaves gaps
+/// of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
 /// The bound for mechanisms with closed contacts: if contacts slide, the method is not quite Newton's, and gaps are of the order of the increment
 /// itself.
@@ -127,8 +127,8 @@ const UNPROVEN: f64 = 1e-13;
 /// The second iteration removes 99 % of that error. So it may end with an increment larger by this factor, or if increments have fallen.
 const TAKEN_BACK: f64 = 100.0;
 
-/// The rule by which the exact method stops. On trees it is asked where something is out of the ordinary, as beside a gimbal lock, and
-/// what its first iterates show may be that.
+/// The rule by which the exact method stops. Trees use it in unusual steps only, as beside a gimbal lock, and their first iterates may be unusual for
+/// that reason.
 pub(crate) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
     if mechanism.has_closures() {
         let closed = if mechanism.touches.is_empty() { CLOSED } else { TOUCHED };

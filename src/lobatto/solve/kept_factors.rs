@@ -1,7 +1,7 @@
 //! Iterations that keep the factors of an earlier one.
 //!
-//! A chord method: the residual `ρ_k` has the geometry of the iterate, and so have the axes `s` and arms that it gathers along; what a joint
-//! takes of it is divided by the inertia of an earlier iterate `q⁰`,
+//! A chord method: the residual `ρ_k` has the geometry of the iterate, and so have the axes `s` and arms along which it gathers; a joint's part of it
+//! is divided by the inertia of an earlier iterate `q⁰`,
 //!
 //! ```text
 //!     H(q⁰_k) α_k = −ρ_k(q):     α₀ = (τ − sᵀ p)/d⁰,   p ← p + (A s)⁰ α₀,      d⁰ = s⁰ᵀ A⁰ s⁰ + κ
@@ -98,7 +98,7 @@ struct Wrench<V> {
 }
 
 impl<V: Arithmetic> Wrench<V> {
-    /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the push).
+    /// Removes a joint's part along an axis of which the wrench is `load` (minus the push).
     #[inline(always)]
     fn relieve(&mut self, axis: Vector<V>, load: V, joint: &mut Eliminated<V>) {
         joint.axis = axis;
@@ -205,7 +205,7 @@ impl<V: Arithmetic> Factors<V> {
         Wrench { force: own.force.plus(below.force), torque: own.torque.plus(below.torque) }
     }
 
-    /// Moves what a body leaves to its parent's anchor, and hands it over, if it has a parent.
+    /// Moves a body's remaining wrench to its parent's anchor, and hands it over, if it has a parent.
     #[inline(always)]
     fn pass_up<R: Rows<V>>(
         &mut self,
@@ -229,7 +229,7 @@ impl<V: Arithmetic> Factors<V> {
     }
 }
 
-/// The load of an axis, less what forces in the joint do, if there are any. Written out, because closures over vectors are not inlined.
+/// The load of an axis, less the forces in the joint, if there are any. Written out, because closures over vectors are not inlined.
 #[inline(always)]
 pub(crate) fn less_push<V: Arithmetic>(load: V, push: Option<Push<V>>) -> V {
     match push {

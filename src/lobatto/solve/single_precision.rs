@@ -31,7 +31,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Increments above this (rad, m) are followed by another iteration in single precision.
 const LARGE: f64 = 1e-2;
-/// Increments count as no smaller than what rounding leaves (rad, m), so that no step ends on them but one whose stop is coarser.
+/// Increments count as no smaller than their rounding (rad, m), so that a step ends on them only if its stop is coarser.
 const ROUNDED: f64 = 1e-5;
 /// Steps that are iterated further than this (rad, m) begin in double precision: a bound of 1e-9 gains little if motions amplify errors, and makes
 /// the errors of trial runs less like the errors of finer ones (doc/decisions/003-simplified-newton-iteration.md).
@@ -57,7 +57,7 @@ pub(crate) struct FirstIterations<V: Lanes> {
 }
 
 impl<V: Lanes> FirstIterations<V> {
-    /// None so far.
+    /// First iterations without history.
     pub fn new() -> Self {
         FirstIterations { stages: None, allowed: false, next: false, latest: false, rest: 0, next_rest: 1 }
     }

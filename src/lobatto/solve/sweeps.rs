@@ -1,9 +1,8 @@
 //! The Newton step of all stages at once: one sweep from the leaves to the root, one back.
 //!
-//! Row k is solved with the articulated inertia of its own stage, `H(q_k) α_k = −ρ_k`: the row geometry is what the
-//! convergence hangs on where mass ratios are large. Leaf to root, the residuals ([`crate::equations::residual`]) and inertias of
-//! a subtree gather at its joint, whose axes are eliminated ([`crate::stages::articulated`]), and move by the arm to the parent's
-//! anchor. Root to leaf, with the twist `η = (a, φ)`,
+//! Row k is solved with the articulated inertia of its own stage, `H(q_k) α_k = −ρ_k`: for large mass ratios the convergence depends on the row
+//! geometry. Leaf to root, the residuals ([`crate::equations::residual`]) and inertias of a subtree gather at its joint, whose axes are eliminated
+//! ([`crate::stages::articulated`]), and move by the arm to the parent's anchor. Root to leaf, with the twist `η = (a, φ)`,
 //!
 //! ```text
 //!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
@@ -166,7 +165,7 @@ impl<V: Arithmetic> Factors<V> {
         }
     }
 
-    /// Moves what a body leaves to its parent's anchor, and hands it over, if it has a parent.
+    /// Moves a body's remaining inertia and wrench to its parent's anchor, and hands them over, if it has a parent.
     #[inline(always)]
     fn hand_up<R: Rows<V>>(
         &mut self,
@@ -246,7 +245,7 @@ pub(crate) fn slide_axis<V: Arithmetic, R: Rows<V>>(rows: &R, plan: &BodyPlan, a
     }
 }
 
-/// Hands what a body leaves to its parent, if it has one.
+/// Hands a body's remaining inertia and wrench to its parent, if it has one.
 #[inline(always)]
 pub fn collect<V: Arithmetic>(plans: &Plan, plan: &BodyPlan, slots: &mut [Articulated<V>], left: &Articulated<V>) {
     let Some(parent) = plan.parent else { return };

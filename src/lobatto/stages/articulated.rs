@@ -9,9 +9,9 @@
 //!     d = sᵀ A s + κ,   α₀ = (τ − sᵀ p) / d,   p ← p + A s α₀,   A ← A − A s sᵀ A / d        for every free axis s
 //! ```
 //!
-//! with the effort τ of forces in the joint along the axis, and what its damper adds to the inertia, κ. The axes of a
-//! joint of several degrees of freedom are eliminated one after the other, which is the exact block elimination.
-//! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; here lane by lane.
+//! with the effort τ of forces in the joint along the axis, and the damper's addition to the inertia, κ. The axes of a joint of several degrees of
+//! freedom are eliminated one after the other, which is the exact block elimination. Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008),
+//! chapter 7; here lane by lane.
 
 use crate::numbers::algebra::{Matrix, Symmetric, Vector};
 use crate::numbers::arithmetic::Arithmetic;

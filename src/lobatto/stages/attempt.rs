@@ -44,7 +44,7 @@ impl StopRule {
 pub struct Carrying {
     /// Distance of the starts (rad, m).
     pub apart: f64,
-    /// The part of what parts the motions that an iteration may leave.
+    /// The part of the distance of the motions that an iteration may leave.
     pub part: f64,
     /// Iterations after which the larger part `rest` suffices.
     pub most: usize,

@@ -276,7 +276,7 @@ mod tests {
                     }
                 }
 
-                // The step as it was: the vote is for what came nearest.
+                // The step as it was: the vote is for the nearest guess.
                 let true_turn =
                     |freedom: usize, node: f64| turned(freedom, OLD_STEP + step * node) - turned(freedom, OLD_STEP);
                 for (freedom, displacement) in displacement.iter_mut().enumerate() {

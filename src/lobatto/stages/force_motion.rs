@@ -8,7 +8,7 @@
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::forces::SpringLaw;
 
-/// Which stage each lane stands for, and what makes velocities of displacements there.
+/// The stage of each lane, and the weights that make velocities of displacements there.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<V> {
     /// `Ā B` by columns.

@@ -1,5 +1,5 @@
-//! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and what both are made of.
-//! The equations are in [`crate::equations::forces`].
+//! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and their terms. The equations are in
+//! [`crate::equations::forces`].
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::{Lanes, MAX_LANES};

@@ -57,7 +57,7 @@ impl<V: Arithmetic> StagePose<V> {
     }
 }
 
-/// A rotation by what its matrix `N` is linear in: the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u` of its quaternion.
+/// A rotation by the quantities in which its matrix `N` is linear: the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u` of its quaternion.
 #[derive(Clone, Copy)]
 pub struct Turned<V> {
     /// `2 u uᵀ`.

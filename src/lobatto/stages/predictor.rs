@@ -187,7 +187,7 @@ mod tests {
                 for axis in 0..3 {
                     let lane = if n == 7 { 7 } else { 6 - n };
                     let off = (predictor.extrapolation.past[axis].to_array()[lane] - expected[axis]).abs();
-                    // Rounding, and what sixteen terms of the series leave out.
+                    // Rounding, and the truncation after sixteen terms of the series.
                     assert!(off < bound, "pace {pace}, stage {n}, axis {axis}: {off:e}");
                 }
             }

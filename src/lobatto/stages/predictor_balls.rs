@@ -1,4 +1,4 @@
-//! The past of ball joints, whose rotation vectors from the old start are not those from the new one.
+//! The past of ball joints, whose rotation vectors from the old start differ from the rotation vectors from the new one.
 //!
 //! ```text
 //!     y_n = log(exp(−θ_s) exp(θ_n)),     exp and log between rotation vectors (rad) and unit quaternions

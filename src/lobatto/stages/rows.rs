@@ -1,4 +1,4 @@
-//! The rows of a sweep: where the residual of a body takes its motion from, and what a mixture of stages is.
+//! The rows of a sweep: the source of the motion of a body's residual, and the mixtures of stages.
 //!
 //! The residual ([`crate::equations::residual`]) and the sweep over the tree ([`crate::solve::sweeps`]) are written once, for the rows of all stages,
 //! one in each lane ([`StageRows`]), and for the momenta at the end of the step, in one lane alone ([`crate::ending::velocities`]).

@@ -79,7 +79,7 @@ impl<V: Numbers> Stages<V> {
         }
     }
 
-    /// Takes the start of the step and its length from those who have them in doubles.
+    /// Takes the start of the step and its length from callers that have them in doubles.
     pub fn take_start(&mut self, start: &Start, step: f64) {
         self.start.take(start, V::real);
         self.step = step;

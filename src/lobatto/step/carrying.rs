@@ -143,7 +143,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         }
     }
 
-    /// The exact Newton method, of which one iteration leaves the square of what parts the motions.
+    /// The exact Newton method, of which one iteration leaves the square of the distance of the motions.
     fn solve_carried_exactly(&mut self, carrying: &Carrying) {
         let Kernel { workspace, newton: Some(newton), .. } = self else { return };
         workspace.begin_exactly();

@@ -11,9 +11,9 @@ use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
-/// A step of the scheme for one number of lanes; what the integrator sees of it.
+/// A step of the scheme for one number of lanes, as the integrator sees it.
 pub trait Step: Send {
-    /// Steps iterated as far as `stop` (rad, m) are to come: makes room for what only they need.
+    /// Steps iterated as far as `stop` (rad, m) are to come: makes room for their workspace.
     fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
     /// Takes the ranks of the closures counted at the start of the next steps.
     fn expect_at(&mut self, _counted: Arc<Counted>) {}

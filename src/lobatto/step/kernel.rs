@@ -105,8 +105,8 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
     }
 }
 
-/// Moves a state by what a solved step has displaced, to the velocities there (2.5.11h), and takes it as the next start. `square` is what
-/// [`Workspace::end_velocities`] returned, which wrote `velocity` and completed the displacements.
+/// Moves a state by the displacements of a solved step, to the velocities there (2.5.11h), and takes it as the next start. `square` is the result of
+/// [`Workspace::end_velocities`], which wrote `velocity` and completed the displacements.
 pub(crate) fn land<V: Lanes, W: Workspace<V>>(
     workspace: &mut W,
     square: Option<f64>,
@@ -185,8 +185,8 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
         let unknowns = workspace.unknowns();
         in_lanes!(V, predictor.guess(unknowns, guess));
         if let Some(closing) = closing {
-            // No increment takes back what the roundings of their velocities would displace them by, and extrapolation multiplies it by some hundred
-            // a step.
+            // Increments do not take back a displacement by the roundings of their velocities, and extrapolation multiplies it by some hundred a
+            // step.
             let (displacement, _) = workspace.advanced();
             closing.known().locked_freedoms().for_each(|freedom| displacement[freedom] = V::zero());
         }

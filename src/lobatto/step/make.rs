@@ -74,7 +74,7 @@ impl InVectors for MakePrecise<'_> {
     }
 }
 
-/// Makes what looks at eight instants of a tree without forces on bodies at once.
+/// Makes the evaluation of eight instants at once, for a tree without forces on bodies.
 #[derive(Clone, Copy)]
 pub struct MakeInstants<'m> {
     /// The mechanism.

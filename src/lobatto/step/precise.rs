@@ -37,8 +37,8 @@ use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-/// The refinement ends when no joint increment is larger than this (rad, m): what the last one leaves is a tenth of it, and the velocity
-/// at the end of a step has that up to 36 times over h.
+/// The refinement ends when all joint increments are at most this (rad, m): the last one leaves a tenth of it, and the velocity at the end of a step
+/// has that up to 36 times over h.
 const ENOUGH: f64 = 1e-22;
 /// Increments below this that no longer fall are rounding.
 const ROUNDING: f64 = 1e-20;
@@ -50,7 +50,7 @@ pub struct Precise<V: Lanes> {
     /// The same step to sixteen digits.
     coarse: Kernel<V, SpatialWorkspace<V>>,
     fine: Stages<Double<V>>,
-    /// e: what sixteen digits leave out of the displacements.
+    /// e: the part of the displacements beyond sixteen digits.
     correction: Vec<V>,
     /// δ.
     increment: Vec<V>,

@@ -8,7 +8,7 @@
 //!     ω = ω_p + Σ s q̇              v_a = v_a,p + ω_p × arm + Σ s q̇,      v = v_a + ω × com
 //! ```
 //!
-//! Axes are made unit vectors again; what else turns together loses 10⁻³² of its lengths and angles a step.
+//! Axes are made unit vectors again; other vectors that turn together lose 10⁻³² of their lengths and angles a step.
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::{Arithmetic, Numbers};

@@ -9,7 +9,7 @@
 //!     velocities at the end     H(q̄) v̄ = Sᵀ p̄                                    [`Workspace::end_velocities`]    (2.5.11h)
 //! ```
 //!
-//! The methods with a body of their own here are for what only space has: freedoms that need no iteration, ball joints, iterations in single
+//! The methods with a body of their own here are for features of space alone: freedoms that need no iteration, ball joints, iterations in single
 //! precision, a body in free flight, the refinement of velocities. Their default bodies are exact for a mechanism without these.
 
 use crate::coupled::newton::StageUnknowns;
@@ -136,7 +136,7 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     fn prepare_two(&mut self, _mechanism: &Mechanism) -> bool {
         false
     }
-    /// Writes down what the end of this motion takes from the solved step.
+    /// Writes down the inputs of the end of this motion from the solved step.
     fn record_end(&mut self, _refined: bool, _motion: usize) {}
     /// The velocities of both motions at the ends that were written down, and their squares; the second began at `beside`.
     fn two_velocities(&mut self, _beside: &Self::Start, _velocities: [&mut [f64]; 2]) -> [f64; 2] {

@@ -4,8 +4,8 @@
 //!     c, b, A, Ā, Â, B, w, Ā B       symbols and formulas: exact.rs
 //! ```
 //!
-//! They are computed with about 32 digits (`exact`) and rounded once; what that cuts off is kept where it counts
-//! ([`Remainders`]). Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11).
+//! They are computed with about 32 digits (`exact`) and rounded once; the rounding errors are kept for the uses that need them ([`Remainders`]).
+//! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11).
 
 use crate::numbers::extended::Extended;
 use crate::tableau::exact::Exact;
@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 
 /// Fewest stages: two, where the scheme is RATTLE.
 pub const MINIMUM_STAGES: usize = 2;
-/// Most stages: the order is then 30, beyond what doubles can use at any step size.
+/// Largest number of stages: the order is then 30, beyond the use of doubles at any step size.
 pub const MAXIMUM_STAGES: usize = 16;
 
 /// Coefficients of the s-stage Lobatto IIIA–IIIB pair. Matrices are row-major; indices below count from 1 as in the

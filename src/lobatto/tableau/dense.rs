@@ -105,7 +105,7 @@ impl DenseWeights {
         [&self.value[1..=inner], &self.slope[1..=inner]]
     }
 
-    /// Displacement and its derivative by x, from those two sums over the nodes and `h v` at both ends.
+    /// Displacement and its derivative by x, from both sums over the nodes and `h v` at both ends.
     pub fn apply(&self, [value, slope]: [f64; 2], start: f64, end: f64) -> (f64, f64) {
         (
             value + self.value_ends[0] * start + self.value_ends[1] * end,
@@ -140,8 +140,8 @@ fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
 
 /// The nodal polynomials of these nodes at `x`.
 ///
-/// All products of differences are taken from the first node to the last; those up to a node that is left out are shared by all
-/// that leave it out.
+/// All products of differences are taken from the first node to the last; products up to a node that is left out are shared by all sums that leave it
+/// out.
 #[inline(always)]
 fn nodal_at(nodes: &(impl AsRef<[f64]> + ?Sized), scales: &[f64], x: f64) -> Nodal {
     let nodes = nodes.as_ref();

@@ -138,8 +138,7 @@ mod tests {
     use super::*;
     use crate::tableau::butcher::{MAXIMUM_STAGES, MINIMUM_STAGES};
 
-    /// Bound on what exact identities may leave: 32 digits, less the factor 2·10⁴ of the largest entry of B and a
-    /// few hundred operations.
+    /// Bound on the errors of exact identities: 32 digits, less the factor 2·10⁴ of the largest entry of B and a few hundred operations.
     const EXACT: f64 = 1e-24;
 
     fn power(base: Extended, exponent: usize) -> Extended {

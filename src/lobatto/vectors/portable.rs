@@ -1,4 +1,4 @@
-//! Lanes for every processor: an array, of which the compiler makes what vectors the build promises.
+//! Lanes for every processor: an array, which the compiler puts into the vectors of the target.
 //!
 //! On x86-64 that is two lanes, for old processors. Up to five stages have vectors of their own there ([`crate::vectors::x86::Sse2`]);
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.

@@ -5,7 +5,7 @@
 //! - **P1** — the intrinsics of a vector type need a processor feature. Every x86-64 processor has the features of [`Sse2`]. The other types cannot
 //!   be named outside this crate. In it only the gates of [`crate::vectors`] begin with one, after
 //!   [`Isa::detect`](crate::numbers::lanes::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and tests that ask
-//!   the same; `pair` and `single` make others of those they are given. Who is handed a type by a gate runs behind its question.
+//!   the same; `pair` and `single` make others from given ones. Who is handed a type by a gate runs behind its question.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 

@@ -84,7 +84,7 @@ impl LoopKind {
         }
     }
 
-    /// The axes of a and of b that are square to each other: the equations after those.
+    /// The axes of a and of b that are orthogonal to each other: the equations after the points.
     pub fn squares(self) -> &'static [(usize, usize)] {
         match self {
             LoopKind::Revolute | LoopKind::Cylindrical | LoopKind::Planar => &[(0, 2), (1, 2)],

@@ -16,8 +16,8 @@
 //! ```
 //!
 //! with the velocities of the bodies' material at p, whatever the features: the turning of n and the motion of p on the surfaces do not contribute.
-//! So the gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A contact that is closed is the equation φ = 0 with
-//! a multiplier λ ≥ 0; its friction is among what a [`Grip`] says.
+//! So the gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A closed contact is the equation φ = 0 with a
+//! multiplier λ ≥ 0; its friction is a [`Grip`].
 
 use crate::description::closure::Attachment;
 use crate::description::joint::Pose;
@@ -77,7 +77,7 @@ pub struct Collider {
     pub body: Option<usize>,
     /// Its frame in the body frame, or in the world.
     pub pose: Pose,
-    /// What it is.
+    /// Its shape.
     pub shape: Shape,
 }
 

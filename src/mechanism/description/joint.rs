@@ -193,7 +193,7 @@ impl Joint {
     }
 }
 
-/// Sine and cosine of an angle and what its rounding left out (rad).
+/// Sine and cosine of an angle and its rounding error (rad).
 #[inline]
 pub fn sine_cosine(angle: f64, rest: f64) -> (f64, f64) {
     let (sine, cosine) = angle.sin_cos();

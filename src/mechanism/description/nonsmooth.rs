@@ -1,7 +1,7 @@
 //! The nonsmooth elements of a mechanism: limits of joints and their impacts, dry friction, and motors whose effort is bounded or sampled.
 //!
-//! All of it is constant data; what state each element is in at an instant belongs to the run. Limits are
-//! [`JointLimit`]s of [`crate::description::closure`], because the assembly of closed loops respects them, too.
+//! All of it is constant data; the state of each element at an instant belongs to the run. Limits are [`JointLimit`]s of
+//! [`crate::description::closure`], because the assembly of closed loops respects them, too.
 
 use crate::description::closure::{Coordinate, JointLimit};
 use crate::description::contact::{Collider, ContactPair};

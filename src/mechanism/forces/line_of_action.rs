@@ -11,11 +11,11 @@
 
 use nalgebra::SVector;
 
-/// An arm is long if it is by this factor longer than what takes its place.
+/// An arm is long if it is by this factor longer than its replacement.
 const LONG: f64 = 1e3;
 
-/// The end at which both forces act and the arm of the other body from there (m); `None` where each acts at its own end. `places` are the
-/// ends and `origins` what torques are taken about (m), `None` on the world.
+/// The end at which both forces act and the arm of the other body from there (m); `None` if each acts at its own end. `places` are the ends and
+/// `origins` the points of reference of torques (m), `None` on the world.
 pub fn common_end<const D: usize>(
     places: [SVector<f64, D>; 2],
     origins: [Option<SVector<f64, D>>; 2],

@@ -1,8 +1,8 @@
 //! All forces on a mechanism in a state: efforts, wrenches, energies and powers.
 //!
-//! Forces in joints act along the degrees of freedom, all others as wrenches on bodies, in the axes of the world.
-//! Springs and those loads that have a potential give energy back; dampers dissipate; what a load without a potential
-//! does is work put into the mechanism. So `T + V_gravity + V_spring + V_load + dissipated − work` is constant.
+//! Forces in joints act along the degrees of freedom, all others as wrenches on bodies, in the axes of the world. Springs, and loads that have a
+//! potential, give energy back; dampers dissipate; a load without a potential puts work into the mechanism. So
+//! `T + V_gravity + V_spring + V_load + dissipated − work` is constant.
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::Coordinate;

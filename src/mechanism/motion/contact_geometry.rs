@@ -68,7 +68,7 @@ pub struct Contact<S> {
     pub point: Triple<S>,
 }
 
-/// The contact of two features; `side` is what [`crate::description::contact::Touch::side`] says.
+/// The contact of two features, with [`crate::description::contact::Touch::side`].
 #[inline(always)]
 pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S>) -> Contact<S> {
     let apart = b.origin.minus(a.origin);

@@ -63,7 +63,7 @@ impl ContactFigures {
         }
     }
 
-    /// Takes in what another part of the run has.
+    /// Adds the figures of another part of the run.
     pub fn include(&mut self, other: &ContactFigures) {
         self.penetration = self.penetration.max(other.penetration);
         self.cone_violation = self.cone_violation.max(other.cone_violation);

@@ -78,7 +78,7 @@ impl EventCounts {
         self.0[kind as usize] += 1;
     }
 
-    /// Of one kind.
+    /// The number of events of one kind.
     pub fn of(&self, kind: EventKind) -> usize {
         self.0[kind as usize]
     }

@@ -12,9 +12,9 @@ use nalgebra::DMatrix;
 pub struct Inputs<'i> {
     /// One entry a degree of freedom [N m or N], for ball joints about the axes of the child's joint frame; empty for zero efforts.
     pub efforts: &'i [f64],
-    /// Efforts that change in time, besides those.
+    /// Efforts that change in time, besides the constant ones.
     pub changing: Option<&'i dyn ChangingEfforts>,
-    /// Efforts that follow the state, besides the constant ones; in place of those that change in time.
+    /// Efforts that follow the state, besides the constant ones; in place of the efforts that change in time.
     pub feedback: Option<&'i dyn Feedback>,
 }
 

@@ -62,7 +62,7 @@ impl MethodDescription {
         }
     }
 
-    /// Takes over what another part of the run has seen of stability: the step nearest to its limit, and what rang first.
+    /// Takes over the stability figures of another part of the run: the step nearest to its limit, and the first ringing.
     pub fn include_stability(&mut self, other: &MethodDescription) {
         let share = |seen: &FrequencyStep| seen.product / seen.limit;
         let seen = self.frequency_step.into_iter().chain(other.frequency_step);

@@ -43,7 +43,7 @@ pub fn undetermined_body(mechanism: &Mechanism) -> Option<usize> {
     let position = odd_position(mechanism);
     let mut bodies = vec![WORLD; mechanism.bodies.len()];
     forward_kinematics(mechanism, &position, &vec![0.0; mechanism.velocity_count], &mut bodies);
-    // Factors of what the children of each body have handed to it, with their joints free and with all locked.
+    // Sums of the factors of each body's children, with their joints free and with all locked.
     let mut free = vec![Matrix6::zeros(); bodies.len()];
     let mut locked = free.clone();
     for (index, body) in mechanism.bodies.iter().enumerate().rev() {

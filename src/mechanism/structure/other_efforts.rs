@@ -49,7 +49,7 @@ impl OtherTree {
         own.iter_mut().zip(room).for_each(|(own, effort)| *own += effort);
     }
 
-    /// Writes the accelerations of the file's joints for those here, in a state of both.
+    /// Writes the accelerations of the file's joints for the accelerations here, in a state of both.
     pub fn give_accelerations(
         &mut self,
         file: &Mechanism,

@@ -1,4 +1,4 @@
-//! The same mechanism on another spanning tree, and what its coordinates are on both.
+//! The same mechanism on another spanning tree, and the correspondence of its coordinates on both.
 //!
 //! A joint that turns round in the tree keeps its coordinate: with both of its frames turned by half a turn about x,
 //!
@@ -88,7 +88,7 @@ fn ways(mechanism: &Mechanism, tree: &SpanningTree, plane: Option<&Plane>, state
             JointKind::Prismatic => {
                 let diagonal = turn.diagonal();
                 let all = [same, about_x, about_y, about_z];
-                // The first of those that fit best.
+                // The first of the best ones.
                 all.into_iter()
                     .reduce(|best, way| if way.dot(&diagonal) > best.dot(&diagonal) { way } else { best })
                     .unwrap_or(same)

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! for every body, whatever its inertia and wherever its centre of mass is. The joints carry the effects of forces, products of inertia and offsets
-//! along n, which do not move the bodies. Three coordinates a body say all there is to say; mimic relations are between them, and of the closures
-//! those remain that mean something in the plane ([`crate::structure::planar_loops`]).
+//! along n, which do not move the bodies. Three coordinates a body are complete. Mimic relations are between them, and closures keep the equations
+//! that are not trivial in the plane ([`crate::structure::planar_loops`]).
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::LoopJoint;

@@ -74,7 +74,7 @@ impl SpanningTree {
 /// An edge and its cost.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
-    /// The joint; `None` for what only closes: contacts, springs, mimic relations and loop joints that no body can hang on.
+    /// The joint; `None` for links that only close: contacts, springs, mimic relations and loop joints that no body can hang on.
     pub edge: Option<Edge>,
     /// Its two ends; `None` is the world.
     pub ends: [Option<usize>; 2],

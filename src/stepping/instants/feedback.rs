@@ -8,9 +8,9 @@
 //! ```
 //!
 //! Y (n × m) are the accelerations per unit of effort and f_q, f_v the derivatives of the law, at the start of the step: by them stiff gains cost
-//! iterations, not steps. The rates are those that dampers feel, `ẏ_j` of [`catena_lobatto::equations::forces`], of ball joints `ω = T(θ) θ̇`. Stage
-//! s comes after the others, because Ā has no last column and Â no row of its own for it but the last. So the efforts are forces of the scheme, and
-//! its order stays 2s − 2.
+//! iterations, not steps. The rates are the rates of dampers, `ẏ_j` of [`catena_lobatto::equations::forces`], for ball joints `ω = T(θ) θ̇`. Stage s
+//! comes after the others, because Ā has no last column and Â no row of its own for it but the last. So the efforts are forces of the scheme, and its
+//! order stays 2s − 2.
 
 use crate::instants::stage_motion::stage_motion;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};

@@ -2,9 +2,9 @@
 //!
 //! The velocities at the ends of a step add a part of the size `S` and of degree `s`, and one of the size `B` and of degree `s + 1`, to the
 //! polynomial through the stages ([`catena_lobatto::tableau::dense`]). In a smooth motion these are its next coefficients, and small. A damper that
-//! is too hard for the step hardly changes the velocities at the ends, while the displacements are right: what the velocities add is an
-//! error then. In steps with such a damper a freedom is interpolated through the stages alone where `S + B` is more than half of its own top
-//! Legendre coefficient `E_i`.
+//! is too hard for the step hardly changes the velocities at the ends, while the displacements are right: the contribution of the velocities is an
+//! error then. In steps with such a damper a freedom is interpolated through the stages alone where `S + B` is more than half of its own top Legendre
+//! coefficient `E_i`.
 //!
 //! The error of samples inside a step of `s` stages, from the largest top Legendre coefficient `E` of the step, and from `S + B`, `E_i` and the
 //! [lever](crate::instants::levers) `l` of each freedom:

@@ -145,7 +145,7 @@ impl Lobatto {
         lobatto
     }
 
-    /// Makes room, before the first step, for what only coarse stops need.
+    /// Makes room, before the first step, for the workspace of coarse stops.
     pub(super) fn prepare(&mut self, mechanism: &Mechanism) {
         if let Mode::Chosen(control) = &self.mode {
             self.stepper.kernel.expect(mechanism, control.rule().increment);

@@ -309,7 +309,7 @@ mod tests {
     fn a_change_of_energy_is_rounding_where_e_is_or_where_half_the_step_changes_as_much() {
         let judge = |control: &mut Control, step, legendre| {
             let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
-            // Ten times what a step may change, and not more than roundings do.
+            // Ten times the allowed change of a step, and no more than roundings.
             let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
             control.judge(&solved, Some(energies), step, Guess::Past) == Decision::Accept
         };

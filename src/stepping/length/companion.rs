@@ -53,7 +53,7 @@ impl Companion {
         }
     }
 
-    /// Where it is.
+    /// Its state.
     pub fn state(&self) -> &State {
         &self.state
     }

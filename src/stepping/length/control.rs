@@ -12,9 +12,9 @@
 //! So that samples inside a step are within the tolerance `T`, nine stages have `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, and five have
 //! `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so
 //! is a finished one that changes the energy by more than its share of the tolerance. A step near that share does not grow, unless `E` is so small
-//! that the change can only come from the iteration, which does not grow with the step. The energy sees what the polynomials do not, such as a
-//! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster seldom has done so
-//! once. The polynomial of an attempt with too large an E is the guess of the next one ([`catena_lobatto::stages::predictor`]). If E does not fall
+//! that the change can only come from the iteration, which does not grow with the step. The energy shows errors that the polynomials do not, such as
+//! a passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster seldom has done
+//! so once. The polynomial of an attempt with too large an E is the guess of the next one ([`catena_lobatto::stages::predictor`]). If E does not fall
 //! with the step, the motion has a kink, and the energy alone decides. Whatever these say, a step stays within the limit of stability, and a motion
 //! that hard dampers are about to stop is stopped in short ones ([`crate::watching::watch`]).
 //!
@@ -54,7 +54,7 @@ const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
 
-/// Steps are looked into whose E is above this part of the largest so far: what interpolation errs by grows with E.
+/// Only steps whose E is above this part of the largest so far are evaluated inside: the error of interpolation grows with E.
 const AMONG_LARGEST: f64 = 0.5;
 
 /// The part of the wanted E up to which a step is likely to be kept after one that changed the energy too much.

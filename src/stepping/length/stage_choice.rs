@@ -1,11 +1,11 @@
 //! How many stages the steps of a tolerance have.
 //!
-//! Nine, on every processor. On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few
-//! stages as with those that fill it: nine with AVX-512. Two vectors of four lanes do not take twice as long as one either: in a plane arithmetic
-//! waits for arithmetic, and in space the first iterations are in single precision, eight lanes at once
-//! ([`catena_lobatto::solve::single_precision`]), which five stages do not have. Five stages with coarse tolerances would save time on some trees
-//! with AVX2, but truncation is no less than the error of the iteration there, and the companion of a run does not see it: 32 of 1856 runs reported
-//! their accuracy as reached wrongly (doc/decisions/002-stages-for-a-tolerance.md).
+//! Nine, on every processor. All stages of trees are solved side by side in the lanes of a vector, so that an iteration costs the same with few
+//! stages as with a full vector: nine with AVX-512. Two vectors of four lanes do not take twice as long as one either: in a plane arithmetic waits
+//! for arithmetic, and in space the first iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]),
+//! which five stages do not have. Five stages with coarse tolerances would save time on some trees with AVX2, but truncation is no less than the
+//! error of the iteration there, and the companion of a run does not see it: 32 of 1856 runs reported their accuracy as reached wrongly
+//! (doc/decisions/002-stages-for-a-tolerance.md).
 //!
 //! Closed loops have five where their tolerance is not fine: all stages are coupled there, and an iteration with nine costs twice as much. Nine
 //! stages make steps so long that Newton's method limits them, not the accuracy. One or two four-bars, which pass singular positions, need much
@@ -35,7 +35,7 @@ use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::structure::plane::Plane;
 
-/// The finest tolerance at which loops have few stages (m), less what rounding may take from it.
+/// The finest tolerance at which loops have few stages (m), with a margin for rounding.
 const FEW_DOWN_TO: f64 = 0.99e-6;
 /// In a plane loops of fewer bodies than these have nine stages.
 const SMALLEST_IN_A_PLANE: usize = 6;

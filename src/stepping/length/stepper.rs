@@ -151,7 +151,7 @@ impl Stepper {
         self.outside.driven.clone()
     }
 
-    /// Starts anew where the state is not what the last step left; returns whether that was so.
+    /// Starts anew if the state is not the end of the last step; returns whether that was so.
     pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
         let moved = self.left_at != Some(state.time) || *state != self.end;
         if moved {

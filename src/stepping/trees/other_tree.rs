@@ -55,7 +55,7 @@ pub struct OnOtherTree {
     gravity: Vector3<f64>,
     forces: Forces,
     turns: Turns,
-    /// The bodies in whose joints efforts act from outside, and those efforts here.
+    /// The bodies in whose joints efforts act from outside, and their efforts here.
     in_joints: Vec<usize>,
     driven: Driven,
     /// The error of samples inside the steps that were made on other trees before this one (m).
@@ -77,7 +77,7 @@ struct Inside {
     other: OtherTree,
     lobatto: Lobatto,
     state: State,
-    /// Room for what dense output says.
+    /// Room for the results of dense output.
     position: Vec<f64>,
     velocity: Vec<f64>,
 }

@@ -236,7 +236,7 @@ impl Dynamics {
         }
     }
 
-    /// Root to leaf: the solution in place of what each row said without its parent, and the twists of all bodies.
+    /// Root to leaf: the solution in place of each row's value without its parent, and the twists of all bodies.
     fn forward(&mut self, plan: &Plan, start: &Start, values: &mut [f64]) {
         for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate() {
             let (mut linear, mut angular) = self.parent_twist(own);

@@ -23,8 +23,8 @@
 //!
 //! while on the slow motion behind a hard damper a is as small as that is slow, and w with it.
 //!
-//! Deviations are projected on the closures; what of them is of second order there does not count in central differences. A tree under gravity needs
-//! K alone, which [`crate::watching::dynamics`] has without differences.
+//! Deviations are projected on the closures; their second-order part does not count in central differences. A tree under gravity needs K alone, which
+//! [`crate::watching::dynamics`] has without differences.
 
 use crate::watching::dynamics::Dynamics;
 use crate::watching::fastest_mode::first_direction;

@@ -10,7 +10,7 @@ use crate::watching::dynamics::Dynamics;
 use catena_lobatto::plan::tree::Plan;
 use catena_lobatto::stages::start::Start;
 
-/// Pace of what hardly moves [1/s].
+/// Pace of a motion that is nearly at rest [1/s].
 const FLOOR: f64 = 1e-3;
 
 /// The fastest fall of the pace over a step, `h₋ L`, that the rule is asked for: below −2/e it has no solution.

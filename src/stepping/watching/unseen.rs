@@ -1,4 +1,4 @@
-//! The energy that no step sees: what all forces on a mechanism do over the displacement that the iteration leaves of places.
+//! The energy that no step sees: the work of all forces on a mechanism over the displacement that the iteration leaves in places.
 //!
 //! ```text
 //!     F = Σ m |g| + Σ |τ| + Σ (|f| + |t|) + √(2 U Σ k)          [N; N m of joints that turn]
@@ -10,7 +10,7 @@
 
 use catena_mechanism::description::mechanism::Mechanism;
 
-/// δ: what roundings and the iteration leave of places (m; rad), a thousand roundings of a metre.
+/// δ: the error of places from rounding and the iteration (m; rad), a thousand roundings of a metre.
 const LEFT: f64 = 1e-13;
 
 /// The constant part of the forces of a mechanism.

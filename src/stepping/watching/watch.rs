@@ -18,7 +18,7 @@ pub const FIRST_LOOK: usize = 4;
 /// Part of the limit that chosen steps keep to.
 const SAFE: f64 = 0.8;
 
-/// Shorter steps than this part of the time (s) are not made to stop what rings.
+/// Shorter steps than this part of the time (s) are not made to stop ringing.
 const SHORTEST: f64 = 1e-9;
 
 /// A mode of the linearised motion.
@@ -111,12 +111,12 @@ impl Watch {
         }
     }
 
-    /// Whether to look for what dampers are about to stop.
+    /// Whether to look for motions that dampers are about to stop.
     pub fn listens(&self) -> bool {
         self.listens
     }
 
-    /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
+    /// Notes at `time` a motion that dampers are about to stop, if it rings in steps of `step`.
     ///
     /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each
     /// (doc/decisions/007-stability-with-springs-and-dampers.md).
@@ -131,7 +131,7 @@ impl Watch {
         }
     }
 
-    /// Whether dampers are too hard for a step (s), as far as is known: half as hard as those that reverse a velocity in each step.
+    /// Whether dampers are too hard for a step (s), as far as is known: half as hard as dampers that reverse a velocity in each step.
     pub fn is_too_hard(&self, step: f64) -> bool {
         let s = self.tableau.stages as f64;
         self.decays.iter().any(|decay| step * decay > s * (s - 1.0))

@@ -25,9 +25,9 @@ pub const ROUNDING: f64 = 1e-10;
 const PER_GAP: f64 = 100.0;
 /// No gap makes more than this part of the first pivot rounding: a mechanism that is not closed yet still has most of its rank.
 const COARSEST: f64 = 1e-4;
-/// A freedom whose part in the null space is below this is still: rounding leaves 1e-13 of those that are, mechanics 9e-7 of the others.
+/// A freedom whose part in the null space is below this is still: rounding leaves 1e-13 of still freedoms, mechanics 9e-7 of the others.
 const STILL: f64 = 1e-10;
-/// Rows of a projection are independent if this part of the first is left; what roundings leave is far below.
+/// Rows of a projection are independent if this part of the first is left; rounding leaves far less.
 const PROJECTED: f64 = 1e-6;
 /// Pivots below this part of the first are weak: some milliradians from a singular position.
 pub const WEAK: f64 = 1e-2;

@@ -1,5 +1,4 @@
-//! Rank of a large sparse matrix: rows are rotated into a triangle one after the other, and a row
-//! that becomes zero depends on those before it.
+//! Rank of a large sparse matrix: rows are rotated into a triangle one after the other, and a row that becomes zero depends on earlier rows.
 //!
 //! ```text
 //!     columns from the last to the first:   r = row c of the triangle, if it has one:   (r, a) ← Givens rotation that clears a_c

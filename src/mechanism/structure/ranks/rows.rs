@@ -140,7 +140,7 @@ fn freedoms_of(mechanism: &Mechanism, circuit: &[Vec<usize>; 2]) -> Vec<(usize, 
     freedoms
 }
 
-/// The equations of a contact, of which `entries` are those along a direction at a point.
+/// The equations of a contact, of which `entries` are the entries along a direction at a point.
 fn touch_rows(
     joint: &TouchJoint,
     bodies: &[BodyState],
