@@ -53,7 +53,7 @@ pub enum GeometryError {
     #[error("the mesh has no triangle with an area: export it again with its faces")]
     EmptyMesh,
     /// A flat surface is to be cut into pieces.
-    #[error("the mesh is flat and encloses nothing: give it a thickness, or use its convex hull")]
+    #[error("the mesh is flat and has no volume: give it a thickness, or use its convex hull")]
     EnclosesNothing,
     /// A surface with a border is to be cut into pieces.
     #[error(

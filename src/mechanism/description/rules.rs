@@ -66,14 +66,14 @@ impl Rule {
     pub fn condition(self) -> &'static str {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
-            Rule::Sleep => "starts at rest, and nothing accelerates",
+            Rule::Sleep => "starts at rest, and all accelerations are zero",
             Rule::Tree => "loops, and cutting them at other joints is less work",
             Rule::Planar => "all hinges about one direction, all slides across it, loops too",
-            Rule::Translation => "in space, nothing but slides between body and world",
+            Rule::Translation => "in space, only slides between body and world",
             Rule::Points => "in space, no inertia about the center of mass",
             Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
             Rule::Pivots => "in space, under gravity alone, on a hinge that the world holds",
-            Rule::Tumblers => "in space, under gravity alone, a body that floats and carries nothing",
+            Rule::Tumblers => "in space, under gravity alone, a body that floats and carries no other body",
         }
     }
 
