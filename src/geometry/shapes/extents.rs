@@ -4,9 +4,9 @@
 //!     ℓ = max(ℓ_a, ℓ_b),    δ(c) = c ℓ + 1e-14 R
 //! ```
 //!
-//! ℓ_i (m) of a link is its reach from the centre of mass of its body, of an obstacle the distance of its farthest point from its middle, of a mesh
-//! the same distance for its largest triangle; half spaces have none. R (m) is the reach of obstacles from the origin of the world: the coordinates
-//! of distant points are rounded by more, but R does not exceed the distance.
+//! ℓ_i (m) of a link is its reach from the centre of mass of its body. ℓ_i of an obstacle is the distance of its farthest point from its middle, of a
+//! mesh the same distance for its largest triangle; half spaces have none. R (m) is the reach of obstacles from the origin of the world: distant
+//! coordinates are rounded by more, although the shapes are no larger.
 
 use crate::shapes::convex::Convex;
 use nalgebra::Vector3;
