@@ -12,7 +12,7 @@ pub(crate) struct FixedFrame {
     pub turn: [f64; 4],
 }
 
-/// The constants of a body in its joint frame, as those of the articulated-body algorithm.
+/// The constants of a body in its joint frame, as in the articulated-body algorithm.
 pub(crate) struct Constants {
     pub kind: JointKind,
     /// The joint frame on the parent, seen from the parent's joint frame.
