@@ -100,8 +100,11 @@ impl Integrator for Eventful {
         let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
         // What another mode has seen.
         description.include_stability(&self.idle);
+        description.few_stage_steps = self.idle.few_stage_steps;
         for steps in self.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {
-            description.include_stability(&steps.description());
+            let of_piece = steps.description();
+            description.include_stability(&of_piece);
+            description.few_stage_steps += of_piece.few_stage_steps;
         }
         if description.adaptive {
             description.step = self.stepped / self.steps.max(1) as f64;

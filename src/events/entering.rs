@@ -124,7 +124,9 @@ impl Eventful {
         match oldest {
             Some(oldest) if self.pieces.len() >= KEPT_MODES => {
                 if let Some(steps) = &self.pieces[oldest].steps {
-                    self.idle.include_stability(&steps.description());
+                    let of_piece = steps.description();
+                    self.idle.include_stability(&of_piece);
+                    self.idle.few_stage_steps += of_piece.few_stage_steps;
                     self.between = larger(self.between, steps.between());
                     self.ringing = self.ringing.max(steps.ringing_inside());
                 }

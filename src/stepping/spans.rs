@@ -5,11 +5,11 @@
 //!
 //! ```text
 //!     span τ = until − t < h      h: the step that many stages would make (s)
-//!     accepted with three stages, if  E ≤ min(3.3 c √ε, T/2)  and the energy changes by no more than its share of T
+//!     accepted with three stages, if  E ≤ min(1.7 c √ε, T/2)  and the energy changes by no more than its share of T
 //! ```
 //!
-//! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.01`
-//! ([`crate::length::stage_choice`]). The local error behaves like E², so that ten thousand spans leave less than ε. A span that is refused is made
+//! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.34`
+//! ([`crate::length::stage_choice`]). The local error is less than E²/100, so that ten thousand spans leave 3 % of T. A span that is refused is made
 //! with many stages, and the next ones, too, twice as many after each refusal in a row. The order between events stays that of many stages, because spans
 //! are made with few stages only where both are below the tolerance.
 
@@ -28,7 +28,7 @@ const IN_A_ROW: usize = 2;
 /// After a refusal as many spans are made with many stages at least,
 const WAIT: usize = 8;
 /// and twice as many after each refusal in a row, up to this power of two.
-const DOUBLINGS: u32 = 6;
+const DOUBLINGS: u32 = 3;
 
 /// The scheme with many stages, and with three stages in spans that are short beside its steps.
 pub struct SpanSteps {

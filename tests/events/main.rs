@@ -47,4 +47,5 @@ mod robots;
 mod robots_on_floor;
 mod slides;
 mod throws;
+mod ticks;
 mod toys;

@@ -33,6 +33,8 @@ pub struct MethodReport {
     pub first_order_steps: usize,
     /// and the time that they took of the motion (s).
     pub first_order_time: f64,
+    /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
+    pub few_stage_steps: usize,
 }
 
 /// How near a step came to the limit of linear stability.
@@ -69,6 +71,7 @@ impl MethodReport {
             reversible_resets: description.reversible_resets,
             first_order_steps: description.first_order_steps,
             first_order_time: description.first_order_time,
+            few_stage_steps: description.few_stage_steps,
         }
     }
 

@@ -61,7 +61,13 @@ impl fmt::Display for Report {
         )?;
         let step = rounded(1e3 * method.step);
         match (method.tolerance, method.reversible_resets) {
-            (Some(tolerance), _) => writeln!(out, "tolerance {tolerance:e}, mean step {step} ms")?,
+            (Some(tolerance), _) => {
+                write!(out, "tolerance {tolerance:e}, mean step {step} ms")?;
+                match method.few_stage_steps {
+                    0 => writeln!(out)?,
+                    few => writeln!(out, "; {} between ticks with 3 stages, order 4", counted(few, "step", "steps"))?,
+                }
+            }
             (None, Some(resets)) => {
                 writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset", "resets"))?;
             }

@@ -118,6 +118,7 @@ impl<'a> Islands<'a> {
             together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
             together.unsolved_contacts += one.unsolved_contacts;
             together.first_order_steps += one.first_order_steps;
+            together.few_stage_steps += one.few_stage_steps;
             together.first_order_time = together.first_order_time.max(one.first_order_time);
             together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
         }

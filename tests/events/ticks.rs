@@ -1,0 +1,93 @@
+//! Ticks of sampled motors: a mode goes on over them while its forces stay in their sets, and ends at the tick at which one leaves.
+
+use crate::exact::near;
+use crate::mechanisms::*;
+use catena::mechanism::description::nonsmooth::MotorLaw;
+use catena::mechanism::description::target::{Interpolation, Target};
+use catena::mechanism::motion::event::EventKind;
+use catena::model::Model;
+use catena::scene::{PackagePath, read_scene};
+use catena::simulation::{Finished, Simulation, SimulationOptions, StepChoice};
+use nalgebra::Vector3;
+use std::path::Path;
+
+/// A motor pushes a slider of 1.5 kg with 3 t N, as sampled every 10 ms; dry friction bears 2.4 N.
+fn pushed(steps: StepChoice) -> Finished {
+    let mut mechanism = mechanism(vec![slide("rail", Vector3::x(), 1.5)]);
+    friction(&mut mechanism, 0, 2.4);
+    let ramp = Target::table(&[(0.0, 0.0), (2.0, 6.0)], Interpolation::Linear).expect("a target");
+    motor(&mut mechanism, 0, MotorLaw::Effort, ramp, f64::INFINITY, 0.01);
+    run(&mechanism, &at_rest(&mechanism, &[0.0]), 1.5, steps)
+}
+
+#[test]
+fn a_joint_that_sticks_slips_at_the_tick_whose_effort_friction_cannot_bear_and_at_no_other() {
+    for steps in [fixed(9, 0.05), fixed(3, 0.013), StepChoice::Tolerance(1e-6), StepChoice::Unestimated(1e-6)] {
+        let done = pushed(steps);
+        // 3 t > 2.4 for the first time at the tick 0.81 s, since 0.8 s gives 2.4 N but for rounding.
+        assert_eq!(done.events.len(), 1, "{steps:?} {:?}", done.events);
+        assert_eq!(done.events[0].kind, EventKind::Slip);
+        let tick = done.events[0].time;
+        assert!((tick - 0.80).abs() < 1e-12 || (tick - 0.81).abs() < 1e-12, "{tick}");
+        // From tick to tick under a constant effort.
+        let (mut place, mut rate, period) = (0.0, 0.0, 0.01);
+        for tick in 81..150 {
+            let acceleration = (3.0 * period * f64::from(tick) - 2.4) / 1.5;
+            place += rate * period + 0.5 * acceleration * period * period;
+            rate += acceleration * period;
+        }
+        near(done.state.position[0], place, 1e-13);
+        near(done.state.velocity[0], rate, 1e-13);
+    }
+}
+
+/// The quadruped of `robots/`, whose motors are sampled every millisecond, after 0.3 s.
+fn standing(steps: StepChoice) -> Finished {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/quadruped_dropped.toml");
+    let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
+    let (mut model, start) = Model::from_scene(&scene).expect("a model");
+    let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+    for motor in &mut model.mechanism.nonsmooth.motors {
+        motor.period = 1e-3;
+        // Softer than in the file: there a sampled damper is unstable, and every difference grows.
+        motor.law = MotorLaw::Position { kp: 60.0, kd: 0.6 };
+    }
+    let options = SimulationOptions { duration: 0.3, steps, switched_off: &[], interrupt: None };
+    let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
+    simulation.run().expect("it runs");
+    simulation.finish()
+}
+
+#[test]
+fn spans_between_ticks_have_three_stages_and_end_within_the_tolerance_of_steps_of_nine() {
+    let exact = standing(fixed(9, 1e-3));
+    assert_eq!(exact.method.few_stage_steps, 0, "given steps are as given");
+    for tolerance in [1e-3, 1e-6, 1e-9] {
+        let found = standing(StepChoice::Unestimated(tolerance));
+        let off = found.state.position.iter().zip(&exact.state.position).map(|(a, b)| (a - b).abs());
+        let off = off.fold(0.0, f64::max);
+        println!("{tolerance:e}: {off:e}, {} of {} steps", found.method.few_stage_steps, found.summary.steps);
+        assert!(off < tolerance, "{tolerance:e}: {off:e}");
+        assert_eq!(found.summary.events, exact.summary.events, "{tolerance:e}");
+        assert!(found.summary.contact.penetration <= 1e-12);
+        // 300 ticks and some events. Landing is violent: with fine tolerances it takes more stages.
+        let least = if tolerance > 1e-5 { 250 } else { 20 };
+        assert!(found.method.few_stage_steps > least, "{}", found.method.few_stage_steps);
+    }
+}
+
+#[test]
+fn a_run_without_an_estimate_makes_the_steps_of_one_with_it() {
+    let [with, without] = [StepChoice::Tolerance(1e-6), StepChoice::Unestimated(1e-6)].map(|steps| {
+        let mechanism = double_pendulum(0.5);
+        let options = SimulationOptions { duration: 1.0, steps, switched_off: &[], interrupt: None };
+        let start = at_rest(&mechanism, &[0.7, 0.4]);
+        let mut simulation = Simulation::at_once(&mechanism, start, None, options).expect("a run");
+        simulation.run().expect("it runs");
+        simulation.finish()
+    });
+    assert!(with.accuracy[0].is_ok());
+    assert!(without.accuracy[0].is_err());
+    assert_eq!(with.state.position, without.state.position);
+    assert_eq!(with.summary.steps, without.summary.steps);
+}
