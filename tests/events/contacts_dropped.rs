@@ -211,7 +211,8 @@ fn drop_balls(name: &str, seeds: std::ops::Range<u64>) {
         // What is left out of bounces that accumulate rises by a ten-thousandth of the tolerance. Times of impacts are rounded to 1e-15 of the duration, at
         // 10 m/s at most, and some hundred of them add up.
         let bound = 1e-3 * dropped.tolerance.unwrap_or(0.0) + 1e-11;
-        match dropped.off(aside, &folder.0) {
+        let tried = std::panic::catch_unwind(|| dropped.off(aside, &folder.0));
+        match tried.unwrap_or_else(|_| Err("a panic".into())) {
             Ok(off) if off <= bound => worst = worst.max(off / bound),
             other => wrong.push(format!("{seed}: {other:?} of {dropped:?}")),
         }

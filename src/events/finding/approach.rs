@@ -200,8 +200,12 @@ pub(crate) fn first_closing(
             let Some((open, closed)) = soon_positive(start, first.0, &mut |time| pair.gap(time)) else {
                 return Some(Closing::AtStart);
             };
-            let open = (open, pair.gap(open));
-            return Some(leaving(low, open, measure, pair, cover).unwrap_or(Closing::Between(open.0, closed)));
+            let (open, closed) = ((open, pair.gap(open)), (closed, pair.gap(closed)));
+            if let Some(closing) = leaving(low, open, measure, pair, cover) {
+                return Some(closing);
+            }
+            // Between the two it may pass through, and come back from the other side.
+            return between(open, closed, measure, DEPTH, pair, cover).map(|(from, to)| Closing::Between(from, to));
         }
         if let Some(closing) = leaving(low, first, measure, pair, cover) {
             return Some(closing);
@@ -414,6 +418,16 @@ mod tests {
                 assert_eq!(cover.until, low, "{long} {leaves}: what is before the interval is covered");
             }
         }
+    }
+
+    #[test]
+    fn what_comes_back_from_the_other_side_by_the_first_sample_is_found_where_it_came_first() {
+        // Gone through at 0.1 s, out at 0.12 s, and in another wall at 0.16 s, where the first of six samples is.
+        let gap = |time: f64| if time < 0.05 { time } else { (0.1 - time).max((time - 0.12).min(0.16 - time)) };
+        let Some(Closing::Between(low, high)) = look(gap, 1.0, [0.0, 1.0], f64::INFINITY, 1e-3).0 else {
+            panic!("missed")
+        };
+        assert!(low <= 0.1 && 0.1 <= high && high < 0.102, "{low} {high}");
     }
 
     #[test]
