@@ -17,7 +17,7 @@
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
 use crate::events::finding::cover::Cover;
-use crate::events::finding::detection::{SAMPLES, minimum_below_zero, soon_positive};
+use crate::events::finding::detection::{SAMPLES, least_below_zero, soon_positive};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::Vector3;
 
@@ -27,6 +27,10 @@ const DEPTH: usize = 44;
 const NEARER: f64 = 0.25;
 /// at so many at most.
 const NEAREST: i32 = 24;
+/// A parabola that is least beyond the ends of a stretch by this part of its half has no minimum in it;
+const AT_END: f64 = 1.2;
+/// one that is least near an end is looked at this far inside.
+const INSIDE: f64 = 0.98;
 /// Bodies may be faster between the samples of a step than at them by this factor,
 const FASTER: f64 = 1.25;
 /// and by this part of what their velocity changes by from a sample to the next.
@@ -301,12 +305,36 @@ fn between(
 }
 
 /// An instant in a short stretch at which a gap that is open at both ends is closed, if its minimum is.
+///
+/// ```text
+///     φ(x) ≈ φ₀ + s x + c x²/2,  x = −1, 0, 1 at the ends and in the middle        least at x = −s/c if c > 0, by s²/2c below φ₀
+/// ```
 fn dip(low: Seen, high: Seen, measure: &Measure, pair: &mut impl Approaching, cover: &mut Cover) -> Option<f64> {
-    let at = 0.5 * (low.0 + high.0);
-    let middle = pair.gap(at);
-    cover.least = cover.least.min(middle);
+    let half = 0.5 * (high.0 - low.0);
+    let middle = (low.0 + half, pair.gap(low.0 + half));
+    cover.least = cover.least.min(middle.1);
+    if middle.1 < -measure.zero {
+        return Some(middle.0);
+    }
+    let (slope, bend) = (0.5 * (high.1 - low.1), low.1 - 2.0 * middle.1 + high.1);
+    let at = -slope / bend;
+    if !(bend > 0.0 && at.abs() < AT_END) {
+        return None;
+    }
+    let at = at.clamp(-INSIDE, INSIDE);
+    let below = -(slope + 0.5 * bend * at) * at;
+    // As much below its parabola as that is below the middle, and a tenth of its bend: farther off it does not touch.
+    if middle.1 - 2.0 * below - 0.1 * bend > -measure.zero {
+        return None;
+    }
+    let least = (middle.0 + at * half, pair.gap(middle.0 + at * half));
+    cover.least = cover.least.min(least.1);
+    if least.1 < -measure.zero {
+        return Some(least.0);
+    }
     let mut value = |time: f64| pair.gap(time) + measure.zero;
-    minimum_below_zero([low.0, at, high.0], [low.1, middle, high.1].map(|gap| gap + measure.zero), &mut value)
+    let bracketed = least.1 <= low.1.min(high.1);
+    if bracketed { least_below_zero(low.0, high.0, least.0, least.1 + measure.zero, &mut value) } else { None }
 }
 
 #[cfg(test)]

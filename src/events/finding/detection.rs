@@ -148,31 +148,17 @@ fn bracket(
         let Some(&next) = of.get(j + 1) else { continue };
         let before = of[j - 1];
         if j + 1 < of.len() && next >= 0.0 && of[j] <= before && of[j] <= next {
-            let (times, values) = ([j - 1, j, j + 1].map(time), [before, of[j], next]);
-            if let Some(low) = minimum_below_zero(times, values, value) {
+            let (left, right) = (before - of[j], next - of[j]);
+            // The parabola through the three, in units of the interval, is least so far below the middle one.
+            let below = if left + right > 0.0 { (left - right).powi(2) / (8.0 * (left + right)) } else { 0.0 };
+            if 2.0 * below + 0.1 * (left + right) >= of[j]
+                && let Some(low) = least_below_zero(time(j - 1), time(j + 1), time(j), of[j], value)
+            {
                 return Some((time(j - 1), low, false));
             }
         }
     }
     None
-}
-
-/// Where a function is negative between three instants in equal distances, at the middle one of which it is least, if its minimum may be.
-pub(crate) fn minimum_below_zero(
-    [low, middle, high]: [f64; 3],
-    [before, least, next]: [f64; 3],
-    value: &mut impl FnMut(f64) -> f64,
-) -> Option<f64> {
-    if least < 0.0 {
-        return Some(middle);
-    }
-    if !(least <= before && least <= next) {
-        return None;
-    }
-    let (left, right) = (before - least, next - least);
-    // The parabola through the three, in units of the interval, is least so far below the middle one.
-    let below = if left + right > 0.0 { (left - right).powi(2) / (8.0 * (left + right)) } else { 0.0 };
-    if 2.0 * below + 0.1 * (left + right) >= least { least_below_zero(low, high, middle, least, value) } else { None }
 }
 
 /// Where a function that is negative at the end of an interval is positive soon after its start: the longest halved interval at whose end it is, and
@@ -185,7 +171,7 @@ pub(crate) fn soon_positive(start: f64, end: f64, value: &mut impl FnMut(f64) ->
 }
 
 /// A point between two where the function is negative, if its minimum is: golden section.
-fn least_below_zero(
+pub(crate) fn least_below_zero(
     mut low: f64,
     mut high: f64,
     mut middle: f64,
