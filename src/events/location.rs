@@ -156,6 +156,7 @@ impl Eventful {
                 zero,
                 speed: speeds.closing(*bodies, *reach),
                 resolution,
+                changing: speeds.changing(*bodies, *reach, end - since),
             };
             let roughly = self.is_known_roughly(pair);
             let mut gap = GapInside { eventful: self, inputs, since, roughly, watched, pair };

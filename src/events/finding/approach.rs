@@ -11,8 +11,9 @@
 //! that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose distances from the start
 //! are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch ([`crate::events::finding::cover`]).
 //!
-//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed there, a quarter more, and half of what
-//! it changes by from one to the next.
+//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter more, and half
+//! of what it changes by from one to the next. Over a stretch it is their larger speed at its ends, with half of what it can change by in that time, a quarter
+//! more, if that is less.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
@@ -103,6 +104,23 @@ impl Speeds {
         }
     }
 
+    /// The most that what V is of changes by from a sample to the next, over the time between them [m/s²]; `length` is that of the step (s).
+    pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
+        let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
+            let later = self.samples().skip(1);
+            let rates = self.samples().zip(later).map(|(from, to)| {
+                let states = [from, to].map(|sample| [self.at(sample, own), self.at(sample, other)]);
+                change(states.map(relative), reach) * SAMPLES as f64 / ((to - from) as f64 * length)
+            });
+            rates.fold(0.0, f64::max)
+        };
+        match (a, b) {
+            (Some(_), None) => seen(a, b, reach[0]),
+            (None, Some(_)) => seen(b, a, reach[1]),
+            _ => seen(a, b, reach[0]).max(seen(b, a, reach[1])),
+        }
+    }
+
     /// V of a body with its reach, seen from another [m/s].
     fn seen_from(&self, body: Option<usize>, other: Option<usize>, reach: f64) -> f64 {
         let states = self.samples().map(|sample| [self.at(sample, body), self.at(sample, other)]);
@@ -112,18 +130,27 @@ impl Speeds {
 
 /// V over the time between states of a body, with its reach (m), and of another from which it is seen [m/s].
 fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, reach: f64) -> f64 {
-    let (mut speed, mut turning, mut change) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut speed, mut turning, mut changes) = (0.0_f64, 0.0_f64, 0.0_f64);
     let mut before: Option<[Vector3<f64>; 2]> = None;
-    let times_reach = |turning: f64| if turning > 0.0 { turning * reach } else { 0.0 };
     for states in states {
         let [moves, turns] = relative(states);
         (speed, turning) = (speed.max(moves.norm()), turning.max(turns.norm()));
-        if let Some([moved, turned]) = before {
-            change = change.max((moves - moved).norm() + times_reach((turns - turned).norm()));
+        if let Some(before) = before {
+            changes = changes.max(change([before, [moves, turns]], reach));
         }
         before = Some([moves, turns]);
     }
-    FASTER * (speed + times_reach(turning)) + CHANGING * change
+    FASTER * (speed + times_reach(turning, reach)) + CHANGING * changes
+}
+
+/// What u and ω change by between two instants, at the reach (m) [m/s].
+fn change([[moved, turned], [moves, turns]]: [[Vector3<f64>; 2]; 2], reach: f64) -> f64 {
+    (moves - moved).norm() + times_reach((turns - turned).norm(), reach)
+}
+
+/// The speed of a point at the reach (m), which has none where nothing turns [m/s].
+fn times_reach(turning: f64, reach: f64) -> f64 {
+    if turning > 0.0 { turning * reach } else { 0.0 }
 }
 
 /// u and ω of a body, seen from another [m/s, rad/s].
@@ -136,7 +163,7 @@ fn relative([own, from]: [&BodyState; 2]) -> [Vector3<f64>; 2] {
 pub(crate) fn speed_at([a, b]: [BodyState; 2], reach: [f64; 2]) -> f64 {
     let seen = |own: &BodyState, from: &BodyState, reach: f64| {
         let [moves, turns] = relative([own, from]);
-        moves.norm() + if turns.norm() > 0.0 { turns.norm() * reach } else { 0.0 }
+        moves.norm() + times_reach(turns.norm(), reach)
     };
     seen(&a, &b, reach[0]).min(seen(&b, &a, reach[1]))
 }
@@ -152,13 +179,24 @@ pub(crate) trait Approaching {
     /// Its reaches (m).
     fn reach(&self) -> [f64; 2];
 
-    /// V between two instants from what its bodies do there alone [m/s].
-    fn speed_between(&mut self, times: [f64; 2]) -> f64 {
-        let [from, to] = times.map(|time| self.bodies(time));
-        let reach = self.reach();
-        let seen = |own: usize| [[&from[own], &from[1 - own]], [&to[own], &to[1 - own]]].into_iter();
-        let (of_first, of_second) = (fastest(seen(0), reach[0]), fastest(seen(1), reach[1]));
-        of_first.min(of_second)
+    /// A look at it at a time (s).
+    fn look(&mut self, time: f64) -> Seen {
+        Seen { time, gap: self.gap(time), bodies: self.bodies(time) }
+    }
+}
+
+/// A pair at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    time: f64,
+    gap: f64,
+    bodies: [BodyState; 2],
+}
+
+impl Seen {
+    /// V of its bodies, with their reaches (m), at this instant [m/s].
+    fn speed(&self, reach: [f64; 2]) -> f64 {
+        speed_at(self.bodies, reach)
     }
 }
 
@@ -173,10 +211,9 @@ pub(crate) struct Measure {
     pub speed: f64,
     /// A stretch in which no more than this can close (m) is searched for a minimum.
     pub resolution: f64,
+    /// The most that V changes by in a second [m/s²].
+    pub changing: f64,
 }
-
-/// An instant (s) and the gap there (m).
-type Seen = (f64, f64);
 
 /// The first interval over `start … end` (s) in which a gap closes; `cover` takes the stretches before it, or all.
 pub(crate) fn first_closing(
@@ -187,24 +224,24 @@ pub(crate) fn first_closing(
     cover: &mut Cover,
 ) -> Option<Closing> {
     let time = |j: usize| if j == samples { end } else { start + (end - start) * j as f64 / samples as f64 };
-    let mut low = (start, pair.gap(start));
+    let mut low = pair.look(start);
     // One look at the end is enough for what is far away.
-    let last = pair.gap(end);
-    if low.1 > measure.closed && last > 0.0 && low.1 + last >= measure.speed * (end - start) {
-        cover.take([start, end], low.1.min(last));
+    let last = pair.look(end);
+    if low.gap > measure.closed && last.gap > 0.0 && low.gap + last.gap >= measure.speed * (end - start) {
+        cover.take([start, end], low.gap.min(last.gap));
         return None;
     }
     let mut next = 1;
-    if low.1 <= measure.closed {
-        let first = (time(1), if samples == 1 { last } else { pair.gap(time(1)) });
-        if first.1.is_nan() {
+    if low.gap <= measure.closed {
+        let first = if samples == 1 { last } else { pair.look(time(1)) };
+        if first.gap.is_nan() {
             return None;
         }
-        if first.1 <= 0.0 {
-            let Some((open, closed)) = soon_positive(start, first.0, &mut |time| pair.gap(time)) else {
+        if first.gap <= 0.0 {
+            let Some((open, closed)) = soon_positive(start, first.time, &mut |time| pair.gap(time)) else {
                 return Some(Closing::AtStart);
             };
-            let (open, closed) = ((open, pair.gap(open)), (closed, pair.gap(closed)));
+            let (open, closed) = (pair.look(open), pair.look(closed));
             if let Some(closing) = leaving(low, open, measure, pair, cover) {
                 return Some(closing);
             }
@@ -218,7 +255,7 @@ pub(crate) fn first_closing(
         next = 2;
     }
     for j in next..=samples {
-        let high = (time(j), if j == samples { last } else { pair.gap(time(j)) });
+        let high = if j == samples { last } else { pair.look(time(j)) };
         if let Some((from, to)) = between(low, high, measure, DEPTH, pair, cover) {
             return Some(Closing::Between(from, to));
         }
@@ -235,36 +272,33 @@ fn leaving(
     pair: &mut impl Approaching,
     cover: &mut Cover,
 ) -> Option<Closing> {
-    let nearer = |steps: i32| start.0 + (open.0 - start.0) * NEARER.powi(steps);
-    let far = |steps: i32| measure.speed * (nearer(steps) - start.0) > measure.resolution;
+    let nearer = |steps: i32| start.time + (open.time - start.time) * NEARER.powi(steps);
+    let far = |steps: i32| measure.speed * (nearer(steps) - start.time) > measure.resolution;
     let nearest = (0..NEAREST).find(|&steps| !far(steps)).unwrap_or(NEAREST);
-    let mut low = (start.0, 0.0);
+    let closed = Seen { gap: 0.0, ..start };
+    let mut low = closed;
     for steps in (0..=nearest).rev() {
-        let high = if steps == 0 { open } else { (nearer(steps), pair.gap(nearer(steps))) };
-        if low.1 <= 0.0 {
+        let high = if steps == 0 { open } else { pair.look(nearer(steps)) };
+        if low.gap <= 0.0 {
             // It has not left yet, by less than a resolution.
-            if high.1 < -measure.zero {
-                let soon = soon_positive(start.0, high.0, &mut |time| pair.gap(time));
+            if high.gap < -measure.zero {
+                let soon = soon_positive(start.time, high.time, &mut |time| pair.gap(time));
                 return Some(soon.map_or(Closing::AtStart, |(open, closed)| Closing::Between(open, closed)));
             }
-            if high.1 > 0.0
-                && let Some(to) = dip((start.0, 0.0), high, measure, pair, cover)
+            if high.gap > 0.0
+                && let Some(to) = dip(closed, high, measure, pair, cover)
             {
-                let soon = soon_positive(start.0, to, &mut |time| pair.gap(time));
+                let soon = soon_positive(start.time, to, &mut |time| pair.gap(time));
                 return Some(soon.map_or(Closing::AtStart, |(open, closed)| Closing::Between(open, closed)));
             }
-            if high.1 > 0.0 && low.0 > start.0 && measure.speed * (high.0 - low.0) > measure.resolution {
+            if high.gap > 0.0 && low.time > start.time && measure.speed * (high.time - low.time) > measure.resolution {
                 if let Some(closing) = leaving(low, high, measure, pair, cover) {
                     return Some(closing);
                 }
             }
-            cover.take([low.0, high.0], high.1.min(0.0));
-        } else {
-            let speed = pair.speed_between([low.0, high.0]).min(measure.speed);
-            let own = Measure { speed, ..*measure };
-            if let Some((from, to)) = between(low, high, &own, DEPTH, pair, cover) {
-                return Some(Closing::Between(from, to));
-            }
+            cover.take([low.time, high.time], high.gap.min(0.0));
+        } else if let Some((from, to)) = between(low, high, measure, DEPTH, pair, cover) {
+            return Some(Closing::Between(from, to));
         }
         low = high;
     }
@@ -280,25 +314,27 @@ fn between(
     pair: &mut impl Approaching,
     cover: &mut Cover,
 ) -> Option<(f64, f64)> {
-    let closes = measure.speed * (high.0 - low.0);
-    if high.1 > 0.0 && low.1 + high.1 >= closes {
-        cover.take([low.0, high.0], low.1.min(high.1));
+    let (long, reach) = (high.time - low.time, pair.reach());
+    // Soon after the start of a long step bodies are much slower than later.
+    let own = FASTER * (low.speed(reach).max(high.speed(reach)) + CHANGING * measure.changing * long);
+    let closes = own.min(measure.speed) * long;
+    if high.gap > 0.0 && low.gap + high.gap >= closes {
+        cover.take([low.time, high.time], low.gap.min(high.gap));
         return None;
     }
     if depth == 0 || closes <= measure.resolution {
-        if high.1 <= 0.0 {
-            return Some((low.0, high.0));
+        if high.gap <= 0.0 {
+            return Some((low.time, high.time));
         }
-        let dips = dip(low, high, measure, pair, cover).map(|to| (low.0, to));
-        if dips.is_none() && !high.1.is_nan() {
-            cover.take([low.0, high.0], low.1.min(high.1));
+        let dips = dip(low, high, measure, pair, cover).map(|to| (low.time, to));
+        if dips.is_none() && !high.gap.is_nan() {
+            cover.take([low.time, high.time], low.gap.min(high.gap));
         }
         return dips;
     }
-    let at = 0.5 * (low.0 + high.0);
-    let middle = (at, pair.gap(at));
-    if middle.1 <= 0.0 {
-        return between(low, middle, measure, depth - 1, pair, cover).or(Some((low.0, middle.0)));
+    let middle = pair.look(0.5 * (low.time + high.time));
+    if middle.gap <= 0.0 {
+        return between(low, middle, measure, depth - 1, pair, cover).or(Some((low.time, middle.time)));
     }
     between(low, middle, measure, depth - 1, pair, cover)
         .or_else(|| between(middle, high, measure, depth - 1, pair, cover))
@@ -310,13 +346,13 @@ fn between(
 ///     φ(x) ≈ φ₀ + s x + c x²/2,  x = −1, 0, 1 at the ends and in the middle        least at x = −s/c if c > 0, by s²/2c below φ₀
 /// ```
 fn dip(low: Seen, high: Seen, measure: &Measure, pair: &mut impl Approaching, cover: &mut Cover) -> Option<f64> {
-    let half = 0.5 * (high.0 - low.0);
-    let middle = (low.0 + half, pair.gap(low.0 + half));
+    let half = 0.5 * (high.time - low.time);
+    let middle = (low.time + half, pair.gap(low.time + half));
     cover.least = cover.least.min(middle.1);
     if middle.1 < -measure.zero {
         return Some(middle.0);
     }
-    let (slope, bend) = (0.5 * (high.1 - low.1), low.1 - 2.0 * middle.1 + high.1);
+    let (slope, bend) = (0.5 * (high.gap - low.gap), low.gap - 2.0 * middle.1 + high.gap);
     let at = -slope / bend;
     if !(bend > 0.0 && at.abs() < AT_END) {
         return None;
@@ -333,8 +369,8 @@ fn dip(low: Seen, high: Seen, measure: &Measure, pair: &mut impl Approaching, co
         return Some(least.0);
     }
     let mut value = |time: f64| pair.gap(time) + measure.zero;
-    let bracketed = least.1 <= low.1.min(high.1);
-    if bracketed { least_below_zero(low.0, high.0, least.0, least.1 + measure.zero, &mut value) } else { None }
+    let bracketed = least.1 <= low.gap.min(high.gap);
+    if bracketed { least_below_zero(low.time, high.time, least.0, least.1 + measure.zero, &mut value) } else { None }
 }
 
 #[cfg(test)]
@@ -493,7 +529,7 @@ mod tests {
             }
         }
         let mut cover = Cover::from(span[0]);
-        let measure = Measure { closed, zero: 1e-12, speed, resolution };
+        let measure = Measure { closed, zero: 1e-12, speed, resolution, changing: f64::INFINITY };
         let found = first_closing(span, 6, &measure, &mut Plain(gap, speed), &mut cover);
         (found, cover)
     }
