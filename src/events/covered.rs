@@ -16,8 +16,6 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
 pub(super) const SAME_END: f64 = 1e-9;
-/// Gaps down to this part of the size of a pair are zero where steps are checked: twice what counts as zero in the search.
-const ALLOWED: f64 = 2e-11;
 /// Instants at which a step that is checked is asked.
 const ASKED: usize = 48;
 
@@ -98,7 +96,7 @@ impl Eventful {
         self.overlap = self.overlap.max(-least);
     }
 
-    /// Asks the last step at many instants whether what is said of it is true: no pair closes in what is covered, or faster than its speed allows.
+    /// Asks the last step at many instants whether its certificates are true: no pair overlaps in a covered stretch, or moves faster than its bound.
     ///
     /// # Panics
     /// If it is not: in tests and in debug builds alone.
@@ -111,7 +109,8 @@ impl Eventful {
         for (watched, cover) in self.covers.clone() {
             let Watched::Approach(pair) = self.watched[watched] else { continue };
             let roughly = self.is_known_roughly(pair);
-            let (allowed, most) = (ALLOWED * self.touching.pairs[pair].within(1.0), self.fastest_of(pair));
+            // A step of first order may have left as much.
+            let (allowed, most) = (self.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
             for part in 0..=ASKED {
                 let time = since + (cover.until.min(end) - since) * part as f64 / ASKED as f64;
                 let mut inside = GapInside { eventful: self, inputs, since, roughly, watched, pair };

@@ -31,7 +31,7 @@ const TOGETHER: f64 = 1e-11;
 
 /// Overlaps of this part of the size of a pair are not missed between samples.
 const RESOLUTION: f64 = 2e-3;
-/// No stretch is shorter than in which so much of it can close: the rest is searched.
+/// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
 const FINEST: f64 = 1e-6;
 /// A pair that closes at the end of a step is looked at up to this part of it.
 const NEARLY: f64 = 0.999;
@@ -122,7 +122,7 @@ impl Eventful {
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
 
-    /// The first gap of a pair that closes in the last step; of what is known to close at its end, before that.
+    /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
     fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         self.covers.clear();
         let open = self.watched.iter().enumerate().filter_map(|(index, watched)| match watched {
@@ -162,7 +162,7 @@ impl Eventful {
             let mut gap = GapInside { eventful: self, inputs, since, roughly, watched, pair };
             let mut until = first.map_or(end, |known| known.high);
             let mut cover = Cover::from(since);
-            // What ends at this pair was open until its bracket, which is shorter than the resolution.
+            // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
             let own = known.filter(|known| known.watched == watched);
             if let Some(own) = own {
                 until = until.min(own.low.clamp(since, since + NEARLY * (end - since)));
@@ -175,7 +175,7 @@ impl Eventful {
                     Some(close_in(watched, low, high, false, end - since, &mut |time| gap.gap(time)))
                 }
             };
-            // What closes at the end was open before.
+            // A pair that closes at the end was open before.
             let at_end = |found: Bracket| found.root >= end - SAME_END * (end - since);
             if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
                 cover.take([cover.until, end], gap.gap(end));

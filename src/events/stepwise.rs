@@ -48,9 +48,9 @@ const NEARLY: f64 = 100.0;
 const MOVES: f64 = 1.25;
 /// Rounds in which pairs are added that come near because others push them.
 const WIDENED: usize = 4;
-/// So often a step is made shorter at most in which a body could pass through another,
+/// A step in which a body could pass through another is made shorter this often at most,
 const SHORTENED: usize = 4;
-/// and what moves by this part of the size of a pair passes through neither, however thin they are.
+/// and one in which it moves by this part of the size of the pair is short enough, however thin they are.
 const THIN: f64 = 1e-3;
 
 /// What has pressed in a step of first order.
@@ -87,7 +87,7 @@ impl Eventful {
         let mut rounds = 0;
         let Pushed { pressed, limits, near, .. } = loop {
             let pushed = self.pushed(step, &start, &free, &mut state.velocity);
-            // So that nothing is passed through in the step.
+            // Short enough that no body passes through another.
             if pushed.part >= 1.0 || rounds == SHORTENED {
                 break pushed;
             }
@@ -132,7 +132,7 @@ impl Eventful {
     }
 
     /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
-    /// Pairs as far from each other as `wider` (m) are among them. With it the distance of each pair (m), and whether it is near enough.
+    /// Pairs as far from each other as `wider` (m) are among them. Returns also the distance of each pair (m), and whether it is near enough.
     fn closing_within(&self, step: f64, start: &State, velocity: &[f64], wider: &[f64]) -> (Closing, Vec<(f64, bool)>) {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
         for (index, joint) in self.elements.joints.iter().enumerate() {
@@ -180,8 +180,8 @@ impl Eventful {
         (Closing { blocks, gaps, contacts, sides }, seen)
     }
 
-    /// Adds to velocities at the start of a step what is accelerated freely and the impulses of all that may close in it. What is pushed may come near to what
-    /// was far: that is then looked at as well.
+    /// Adds to velocities at the start of a step what is accelerated freely and the impulses of all that may close in it. A pair that was far may come
+    /// near because others push it: it is then looked at as well.
     fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
         let mut wider = vec![0.0; self.touching.pairs.len()];
         let mut round = 0;

@@ -1,4 +1,4 @@
-//! Balls that are dropped on obstacles of every shape bounce as the closed form says, and pass through none.
+//! Balls that are dropped on obstacles of every shape bounce as the closed form says, and never pass through.
 //!
 //! ```text
 //!     t₁ = √(2 h/g),   v₁ = e √(2 g h),   each bounce lasts 2 v/g, and v ← e v after it
@@ -200,7 +200,7 @@ fn impacts_in(report: &Report) -> usize {
     report.events.list.iter().filter(|event| event.kind == "contact_impact").count()
 }
 
-/// Drops so many balls, and asserts that all bounce as they should.
+/// Drops the balls of these seeds, and asserts that all bounce as they should.
 fn drop_balls(name: &str, seeds: std::ops::Range<u64>) {
     catena::events::check_certificates();
     let folder = Folder::new(name);
@@ -208,7 +208,7 @@ fn drop_balls(name: &str, seeds: std::ops::Range<u64>) {
     for seed in seeds {
         let mut random = Random(seed);
         let (dropped, aside) = Dropped::random(&mut random, &folder.0);
-        // What is left out of bounces that accumulate rises by a ten-thousandth of the tolerance. Times of impacts are rounded to 1e-15 of the duration, at
+        // Bounces that accumulate are left out below a ten-thousandth of the tolerance. Times of impacts are rounded to 1e-15 of the duration, at
         // 10 m/s at most, and some hundred of them add up.
         let bound = 1e-3 * dropped.tolerance.unwrap_or(0.0) + 1e-11;
         let tried = std::panic::catch_unwind(|| dropped.off(aside, &folder.0));

@@ -7,13 +7,13 @@
 //! ```
 //!
 //! and the same holds with a and b exchanged: what falls together does not approach, however fast it falls. A gap φ cannot close between two instants of
-//! distance τ while `φ₁ + φ₂ ≥ V τ`. Where it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution. There a minimum
+//! distance τ while `φ₁ + φ₂ ≥ V τ`. If it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution. There a minimum
 //! that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose distances from the start
 //! are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch ([`crate::events::finding::cover`]).
 //!
 //! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter more, and half
-//! of what it changes by from one to the next. Over a stretch it is their larger speed at its ends, with half of what it can change by in that time, a quarter
-//! more, if that is less.
+//! of what it changes by from one to the next. For a stretch the speeds at its ends are enough, with half of the
+//! change that is possible in that time, and a quarter more, if that is less.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
@@ -104,7 +104,7 @@ impl Speeds {
         }
     }
 
-    /// The most that what V is of changes by from a sample to the next, over the time between them [m/s²]; `length` is that of the step (s).
+    /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is that of the step (s).
     pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
         let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
             let later = self.samples().skip(1);
@@ -143,12 +143,12 @@ fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, reach: f64) -> 
     FASTER * (speed + times_reach(turning, reach)) + CHANGING * changes
 }
 
-/// What u and ω change by between two instants, at the reach (m) [m/s].
+/// The change of u and ω between two instants, at the reach (m) [m/s].
 fn change([[moved, turned], [moves, turns]]: [[Vector3<f64>; 2]; 2], reach: f64) -> f64 {
     (moves - moved).norm() + times_reach((turns - turned).norm(), reach)
 }
 
-/// The speed of a point at the reach (m), which has none where nothing turns [m/s].
+/// The speed that turning gives a point at the reach (m), zero without turning [m/s].
 fn times_reach(turning: f64, reach: f64) -> f64 {
     if turning > 0.0 { turning * reach } else { 0.0 }
 }
@@ -291,10 +291,13 @@ fn leaving(
                 let soon = soon_positive(start.time, to, &mut |time| pair.gap(time));
                 return Some(soon.map_or(Closing::AtStart, |(open, closed)| Closing::Between(open, closed)));
             }
-            if high.gap > 0.0 && low.time > start.time && measure.speed * (high.time - low.time) > measure.resolution {
-                if let Some(closing) = leaving(low, high, measure, pair, cover) {
-                    return Some(closing);
-                }
+            let long = measure.speed * (high.time - low.time) > measure.resolution;
+            if high.gap > 0.0
+                && low.time > start.time
+                && long
+                && let Some(closing) = leaving(low, high, measure, pair, cover)
+            {
+                return Some(closing);
             }
             cover.take([low.time, high.time], high.gap.min(0.0));
         } else if let Some((from, to)) = between(low, high, measure, DEPTH, pair, cover) {
@@ -478,7 +481,7 @@ mod tests {
                     continue;
                 }
                 let Some(Closing::Between(low, high)) = found else { panic!("missed: {long} {leaves} {found:?}") };
-                assert!(low <= back && back <= high && high < back + 1e-2, "{low} {back} {high}");
+                assert!(low <= back && (back..back + 1e-2).contains(&high), "{low} {back} {high}");
                 assert_eq!(cover.until, low, "{long} {leaves}: what is before the interval is covered");
             }
         }
@@ -491,7 +494,7 @@ mod tests {
         let Some(Closing::Between(low, high)) = look(gap, 1.0, [0.0, 1.0], f64::INFINITY, 1e-3).0 else {
             panic!("missed")
         };
-        assert!(low <= 0.1 && 0.1 <= high && high < 0.102, "{low} {high}");
+        assert!(low <= 0.1 && (0.1..0.102).contains(&high), "{low} {high}");
     }
 
     #[test]

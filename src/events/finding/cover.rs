@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether steps are also asked at many instants if their certificates are true.
 static CHECKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on every step is asked at many instants whether its certificates are true, and panics if one is not: for tests.
+/// Asks every step from now on at many instants whether its certificates are true, and panics if one is not: for tests.
 pub fn check_certificates() {
     CHECKED.store(true, Ordering::Relaxed);
 }
