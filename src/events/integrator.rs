@@ -5,6 +5,7 @@ use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::transition::transit;
 use crate::events::finding::approach::Speeds;
+use crate::events::finding::cover::Cover;
 use crate::events::finding::cycle::Cycle;
 use crate::events::finding::detection::Looking;
 use crate::events::finding::watched::{Watched, unbounded};
@@ -65,6 +66,10 @@ pub struct Eventful {
     /// Room for looks at steps.
     pub(super) looking: Looking,
     pub(super) speeds: Speeds,
+    /// What is covered of the last step for each pair that may close in it, by its number among what is watched.
+    pub(super) covers: Vec<(usize, Cover)>,
+    /// A bound of the overlap of all pairs in the last step (m).
+    pub(super) overlap: f64,
     pub(super) bodies: Vec<BodyState>,
     /// The directions in which closed contacts slide where the step begins.
     pub(super) slips: Vec<Vector3<f64>>,
@@ -157,6 +162,8 @@ impl Eventful {
             memory: Memory::new(elements.joints.len(), touching.pairs.len()),
             fresh_pairs: vec![false; touching.pairs.len()],
             speeds: Speeds::default(),
+            covers: Vec::new(),
+            overlap: 0.0,
             bodies: vec![WORLD; mechanism.bodies.len()],
             slips: Vec::new(),
             touching,

@@ -8,7 +8,9 @@
 //! order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. Where an earlier root
 //! shows on the shortened step it is taken instead.
 
-use crate::events::finding::approach::{Closing, first_closing};
+use crate::events::covered::{GapInside, SAME_END};
+use crate::events::finding::approach::{Approaching, Closing, Measure, first_closing};
+use crate::events::finding::cover::Cover;
 use crate::events::finding::detection::{
     Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change,
 };
@@ -29,6 +31,10 @@ const TOGETHER: f64 = 1e-11;
 
 /// Overlaps of this part of the size of a pair are not missed between samples.
 const RESOLUTION: f64 = 2e-3;
+/// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
+const FINEST: f64 = 1e-6;
+/// A pair that closes at the end of a step is looked at up to this part of it.
+const NEARLY: f64 = 0.999;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
 const STOPPED: f64 = 1e-10;
 /// A slip that keeps this part of its speed has turned.
@@ -71,15 +77,15 @@ impl Eventful {
         which.extend(self.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index));
     }
 
-    /// Where a function changes its sign first in the last step; `but` is one that is known.
-    pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
+    /// Where a function changes its sign first in the last step; `known` is one that does at its end.
+    pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         let mut looking = std::mem::take(&mut self.looking);
-        let found = self.look(inputs, since, but, &mut looking);
+        let found = self.look(inputs, since, known.map(|known| known.watched), &mut looking);
         self.looking = looking;
         if found.is_some_and(|found| found.at_start) {
             return found;
         }
-        let contact = self.look_for_contacts(inputs, since, but);
+        let contact = self.look_for_contacts(inputs, since, known);
         match (found, contact) {
             (Some(found), Some(contact)) => Some(if contact.root < found.root { contact } else { found }),
             (found, contact) => found.or(contact),
@@ -117,10 +123,11 @@ impl Eventful {
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
 
-    /// The first gap of a pair that closes in the last step.
-    fn look_for_contacts(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
+    /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
+    fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
+        self.covers.clear();
         let open = self.watched.iter().enumerate().filter_map(|(index, watched)| match watched {
-            Watched::Approach(pair) if Some(index) != but && !self.ignored.contains(watched) => Some((index, *pair)),
+            Watched::Approach(pair) if !self.ignored.contains(watched) => Some((index, *pair)),
             _ => None,
         });
         let open: Vec<(usize, usize)> = open.collect();
@@ -142,29 +149,58 @@ impl Eventful {
         }
         let mut first: Option<Bracket> = None;
         for (watched, pair) in open {
-            let of @ Pair { bodies, reach, .. } = &self.touching.pairs[pair];
-            let (speed, resolution) = (speeds.closing(*bodies, *reach), RESOLUTION * of.size());
-            let noise = if self.fresh_pairs[pair] { f64::INFINITY } else { of.within(TOGETHER) };
-            // What was open before is as well known from the interpolation alone. Where it touches, roundings count.
-            let roughly =
-                !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair);
-            let mut gap = |time: f64| {
-                let mut value = [0.0];
-                self.evaluate(inputs, since, Inside { time, roughly }, &[watched], &mut value);
-                value[0]
+            let of @ Pair { bodies, reach, breadth, .. } = &self.touching.pairs[pair];
+            let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
+            let zero = of.within(TOGETHER);
+            let measure = Measure {
+                closed: if self.fresh_pairs[pair] { f64::INFINITY } else { zero },
+                zero,
+                speed: speeds.closing(*bodies, *reach),
+                resolution,
+                changing: speeds.changing(*bodies, *reach, end - since),
             };
-            let until = first.map_or(end, |known| known.high);
-            let found = match first_closing([since, until], SAMPLES, noise, [speed, resolution], &mut gap) {
-                None => continue,
-                Some(Closing::AtStart) => Bracket::at_start(watched, since),
-                Some(Closing::Between(low, high)) => close_in(watched, low, high, false, end - since, &mut gap),
+            let roughly = self.is_known_roughly(pair);
+            let mut gap = GapInside { eventful: self, inputs, since, roughly, watched, pair };
+            let mut until = first.map_or(end, |known| known.high);
+            let mut cover = Cover::from(since);
+            // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
+            let own = known.filter(|known| known.watched == watched);
+            if let Some(own) = own {
+                until = until.min(own.low.clamp(since, since + NEARLY * (end - since)));
+            }
+            let closing = first_closing([since, until], SAMPLES, &measure, &mut gap, &mut cover);
+            let found = match closing {
+                None => None,
+                Some(Closing::AtStart) => Some(Bracket::at_start(watched, since)),
+                Some(Closing::Between(low, high)) => {
+                    Some(close_in(watched, low, high, false, end - since, &mut |time| gap.gap(time)))
+                }
             };
-            if first.is_none_or(|known| found.root < known.root) {
+            // A pair that closes at the end was open before.
+            let at_end = |found: Bracket| found.root >= end - SAME_END * (end - since);
+            if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
+                cover.take([cover.until, end], gap.gap(end));
+            }
+            self.covers.push((watched, cover));
+            if let Some(found) = found
+                && first.is_none_or(|known| found.root < known.root)
+            {
                 first = Some(found);
             }
         }
         self.speeds = speeds;
         first
+    }
+
+    /// Whether the gap of a pair is as well known from the interpolation alone, as of what was open before. Where it touches, roundings count.
+    pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
+        !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
+    }
+
+    /// The most that a pair can close by in the last step [m/s].
+    pub(super) fn fastest_of(&self, pair: usize) -> f64 {
+        let Pair { bodies, reach, .. } = &self.touching.pairs[pair];
+        self.speeds.closing(*bodies, *reach)
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
@@ -185,8 +221,8 @@ impl Eventful {
                 return Ok(Located::Jumps);
             }
             let end = self.pieces[self.current].small.time;
-            match self.detect(inputs, since, Some(bracket.watched)) {
-                Some(earlier) if earlier.root < end - 1e-9 * (end - since) => bracket = earlier,
+            match self.detect(inputs, since, Some(bracket)) {
+                Some(earlier) if earlier.root < end - SAME_END * (end - since) => bracket = earlier,
                 _ => break,
             }
         }

@@ -29,6 +29,7 @@
 mod as_integrator;
 mod closing;
 mod contact_points;
+mod covered;
 mod crowding;
 mod effects;
 mod entering;
@@ -44,4 +45,5 @@ mod sliding;
 mod steps;
 mod stepwise;
 
+pub use finding::cover::check_certificates;
 pub use integrator::Eventful;

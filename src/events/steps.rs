@@ -114,7 +114,8 @@ impl Eventful {
         let kernel = if at_start { Exchange::default() } else { outcome.exchange };
         outcome.exchange = self.exchanged(state, kernel, at_start);
         let overlaps = outcome.step > JAM && self.overlaps(state);
-        if overlaps || self.is_off_balance(inputs, state, &outcome.exchange) {
+        let overlooks = !at_start && self.has_hole(since);
+        if overlaps || overlooks || self.is_off_balance(inputs, state, &outcome.exchange) {
             if outcome.step <= JAM {
                 return Err(StepError::NotAccurate { time: since, step: outcome.step });
             }
@@ -125,6 +126,10 @@ impl Eventful {
             shorter.iterations += outcome.iterations;
             shorter.rejected += 1 + outcome.rejected;
             return Ok(shorter);
+        }
+        if !at_start && !self.touching.pairs.is_empty() {
+            self.bound_overlap(since);
+            self.check_covers(inputs, since);
         }
         outcome.exchange.impacts += std::mem::take(&mut self.lost_at_start);
         for (memory, joint) in self.memory.joints.iter_mut().zip(&self.elements.joints) {

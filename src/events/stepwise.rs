@@ -16,12 +16,14 @@
 
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
 use crate::events::effects::resting::energy;
+use crate::events::finding::approach::speed_at;
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::inward;
 use crate::instant::start::assembly::assemble;
+use crate::mechanism::description::body_state::WORLD;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
@@ -42,6 +44,25 @@ const NEAR: f64 = 1e-4;
 /// A limit that is as near as so many times what counts as being on it is reached.
 const NEARLY: f64 = 100.0;
 
+/// Points move no farther in a step than by this times what they would at the rates of its start.
+const MOVES: f64 = 1.25;
+/// Rounds in which pairs are added that come near because others push them.
+const WIDENED: usize = 4;
+/// A step in which a body could pass through another is made shorter this often at most,
+const SHORTENED: usize = 4;
+/// and one in which it moves by this part of the size of the pair is short enough, however thin they are.
+const THIN: f64 = 1e-3;
+
+/// What has pressed in a step of first order.
+struct Pushed {
+    pressed: Vec<Pressed>,
+    limits: Vec<Bearing>,
+    /// The pairs that were near enough to be looked at.
+    near: Vec<usize>,
+    /// The part of its length that the step may have, so that no pair passes through each other.
+    part: f64,
+}
+
 impl Eventful {
     /// Whether steps between events have become so many and so short that the run would not get on, or nothing follows that the scheme could step in.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
@@ -59,28 +80,19 @@ impl Eventful {
     pub(super) fn stumble(&mut self, inputs: Inputs, state: &mut State, until: f64) -> StepOutcome {
         let start = self.origin.clone();
         state.copy_from(&start);
-        let step = self.crowding.length().min(until - start.time);
         let efforts = self.mode.driving_efforts(&self.elements, inputs, state);
         let mut free = vec![0.0; self.whole.velocity_count];
         self.response.accelerations(state, &efforts, &mut free);
-        for (rate, acceleration) in state.velocity.iter_mut().zip(&free) {
-            *rate += step * acceleration;
-        }
-        let Closing { blocks, gaps, contacts, sides } = self.closing_within(step, &start, &state.velocity);
-        let (mut pressed, mut limits) = (Vec::new(), Vec::new());
-        if !blocks.is_empty() {
-            let rows = Rows::of(&mut self.response, &start, &blocks);
-            let mut rates = rows.rates(&state.velocity);
-            let mut row = 0;
-            for (block, gap) in blocks.iter().zip(&gaps) {
-                rates[row] += gap / step;
-                row += block.rows.len();
+        let mut step = self.crowding.length().min(until - start.time);
+        let mut rounds = 0;
+        let Pushed { pressed, limits, near, .. } = loop {
+            let pushed = self.pushed(step, &start, &free, &mut state.velocity);
+            // Short enough that no body passes through another.
+            if pushed.part >= 1.0 || rounds == SHORTENED {
+                break pushed;
             }
-            let impulses = impulses_among(&rows, &rates, &blocks);
-            rows.add(&impulses, &mut state.velocity);
-            pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
-            limits = limits_in(&blocks, &gaps, &sides, &impulses);
-        }
+            (step, rounds) = (step * pushed.part, rounds + 1);
+        };
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         state.displace(&self.whole, &moved);
         state.time = start.time + step;
@@ -104,6 +116,9 @@ impl Eventful {
         self.events.truncate(events);
         // What closed has been moved: that gains nothing either.
         let impacts = self.bound(&start, state, work);
+        let bodies = body_states(&self.whole, state);
+        let distance = |&pair: &usize| self.touching.distance(pair, &bodies);
+        self.overlap = near.iter().map(distance).fold(self.overlap, |deepest, gap| deepest.max(-gap));
         let piece = &mut self.pieces[self.current];
         piece.small = piece.moving.gather(&self.whole, state);
         self.steps += 1;
@@ -117,7 +132,8 @@ impl Eventful {
     }
 
     /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
-    fn closing_within(&self, step: f64, start: &State, velocity: &[f64]) -> Closing {
+    /// Pairs as far from each other as `wider` (m) are among them. Returns also the distance of each pair (m), and whether it is near enough.
+    fn closing_within(&self, step: f64, start: &State, velocity: &[f64], wider: &[f64]) -> (Closing, Vec<(f64, bool)>) {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
         for (index, joint) in self.elements.joints.iter().enumerate() {
             let freedom = joint.coordinate.freedom;
@@ -140,13 +156,16 @@ impl Eventful {
             }
         }
         let bodies = body_states(&self.whole, start);
+        let mut seen = Vec::with_capacity(self.touching.pairs.len());
         for (pair, of) in self.touching.pairs.iter().enumerate() {
             let speed = of.bodies.iter().zip(of.reach).filter_map(|(body, reach)| {
                 let state = &bodies[(*body)?];
                 Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
-            let within = 2.0 * step * speed.sum::<f64>() + 10.0 * step * step;
-            if self.touching.distance(pair, &bodies) > within {
+            let within = (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider[pair]);
+            let distance = self.touching.distance(pair, &bodies);
+            seen.push((distance, distance <= within));
+            if distance > within {
                 continue;
             }
             for (contact, gap) in self.touching.near(pair, &bodies, within) {
@@ -158,7 +177,52 @@ impl Eventful {
                 sides.push(None);
             }
         }
-        Closing { blocks, gaps, contacts, sides }
+        (Closing { blocks, gaps, contacts, sides }, seen)
+    }
+
+    /// Adds to velocities at the start of a step what is accelerated freely and the impulses of all that may close in it. A pair that was far may come
+    /// near because others push it: it is then looked at as well.
+    fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
+        let mut wider = vec![0.0; self.touching.pairs.len()];
+        let mut round = 0;
+        loop {
+            for ((rate, before), acceleration) in velocity.iter_mut().zip(&start.velocity).zip(free) {
+                *rate = before + step * acceleration;
+            }
+            let (Closing { blocks, gaps, contacts, sides }, seen) = self.closing_within(step, start, velocity, &wider);
+            let (mut pressed, mut limits) = (Vec::new(), Vec::new());
+            if !blocks.is_empty() {
+                let rows = Rows::of(&mut self.response, start, &blocks);
+                let mut rates = rows.rates(velocity);
+                let mut row = 0;
+                for (block, gap) in blocks.iter().zip(&gaps) {
+                    rates[row] += gap / step;
+                    row += block.rows.len();
+                }
+                let impulses = impulses_among(&rows, &rates, &blocks);
+                rows.add(&impulses, velocity);
+                pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
+                limits = limits_in(&blocks, &gaps, &sides, &impulses);
+            }
+            let moving = body_states(&self.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
+            let state_of = |body: Option<usize>| body.map_or(WORLD, |body| moving[body]);
+            let (mut part, mut widened) = (1.0_f64, false);
+            for ((pair, of), &(distance, near)) in self.touching.pairs.iter().enumerate().zip(&seen) {
+                let reach = [0, 1].map(|side| of.bodies[side].map_or(f64::INFINITY, |_| of.reach[side]));
+                let moves = MOVES * step * speed_at(of.bodies.map(state_of), reach);
+                if near {
+                    let through = of.breadth.max(THIN * of.size());
+                    part = part.min(if moves > through { 0.5 * through / moves } else { 1.0 });
+                } else if distance <= moves {
+                    (wider[pair], widened) = (moves, true);
+                }
+            }
+            if !widened || round == WIDENED {
+                let near = (0..seen.len()).filter(|&pair| seen[pair].1).collect();
+                return Pushed { pressed, limits, near, part };
+            }
+            round += 1;
+        }
     }
 
     /// Puts contacts that have pressed in a step onto each other and joints onto the limits that have borne them, by the least motion, and their velocities

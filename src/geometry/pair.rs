@@ -92,6 +92,16 @@ impl PairGeometry {
         self.reach
     }
 
+    /// No translation along which the shapes overlap from its start to its end is shorter than this (m), where one of them passes through the other: the sum
+    /// of their least widths. A mesh is a shell and has none; that of a half space is infinite.
+    pub fn breadth(&self) -> f64 {
+        let of_first = match &self.first {
+            First::HalfSpace(_) => f64::INFINITY,
+            First::Mesh(_) => 0.0,
+            First::Convex(convex) => convex.breadth(),
+        };
+        of_first + self.second.breadth()
+    }
     /// The lengths from which tolerances are made.
     pub fn extents(&self) -> Extents {
         self.extents

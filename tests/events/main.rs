@@ -12,6 +12,7 @@ mod contacts_corners;
 mod contacts_cradle;
 mod contacts_disc;
 mod contacts_dominoes;
+mod contacts_dropped;
 mod contacts_falling;
 mod contacts_far;
 mod contacts_given_steps;

@@ -75,7 +75,9 @@ fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, [bal
             summary.solve_cpu_seconds
         );
         assert!(summary.max_relative_energy_error < balance, "{name}: {summary:?}");
-        assert!(summary.contact.penetration <= 1e-12, "{name}: {:?}", summary.contact);
+        // A step of first order of 1e-4 s goes on along straight lines: points that go round at 10 m/s and 30 rad/s leave them by ω v h²/2 = 1.5e-6 m.
+        let overlap = if finished.method.first_order_steps == 0 { 1e-12 } else { 1.5e-6 };
+        assert!(summary.contact.penetration <= overlap, "{name}: {:?}", summary.contact);
         assert!(summary.contact.cone_violation <= cone, "{name}: {:?}", summary.contact);
     }
 }

@@ -95,6 +95,7 @@ fn throw(seed: u64, steps: StepChoice) -> (Finished, Rises) {
 
 /// Throws these, and asserts what holds of all.
 fn throws(seeds: impl Iterator<Item = u64>) {
+    catena::events::check_certificates();
     for seed in seeds {
         let (finished, rises) = throw(seed, fixed(9, 0.01));
         let figures = &finished.summary.contact;

@@ -7,17 +7,31 @@
 //! ```
 //!
 //! and the same holds with a and b exchanged: what falls together does not approach, however fast it falls. A gap φ cannot close between two instants of
-//! distance τ while `φ₁ + φ₂ ≥ V τ`. Where it might, the middle is looked at, first the earlier half:
-//! down to a 1536th of the step, where the parabola through three samples tells whether a minimum is below zero.
+//! distance τ while `φ₁ + φ₂ ≥ V τ`. If it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution. There a minimum
+//! that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose distances from the start
+//! are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch ([`crate::events::finding::cover`]).
+//!
+//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter more, and half
+//! of what it changes by from one to the next. For a stretch the speeds at its ends are enough, with half of the
+//! change that is possible in that time, and a quarter more, if that is less.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
-use crate::events::finding::detection::{SAMPLES, soon_positive};
+use crate::events::finding::cover::Cover;
+use crate::events::finding::detection::{SAMPLES, least_below_zero, soon_positive};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::Vector3;
 
-/// Halvings of each interval between samples, at most.
-const DEPTH: usize = 20;
+/// Halvings of each interval between samples, at most: the resolution is reached before, unless bodies are as fast as light.
+const DEPTH: usize = 44;
+/// A gap that was closed at the start is looked at at instants that are nearer to it by this factor each,
+const NEARER: f64 = 0.25;
+/// at so many at most.
+const NEAREST: i32 = 24;
+/// A parabola that is least beyond the ends of a stretch by this part of its half has no minimum in it;
+const AT_END: f64 = 1.2;
+/// one that is least near an end is looked at this far inside.
+const INSIDE: f64 = 0.98;
 /// Bodies may be faster between the samples of a step than at them by this factor,
 const FASTER: f64 = 1.25;
 /// and by this part of what their velocity changes by from a sample to the next.
@@ -90,55 +104,159 @@ impl Speeds {
         }
     }
 
+    /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is that of the step (s).
+    pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
+        let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
+            let later = self.samples().skip(1);
+            let rates = self.samples().zip(later).map(|(from, to)| {
+                let states = [from, to].map(|sample| [self.at(sample, own), self.at(sample, other)]);
+                change(states.map(relative), reach) * SAMPLES as f64 / ((to - from) as f64 * length)
+            });
+            rates.fold(0.0, f64::max)
+        };
+        match (a, b) {
+            (Some(_), None) => seen(a, b, reach[0]),
+            (None, Some(_)) => seen(b, a, reach[1]),
+            _ => seen(a, b, reach[0]).max(seen(b, a, reach[1])),
+        }
+    }
+
     /// V of a body with its reach, seen from another [m/s].
     fn seen_from(&self, body: Option<usize>, other: Option<usize>, reach: f64) -> f64 {
-        let (mut speed, mut turning, mut change) = (0.0_f64, 0.0_f64, 0.0_f64);
-        let mut before: Option<[Vector3<f64>; 2]> = None;
-        let times_reach = |turning: f64| if turning > 0.0 { turning * reach } else { 0.0 };
-        for sample in self.samples() {
-            let (own, from) = (self.at(sample, body), self.at(sample, other));
-            let carried = from.velocity + from.angular_velocity.cross(&(own.position - from.position));
-            let (moves, turns) = (own.velocity - carried, own.angular_velocity - from.angular_velocity);
-            (speed, turning) = (speed.max(moves.norm()), turning.max(turns.norm()));
-            if let Some([moved, turned]) = before {
-                change = change.max((moves - moved).norm() + times_reach((turns - turned).norm()));
-            }
-            before = Some([moves, turns]);
-        }
-        FASTER * (speed + times_reach(turning)) + CHANGING * change
+        let states = self.samples().map(|sample| [self.at(sample, body), self.at(sample, other)]);
+        fastest(states, reach)
     }
 }
 
-/// The first interval over `start … end` (s) in which a gap closes by more than the resolution (m), at a speed of at most V [m/s]. It counts as closed at the start if it is at most `noise` there.
+/// V over the time between states of a body, with its reach (m), and of another from which it is seen [m/s].
+fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, reach: f64) -> f64 {
+    let (mut speed, mut turning, mut changes) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut before: Option<[Vector3<f64>; 2]> = None;
+    for states in states {
+        let [moves, turns] = relative(states);
+        (speed, turning) = (speed.max(moves.norm()), turning.max(turns.norm()));
+        if let Some(before) = before {
+            changes = changes.max(change([before, [moves, turns]], reach));
+        }
+        before = Some([moves, turns]);
+    }
+    FASTER * (speed + times_reach(turning, reach)) + CHANGING * changes
+}
+
+/// The change of u and ω between two instants, at the reach (m) [m/s].
+fn change([[moved, turned], [moves, turns]]: [[Vector3<f64>; 2]; 2], reach: f64) -> f64 {
+    (moves - moved).norm() + times_reach((turns - turned).norm(), reach)
+}
+
+/// The speed that turning gives a point at the reach (m), zero without turning [m/s].
+fn times_reach(turning: f64, reach: f64) -> f64 {
+    if turning > 0.0 { turning * reach } else { 0.0 }
+}
+
+/// u and ω of a body, seen from another [m/s, rad/s].
+fn relative([own, from]: [&BodyState; 2]) -> [Vector3<f64>; 2] {
+    let carried = from.velocity + from.angular_velocity.cross(&(own.position - from.position));
+    [own.velocity - carried, own.angular_velocity - from.angular_velocity]
+}
+
+/// V of two bodies with their reaches at one instant [m/s].
+pub(crate) fn speed_at([a, b]: [BodyState; 2], reach: [f64; 2]) -> f64 {
+    let seen = |own: &BodyState, from: &BodyState, reach: f64| {
+        let [moves, turns] = relative([own, from]);
+        moves.norm() + times_reach(turns.norm(), reach)
+    };
+    seen(&a, &b, reach[0]).min(seen(&b, &a, reach[1]))
+}
+
+/// A pair inside a step.
+pub(crate) trait Approaching {
+    /// Its gap at a time (s), in metres.
+    fn gap(&mut self, time: f64) -> f64;
+
+    /// Its two bodies there.
+    fn bodies(&mut self, time: f64) -> [BodyState; 2];
+
+    /// Its reaches (m).
+    fn reach(&self) -> [f64; 2];
+
+    /// A look at it at a time (s).
+    fn look(&mut self, time: f64) -> Seen {
+        Seen { time, gap: self.gap(time), bodies: self.bodies(time) }
+    }
+}
+
+/// A pair at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    time: f64,
+    gap: f64,
+    bodies: [BodyState; 2],
+}
+
+impl Seen {
+    /// V of its bodies, with their reaches (m), at this instant [m/s].
+    fn speed(&self, reach: [f64; 2]) -> f64 {
+        speed_at(self.bodies, reach)
+    }
+}
+
+/// What a gap is looked at with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measure {
+    /// It counts as closed at the start if it is at most this (m).
+    pub closed: f64,
+    /// What is zero elsewhere (m).
+    pub zero: f64,
+    /// V over the whole step [m/s].
+    pub speed: f64,
+    /// A stretch in which no more than this can close (m) is searched for a minimum.
+    pub resolution: f64,
+    /// The most that V changes by in a second [m/s²].
+    pub changing: f64,
+}
+
+/// The first interval over `start … end` (s) in which a gap closes; `cover` takes the stretches before it, or all.
 pub(crate) fn first_closing(
     [start, end]: [f64; 2],
     samples: usize,
-    noise: f64,
-    [speed, resolution]: [f64; 2],
-    gap: &mut impl FnMut(f64) -> f64,
+    measure: &Measure,
+    pair: &mut impl Approaching,
+    cover: &mut Cover,
 ) -> Option<Closing> {
     let time = |j: usize| if j == samples { end } else { start + (end - start) * j as f64 / samples as f64 };
-    let mut low = (start, gap(start));
+    let mut low = pair.look(start);
     // One look at the end is enough for what is far away.
-    let last = gap(end);
-    if low.1 > noise && last > 0.0 && low.1 + last >= speed * (end - start) {
+    let last = pair.look(end);
+    if low.gap > measure.closed && last.gap > 0.0 && low.gap + last.gap >= measure.speed * (end - start) {
+        cover.take([start, end], low.gap.min(last.gap));
         return None;
     }
     let mut next = 1;
-    if low.1 <= noise {
-        let value = gap(time(1));
-        if value <= 0.0 {
-            return Some(match soon_positive(start, time(1), gap) {
-                Some((open, closed)) => Closing::Between(open, closed),
-                None => Closing::AtStart,
-            });
+    if low.gap <= measure.closed {
+        let first = if samples == 1 { last } else { pair.look(time(1)) };
+        if first.gap.is_nan() {
+            return None;
         }
-        low = (time(1), value);
+        if first.gap <= 0.0 {
+            let Some((open, closed)) = soon_positive(start, first.time, &mut |time| pair.gap(time)) else {
+                return Some(Closing::AtStart);
+            };
+            let (open, closed) = (pair.look(open), pair.look(closed));
+            if let Some(closing) = leaving(low, open, measure, pair, cover) {
+                return Some(closing);
+            }
+            // Between the two it may pass through, and come back from the other side.
+            return between(open, closed, measure, DEPTH, pair, cover).map(|(from, to)| Closing::Between(from, to));
+        }
+        if let Some(closing) = leaving(low, first, measure, pair, cover) {
+            return Some(closing);
+        }
+        low = first;
         next = 2;
     }
     for j in next..=samples {
-        let high = (time(j), if j == samples { last } else { gap(time(j)) });
-        if let Some((from, to)) = between(low, high, [speed, resolution], DEPTH, gap) {
+        let high = if j == samples { last } else { pair.look(time(j)) };
+        if let Some((from, to)) = between(low, high, measure, DEPTH, pair, cover) {
             return Some(Closing::Between(from, to));
         }
         low = high;
@@ -146,27 +264,116 @@ pub(crate) fn first_closing(
     None
 }
 
-/// The first interval between two samples in which the gap closes; the first of them is open.
+/// The first interval in which a gap closes again that is closed at the start, and open at a later instant.
+fn leaving(
+    start: Seen,
+    open: Seen,
+    measure: &Measure,
+    pair: &mut impl Approaching,
+    cover: &mut Cover,
+) -> Option<Closing> {
+    let nearer = |steps: i32| start.time + (open.time - start.time) * NEARER.powi(steps);
+    let far = |steps: i32| measure.speed * (nearer(steps) - start.time) > measure.resolution;
+    let nearest = (0..NEAREST).find(|&steps| !far(steps)).unwrap_or(NEAREST);
+    let closed = Seen { gap: 0.0, ..start };
+    let mut low = closed;
+    for steps in (0..=nearest).rev() {
+        let high = if steps == 0 { open } else { pair.look(nearer(steps)) };
+        if low.gap <= 0.0 {
+            // It has not left yet, by less than a resolution.
+            if high.gap < -measure.zero {
+                let soon = soon_positive(start.time, high.time, &mut |time| pair.gap(time));
+                return Some(soon.map_or(Closing::AtStart, |(open, closed)| Closing::Between(open, closed)));
+            }
+            if high.gap > 0.0
+                && let Some(to) = dip(closed, high, measure, pair, cover)
+            {
+                let soon = soon_positive(start.time, to, &mut |time| pair.gap(time));
+                return Some(soon.map_or(Closing::AtStart, |(open, closed)| Closing::Between(open, closed)));
+            }
+            let long = measure.speed * (high.time - low.time) > measure.resolution;
+            if high.gap > 0.0
+                && low.time > start.time
+                && long
+                && let Some(closing) = leaving(low, high, measure, pair, cover)
+            {
+                return Some(closing);
+            }
+            cover.take([low.time, high.time], high.gap.min(0.0));
+        } else if let Some((from, to)) = between(low, high, measure, DEPTH, pair, cover) {
+            return Some(Closing::Between(from, to));
+        }
+        low = high;
+    }
+    None
+}
+
+/// The first interval between two instants in which the gap closes; the first of them is open.
 fn between(
-    low: (f64, f64),
-    high: (f64, f64),
-    [speed, resolution]: [f64; 2],
+    low: Seen,
+    high: Seen,
+    measure: &Measure,
     depth: usize,
-    gap: &mut impl FnMut(f64) -> f64,
+    pair: &mut impl Approaching,
+    cover: &mut Cover,
 ) -> Option<(f64, f64)> {
-    if high.1 > 0.0 && low.1 + high.1 >= speed * (high.0 - low.0) {
+    let (long, reach) = (high.time - low.time, pair.reach());
+    // Soon after the start of a long step bodies are much slower than later.
+    let own = FASTER * (low.speed(reach).max(high.speed(reach)) + CHANGING * measure.changing * long);
+    let closes = own.min(measure.speed) * long;
+    if high.gap > 0.0 && low.gap + high.gap >= closes {
+        cover.take([low.time, high.time], low.gap.min(high.gap));
         return None;
     }
-    if depth == 0 || speed * (high.0 - low.0) <= resolution {
-        return (high.1 <= 0.0).then_some((low.0, high.0));
+    if depth == 0 || closes <= measure.resolution {
+        if high.gap <= 0.0 {
+            return Some((low.time, high.time));
+        }
+        let dips = dip(low, high, measure, pair, cover).map(|to| (low.time, to));
+        if dips.is_none() && !high.gap.is_nan() {
+            cover.take([low.time, high.time], low.gap.min(high.gap));
+        }
+        return dips;
     }
-    let at = 0.5 * (low.0 + high.0);
-    let middle = (at, gap(at));
-    if middle.1 <= 0.0 {
-        return between(low, middle, [speed, resolution], depth - 1, gap).or(Some((low.0, middle.0)));
+    let middle = pair.look(0.5 * (low.time + high.time));
+    if middle.gap <= 0.0 {
+        return between(low, middle, measure, depth - 1, pair, cover).or(Some((low.time, middle.time)));
     }
-    between(low, middle, [speed, resolution], depth - 1, gap)
-        .or_else(|| between(middle, high, [speed, resolution], depth - 1, gap))
+    between(low, middle, measure, depth - 1, pair, cover)
+        .or_else(|| between(middle, high, measure, depth - 1, pair, cover))
+}
+
+/// An instant in a short stretch at which a gap that is open at both ends is closed, if its minimum is.
+///
+/// ```text
+///     φ(x) ≈ φ₀ + s x + c x²/2,  x = −1, 0, 1 at the ends and in the middle        least at x = −s/c if c > 0, by s²/2c below φ₀
+/// ```
+fn dip(low: Seen, high: Seen, measure: &Measure, pair: &mut impl Approaching, cover: &mut Cover) -> Option<f64> {
+    let half = 0.5 * (high.time - low.time);
+    let middle = (low.time + half, pair.gap(low.time + half));
+    cover.least = cover.least.min(middle.1);
+    if middle.1 < -measure.zero {
+        return Some(middle.0);
+    }
+    let (slope, bend) = (0.5 * (high.gap - low.gap), low.gap - 2.0 * middle.1 + high.gap);
+    let at = -slope / bend;
+    if !(bend > 0.0 && at.abs() < AT_END) {
+        return None;
+    }
+    let at = at.clamp(-INSIDE, INSIDE);
+    let below = -(slope + 0.5 * bend * at) * at;
+    // As much below its parabola as that is below the middle, and a tenth of its bend: farther off it does not touch.
+    if middle.1 - 2.0 * below - 0.1 * bend > -measure.zero {
+        return None;
+    }
+    let least = (middle.0 + at * half, pair.gap(middle.0 + at * half));
+    cover.least = cover.least.min(least.1);
+    if least.1 < -measure.zero {
+        return Some(least.0);
+    }
+    let mut value = |time: f64| pair.gap(time) + measure.zero;
+    let bracketed = least.1 <= low.gap.min(high.gap);
+    if bracketed { least_below_zero(low.time, high.time, least.0, least.1 + measure.zero, &mut value) } else { None }
 }
 
 #[cfg(test)]
@@ -179,8 +386,8 @@ mod tests {
         for long in [0.05, 0.2, 1.0] {
             for offset in 0..37 {
                 let enters = 0.013 * long * f64::from(offset) / 37.0 + 0.4 * long;
-                let mut gap = |time: f64| (20.0 * (time - enters - 2.5e-4)).abs() - 5e-3;
-                let found = first_closing([0.0, long], 6, 0.0, [20.0, 2e-3], &mut gap);
+                let gap = |time: f64| (20.0 * (time - enters - 2.5e-4)).abs() - 5e-3;
+                let found = look(gap, 20.0, [0.0, long], 0.0, 2e-3).0;
                 let Some(Closing::Between(low, high)) = found else { panic!("missed, step {long}") };
                 assert!(low <= enters && enters <= high + 5e-4, "{low} {enters} {high}");
             }
@@ -242,20 +449,91 @@ mod tests {
     #[test]
     fn what_is_far_away_is_looked_at_twice() {
         let mut looks = 0;
-        let mut gap = |time: f64| {
+        let gap = |time: f64| {
             looks += 1;
             3.0 - time
         };
-        assert_eq!(first_closing([0.0, 1.0], 6, 0.0, [1.0, 1e-3], &mut gap), None);
-        assert_eq!(looks, 2);
+        let (found, cover) = look(gap, 1.0, [0.0, 1.0], 0.0, 1e-3);
+        assert_eq!((found, looks), (None, 2));
+        assert_eq!(cover, Cover { until: 1.0, least: 2.0 });
     }
 
     #[test]
     fn a_bounce_shorter_than_a_sample_is_found_from_a_closed_start() {
-        let mut gap = |time: f64| time * (1e-4 - time);
-        let found = first_closing([0.0, 1.0], 6, 1e-12, [1.0, 1e-3], &mut gap);
-        let Some(Closing::Between(low, high)) = found else { panic!("missed") };
+        let gap = |time: f64| time * (1e-4 - time);
+        let Some(Closing::Between(low, high)) = look(gap, 1.0, [0.0, 1.0], 1e-12, 1e-3).0 else { panic!("missed") };
         assert!(low < 1e-4 && high >= 1e-4);
-        assert_eq!(first_closing([0.0, 1.0], 6, 1e-12, [1.0, 1e-3], &mut |time: f64| -time), Some(Closing::AtStart));
+        assert_eq!(look(|time: f64| -time, 1.0, [0.0, 1.0], 1e-12, 1e-3).0, Some(Closing::AtStart));
+    }
+
+    #[test]
+    fn what_leaves_at_the_start_is_covered_from_there_on_and_found_when_it_comes_back_through_a_thin_wall() {
+        // A ball leaves a wall of 1 cm at v, comes back at 2 v/g, and is beyond the wall at the first of six samples whenever the step is long enough.
+        let (radius, wall) = (2e-3, 1e-2);
+        for long in [0.3, 1.0, 2.5, 10.0] {
+            for leaves in [1e-3, 0.03, 0.5, 2.0] {
+                let back = 2.0 * leaves / 9.81;
+                let height = |time: f64| leaves * time - 0.5 * 9.81 * time * time;
+                let gap = |time: f64| height(time).max(-height(time) - wall - 2.0 * radius);
+                let (found, cover) = look(gap, leaves + 9.81 * long, [0.0, long], f64::INFINITY, 1e-3);
+                if back >= long {
+                    assert_eq!((found, cover.until), (None, long), "{long} {leaves}");
+                    continue;
+                }
+                let Some(Closing::Between(low, high)) = found else { panic!("missed: {long} {leaves} {found:?}") };
+                assert!(low <= back && (back..back + 1e-2).contains(&high), "{low} {back} {high}");
+                assert_eq!(cover.until, low, "{long} {leaves}: what is before the interval is covered");
+            }
+        }
+    }
+
+    #[test]
+    fn what_comes_back_from_the_other_side_by_the_first_sample_is_found_where_it_came_first() {
+        // Gone through at 0.1 s, out at 0.12 s, and in another wall at 0.16 s, where the first of six samples is.
+        let gap = |time: f64| if time < 0.05 { time } else { (0.1 - time).max((time - 0.12).min(0.16 - time)) };
+        let Some(Closing::Between(low, high)) = look(gap, 1.0, [0.0, 1.0], f64::INFINITY, 1e-3).0 else {
+            panic!("missed")
+        };
+        assert!(low <= 0.1 && (0.1..0.102).contains(&high), "{low} {high}");
+    }
+
+    #[test]
+    fn a_graze_that_is_shorter_than_the_resolution_is_found_and_one_that_misses_is_not() {
+        // The gap dips to −d or to +d within 2e-4 s at 1 m/s, with a resolution of 1e-2 m, between the instants that halving looks at.
+        for place in 0..50 {
+            let at = 0.2 + 0.6 * f64::from(place) / 50.0;
+            for (depth, hits) in [(1e-9, true), (1e-6, true), (-1e-9, false)] {
+                let gap = |time: f64| 0.5 * (time - at).powi(2) - depth;
+                let (found, cover) = look(gap, 1.0, [0.0, 1.0], 0.0, 1e-2);
+                assert_eq!(found.is_some(), hits, "{at} {depth}");
+                assert!(hits || cover.until == 1.0);
+            }
+        }
+    }
+
+    /// The first closing of a gap (m) at a speed of at most V, and what is covered.
+    fn look(
+        gap: impl FnMut(f64) -> f64,
+        speed: f64,
+        span: [f64; 2],
+        closed: f64,
+        resolution: f64,
+    ) -> (Option<Closing>, Cover) {
+        struct Plain<F>(F, f64);
+        impl<F: FnMut(f64) -> f64> Approaching for Plain<F> {
+            fn gap(&mut self, time: f64) -> f64 {
+                self.0(time)
+            }
+            fn bodies(&mut self, _: f64) -> [BodyState; 2] {
+                [BodyState { velocity: Vector3::x() * self.1, ..WORLD }, WORLD]
+            }
+            fn reach(&self) -> [f64; 2] {
+                [0.0; 2]
+            }
+        }
+        let mut cover = Cover::from(span[0]);
+        let measure = Measure { closed, zero: 1e-12, speed, resolution, changing: f64::INFINITY };
+        let found = first_closing(span, 6, &measure, &mut Plain(gap, speed), &mut cover);
+        (found, cover)
     }
 }

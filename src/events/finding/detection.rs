@@ -174,7 +174,7 @@ pub(crate) fn soon_positive(start: f64, end: f64, value: &mut impl FnMut(f64) ->
 }
 
 /// A point between two where the function is negative, if its minimum is: golden section.
-fn least_below_zero(
+pub(crate) fn least_below_zero(
     mut low: f64,
     mut high: f64,
     mut middle: f64,
@@ -182,6 +182,7 @@ fn least_below_zero(
     value: &mut impl FnMut(f64) -> f64,
 ) -> Option<f64> {
     const GOLDEN: f64 = 0.381_966_011_250_105;
+    let width = high - low;
     for _ in 0..40 {
         let (left, right) = (middle - low, high - middle);
         let trial = if left > right { middle - GOLDEN * left } else { middle + GOLDEN * right };
@@ -201,8 +202,8 @@ fn least_below_zero(
         } else {
             high = trial;
         }
-        // What is left of a parabola below its least sample, seen from the sides.
-        if high - low < 1e-6 * (high.abs() + low.abs()) {
+        // What is left of a parabola below its least sample, seen from the sides: a part of 1e-12 of what it changes by.
+        if high - low < (1e-6 * width).max(SAME_INSTANT * high.abs()) {
             break;
         }
     }

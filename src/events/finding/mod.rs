@@ -1,6 +1,7 @@
 //! Which function of a mode changes its sign within a step, and where.
 
 pub(crate) mod approach;
+pub mod cover;
 pub(crate) mod cycle;
 pub(crate) mod detection;
 pub(crate) mod watched;

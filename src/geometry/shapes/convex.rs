@@ -121,6 +121,19 @@ impl Convex {
         }
     }
 
+    /// Diameter of a ball that fits in about the centre (m): in every direction the shape is at least as wide.
+    pub fn breadth(&self) -> f64 {
+        let inside = match &self.core {
+            Core::Polytope(polytope) => {
+                let depth = |face: &Face| face.normal.dot(&(polytope.vertices[face.corners[0]] - self.centre));
+                let least = polytope.faces.iter().map(depth).fold(f64::INFINITY, f64::min);
+                if least.is_finite() { least.max(0.0) } else { 0.0 }
+            }
+            Core::Cylinder(cylinder) => cylinder.radius.min(cylinder.half),
+        };
+        2.0 * (inside + self.radius)
+    }
+
     /// A convex shape with its pose in the body; `None` for half spaces and meshes.
     pub fn new(shape: &Shape, pose: &Pose) -> Result<Option<Self>, GeometryError> {
         let kind = kind(shape);

@@ -38,6 +38,8 @@ pub(crate) struct Pair {
     pub number: usize,
     /// What its tolerances are made of.
     pub extents: Extents,
+    /// How far a body moves at least while it passes through the other (m).
+    pub breadth: f64,
 }
 
 impl Pair {
@@ -136,9 +138,10 @@ impl Touching {
             let (a, b) = (&nonsmooth.colliders[pair.a], &nonsmooth.colliders[pair.b]);
             let geometry = PairGeometry::new(a, b).ok()?;
             let reach = geometry.reach();
-            let extents = geometry.extents();
+            let (extents, breadth) = (geometry.extents(), geometry.breadth());
             let (friction, restitution, number) = (pair.friction, pair.restitution, pair.number);
-            Some(Pair { geometry, bodies: [a.body, b.body], reach, friction, restitution, number, extents })
+            let bodies = [a.body, b.body];
+            Some(Pair { geometry, bodies, reach, friction, restitution, number, extents, breadth })
         });
         Touching { pairs: pairs.collect() }
     }

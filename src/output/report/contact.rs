@@ -28,7 +28,7 @@ pub struct ContactReport {
 /// The contacts of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ContactsReport {
-    /// The deepest overlap at the end of any step (m).
+    /// The deepest overlap of shapes that may touch, whether they do or not (m): at the ends of steps, and between them.
     pub max_penetration: f64,
     /// The farthest of a force from its friction cone at the end of any step (N).
     pub max_cone_violation: f64,

@@ -77,6 +77,14 @@ impl RunIntegrator {
         }
     }
 
+    /// A bound of the overlap of shapes in the steps so far (m).
+    pub(crate) fn overlap(&self) -> f64 {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.overlap(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
+        }
+    }
+
     /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
     pub(crate) fn ringing_inside(&self) -> f64 {
         match self {

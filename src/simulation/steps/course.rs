@@ -244,7 +244,7 @@ impl Course {
     }
 
     /// Adds the figures of a step to the summary.
-    fn count<I: Integrator + ?Sized>(
+    fn count<I: Integrator + Tells + ?Sized>(
         &mut self,
         mechanism: &Mechanism,
         state: &State,
@@ -261,6 +261,7 @@ impl Course {
             integrator.contacts(mechanism, state, &mut self.contacts);
             let mut figures = ContactFigures::default();
             figures.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            figures.penetration = figures.penetration.max(integrator.overlap());
             let of_first_order = || integrator.description().first_order_steps;
             let (before, made) = self.not_lasted;
             let lasted = before > 0.0 && outcome.step > 0.0 && of_first_order() == made;

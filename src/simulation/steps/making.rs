@@ -38,6 +38,11 @@ pub(crate) trait Tells {
     fn so_far(&self) -> Option<AccuracySoFar> {
         None
     }
+
+    /// A bound of the overlap of shapes in the steps so far (m), where it is known.
+    fn overlap(&self) -> f64 {
+        0.0
+    }
 }
 
 impl Tells for dyn Integrator + '_ {}
@@ -47,6 +52,13 @@ impl Tells for Making<'_> {
         match self {
             Making::Telling(assessed) => assessed.so_far(),
             Making::Alone(_) => None,
+        }
+    }
+
+    fn overlap(&self) -> f64 {
+        match self {
+            Making::Alone(alone) => alone.overlap(),
+            Making::Telling(assessed) => assessed.overlap(),
         }
     }
 }

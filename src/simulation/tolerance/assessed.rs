@@ -188,6 +188,11 @@ impl<'a> Assessed<'a> {
         self.so_far
     }
 
+    /// A bound of the overlap of shapes in the steps so far (m).
+    pub(crate) fn overlap(&self) -> f64 {
+        self.run.overlap()
+    }
+
     /// The present error (m), or `None` if the run was interrupted before it was known; infinite if it cannot be estimated any more.
     fn error(&mut self, mechanism: &Mechanism, state: &State) -> Option<f64> {
         let carried = match self.by {

@@ -1,0 +1,126 @@
+//! Whether the last step is covered: for each pair that may close in it a certificate without a hole, and how deep shapes overlap in it.
+//!
+//! ```text
+//!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)     of open pairs over the stretches, of closed contacts at x = 1/3 and 1
+//! ```
+
+use crate::events::finding::approach::{Approaching, speed_at};
+use crate::events::finding::cover::are_checked;
+use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
+use crate::events::finding::watched::Watched;
+use crate::events::integrator::Eventful;
+use crate::events::modes::instants::Inside;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::touches::touch_motion;
+
+/// Roots within this part of a step before its end are its end.
+pub(super) const SAME_END: f64 = 1e-9;
+/// Instants at which a step that is checked is asked.
+const ASKED: usize = 48;
+
+/// The gap of a pair inside the last step.
+pub(super) struct GapInside<'e, 'i> {
+    pub eventful: &'e mut Eventful,
+    pub inputs: Inputs<'i>,
+    /// Where the step begins (s).
+    pub since: f64,
+    /// Whether it is asked where the dense output is as interpolated.
+    pub roughly: bool,
+    /// Its number among what is watched, and among the pairs.
+    pub watched: usize,
+    pub pair: usize,
+}
+
+impl Approaching for GapInside<'_, '_> {
+    fn gap(&mut self, time: f64) -> f64 {
+        let mut value = [0.0];
+        let instant = Inside { time, roughly: self.roughly };
+        self.eventful.evaluate(self.inputs, self.since, instant, &[self.watched], &mut value);
+        value[0]
+    }
+
+    fn bodies(&mut self, time: f64) -> [BodyState; 2] {
+        self.eventful.place(Inside { time, roughly: self.roughly });
+        let Eventful { touching, bodies, .. } = &*self.eventful;
+        touching.pairs[self.pair].bodies.map(|body| body.map_or(WORLD, |body| bodies[body]))
+    }
+
+    fn reach(&self) -> [f64; 2] {
+        let pair = &self.eventful.touching.pairs[self.pair];
+        [0, 1].map(|side| if pair.bodies[side].is_some() { pair.reach[side] } else { f64::INFINITY })
+    }
+}
+
+impl Eventful {
+    /// A bound of the overlap of all pairs in the steps so far (m): at their ends, and between them.
+    pub fn overlap(&self) -> f64 {
+        self.overlap
+    }
+
+    /// Whether a pair that may close has a stretch of the last step in which it was not looked at.
+    pub(super) fn has_hole(&self, since: f64) -> bool {
+        let end = self.pieces[self.current].small.time;
+        let covered = end - SAME_END * (end - since);
+        let open = |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.ignored.contains(watched);
+        let until = |index: usize| {
+            let own = self.covers.iter().find(|(watched, _)| *watched == index);
+            own.map_or(f64::NEG_INFINITY, |(_, cover)| cover.until)
+        };
+        end > since && (0..self.watched.len()).any(|index| open(&self.watched[index]) && until(index) < covered)
+    }
+
+    /// Bounds how deep shapes overlap in the last step (m).
+    pub(super) fn bound_overlap(&mut self, since: f64) {
+        let end = self.pieces[self.current].small.time;
+        self.evaluated.bodies = false;
+        let mut least = self.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
+        if !self.mode.contacts.is_empty() && end > since {
+            let inside = since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64;
+            for time in [inside, end] {
+                self.place(Inside::at(time));
+                let gaps =
+                    self.mode.contacts.iter().map(|closed| touch_motion(&closed.contact.joint, &self.bodies).gap);
+                least = gaps.fold(least, f64::min);
+            }
+        }
+        // A step that does not look at a pair knows its ends alone: between them it moves by less than a micrometre.
+        if self.ignored.iter().any(|watched| matches!(watched, Watched::Approach(_))) {
+            self.place(Inside::at(end));
+            for watched in &self.ignored {
+                if let Watched::Approach(pair) = watched {
+                    least = least.min(self.touching.distance(*pair, &self.bodies));
+                }
+            }
+        }
+        self.overlap = self.overlap.max(-least);
+    }
+
+    /// Asks the last step at many instants whether its certificates are true: no pair overlaps in a covered stretch, or moves faster than its bound.
+    ///
+    /// # Panics
+    /// If it is not: in tests and in debug builds alone.
+    pub(super) fn check_covers(&mut self, inputs: Inputs, since: f64) {
+        if !(are_checked() || cfg!(debug_assertions)) {
+            return;
+        }
+        let end = self.pieces[self.current].small.time;
+        assert!(!self.has_hole(since), "a hole in the step from {since} to {end} s: {:?}", self.covers);
+        for (watched, cover) in self.covers.clone() {
+            let Watched::Approach(pair) = self.watched[watched] else { continue };
+            let roughly = self.is_known_roughly(pair);
+            // A step of first order may have left as much.
+            let (allowed, most) = (self.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
+            for part in 0..=ASKED {
+                let time = since + (cover.until.min(end) - since) * part as f64 / ASKED as f64;
+                let mut inside = GapInside { eventful: self, inputs, since, roughly, watched, pair };
+                let (gap, bodies, reach) = (inside.gap(time), inside.bodies(time), inside.reach());
+                let speed = speed_at(bodies, reach);
+                assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);
+                // Velocities are rounded, too.
+                let farther = (speed - most) * (end - since);
+                assert!(farther <= allowed, "pair {pair} moves at {speed} m/s at {time} s, not {most} m/s at most");
+            }
+        }
+    }
+}
