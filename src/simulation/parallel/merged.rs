@@ -180,6 +180,7 @@ impl MergedRun {
         }
         self.waiting.clear();
         let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
+        self.summary.max_energy_error = self.largest_deviation;
         self.summary.max_relative_energy_error = self.largest_deviation / scale;
         self.summary.exchange = self.exchange;
     }

@@ -38,6 +38,8 @@ pub struct Summary {
     /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
     /// the largest kinetic energy seen.
     pub max_relative_energy_error: f64,
+    /// That deviation (J).
+    pub max_energy_error: f64,
     /// The largest kinetic energy seen (J).
     pub largest_kinetic: f64,
     /// The most that all forces have pushed with, added up [N or N m].
@@ -127,6 +129,7 @@ impl Bookkeeper {
         summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
+        summary.max_energy_error = self.largest_deviation;
         // Motors hold a robot with next to no motion: the balance is one of the energies that they move, too.
         let exchanged = exchange.dissipated.abs() + exchange.work.abs() + exchange.friction + exchange.impacts;
         let moved = if self.driven { exchanged.max(AT_REST * (energy.potential.abs() + energy.spring)) } else { 0.0 };
