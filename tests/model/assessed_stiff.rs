@@ -34,12 +34,11 @@ const HONEST: f64 = 10.0;
 
 const KINDS: [&str; 5] = ["hinge", "springs", "dampers", "springs and dampers", "motors"];
 
-/// What holds a joint: `k` (N m/rad), `c` (N m s/rad), and the angle at which the spring rests (rad).
+/// What holds the hinge: `k` (N m/rad) and `c` (N m s/rad).
 #[derive(Clone, Copy)]
 struct Hold {
     stiffness: f64,
     damping: f64,
-    rest: f64,
 }
 
 /// A mechanism that is held, its start and its duration (s).
@@ -71,8 +70,13 @@ fn motion(number: usize) -> Motion {
         let turn = Rotation3::rotation_between(&Vector3::z(), &axis).unwrap_or_else(Rotation3::identity);
         let turned = |x: f64| Pose::from_parts(Translation3::new(x, 0.0, 0.0), turn);
         let mass = if is_hinge { 1.0 } else { numbers.next(0.2, 3.0) };
-        let inertia = if is_hinge { Vector3::repeat(INERTIA) } else { models::box_inertia(mass, Vector3::new(length, 0.3 * length, 0.2 * length)) };
-        let [on_parent, own] = if is_hinge { [0.0, 0.0] } else { [if index == 0 { 0.0 } else { 0.5 * length }, -0.5 * length] };
+        let inertia = if is_hinge {
+            Vector3::repeat(INERTIA)
+        } else {
+            models::box_inertia(mass, Vector3::new(length, 0.3 * length, 0.2 * length))
+        };
+        let [on_parent, own] =
+            if is_hinge { [0.0, 0.0] } else { [if index == 0 { 0.0 } else { 0.5 * length }, -0.5 * length] };
         let joint = Joint::new(&format!("joint{index}"), JointKind::Revolute, turned(on_parent), turned(own));
         bodies.push(models::body(&format!("body{index}"), index.checked_sub(1), mass, inertia, joint));
         reach.push((mass, length));
@@ -85,13 +89,19 @@ fn motion(number: usize) -> Motion {
     for index in 0..count {
         // About the joint: of all that it carries, laid out straight.
         let mut arm = 0.0;
-        let carried: f64 = reach[index..].iter().map(|&(mass, length)| { arm += length; mass * arm * arm / 3.0 }).sum();
+        let carried: f64 = reach[index..]
+            .iter()
+            .map(|&(mass, length)| {
+                arm += length;
+                mass * arm * arm / 3.0
+            })
+            .sum();
         let carried = if is_hinge { INERTIA } else { carried };
         let stiffness = 10_f64.powf(numbers.next(0.5, if is_hinge { 4.0 } else { 3.5 }));
         let ratio = 10_f64.powf(numbers.next(-1.0, 1.3));
         let damping = 2.0 * ratio * (stiffness * carried).sqrt();
         let rest = if is_hinge { 0.0 } else { numbers.next(-1.0, 1.0) };
-        let hold = Hold { stiffness, damping, rest };
+        let hold = Hold { stiffness, damping };
         let coordinate = scalar_coordinate(&smooth, index).expect("a hinge");
         if kind != "dampers" {
             smooth.forces.joint_springs.push(JointSpring { coordinate, stiffness, rest });
@@ -224,14 +234,17 @@ fn figures(numbers: std::ops::Range<usize>) -> Figures {
         let motion = motion(number);
         let size = size(&motion.mechanism, &motion.start);
         for tolerance in [1e-4, 1e-6, 1e-8] {
-            let Some(Compared { told, steps, error, doubt }) = compared(&motion, tolerance) else { println!("NONE {number}"); continue };
+            let Some(Compared { told, steps, error, doubt }) = compared(&motion, tolerance) else {
+                println!("NONE {number}");
+                continue;
+            };
             figures.runs += 1;
             figures.again += usize::from(told.begun > 1);
             let is_reached = told.holds_until >= motion.duration;
-            // A motion that two references follow to a tenth of the tolerance is not chaotic.
-            let is_alarm = !is_reached && doubt < 0.1 * tolerance;
+            // A motion is not chaotic where two references and the run itself are within a tenth of the tolerance.
+            let is_alarm = !is_reached && doubt.max(error) < 0.1 * tolerance;
             let is_wrong = is_reached && doubt < 0.1 * tolerance && error > tolerance;
-            // Below a thousandth of the tolerance and below roundings the size of an error does not matter.
+            // Errors below rounding cannot be estimated.
             let floor = 1e-14 * size.max(1.0);
             let is_judged = is_reached && doubt <= 0.1 * error.max(floor);
             let is_bright = is_judged && error > HONEST * told.estimate.max(floor);
@@ -263,14 +276,26 @@ fn figures(numbers: std::ops::Range<usize>) -> Figures {
 }
 
 #[test]
-fn a_few_motions_that_dampers_springs_and_motors_hold_are_not_called_chaotic_and_say_their_error_to_a_factor_of_ten() {
-    let figures = figures(0..15);
-    assert!(figures.alarms == 0, "{figures:?}");
+fn motions_that_dampers_springs_and_motors_hold_are_not_called_chaotic_and_say_their_error_to_a_factor_of_ten() {
+    let Figures { runs, alarms, wrong, judged, bright, dark, again } = figures(0..15);
+    // 5 of these runs were called chaotic while iterations of the companion ended at a part of a guess, and 8 errors were told wrong by more than a factor
+    // of ten; none is now. 38 of the errors can be judged.
+    assert_eq!((runs, alarms, wrong), (45, 0, 0));
+    assert!(bright + dark <= 1 && 4 * judged >= 3 * runs, "{bright} too bright, {dark} too dark of {judged}");
+    // 11 began again; the 8 that still do have undamped springs, or errors that grow before dampers stop the motion.
+    assert!(again <= 9, "{again} begin again");
 }
 
 #[test]
-#[ignore = "cargo test --release --test model assessed_stiff -- --ignored --nocapture"]
-fn three_hundred_motions_that_dampers_springs_and_motors_hold_are_not_called_chaotic_and_say_their_error_to_a_factor_of_ten() {
-    let figures = figures(0..300);
-    assert!(figures.alarms == 0, "{figures:?}");
+#[ignore = "a minute: cargo test --release --test model assessed_stiff -- --ignored --nocapture"]
+fn of_nine_hundred_runs_that_dampers_springs_and_motors_hold_none_is_called_chaotic_and_next_to_all_say_their_error_to_a_factor_of_ten()
+ {
+    let Figures { runs, alarms, wrong, judged, bright, dark, .. } = figures(0..300);
+    assert_eq!((runs, alarms), (900, 0));
+    // 194 were called chaotic, 2 were wrong, and of 487 69 too bright and 56 too dark, before the companion was solved to a part of what parts it from the run
+    // and truncation was told with dampers. Since then 1 is wrong, and of 530 8 are too bright and 15 too dark: the goals are one in 250, one in 50 and one in 30.
+    assert!(
+        wrong * 250 <= runs && bright * 50 <= judged && dark * 30 <= judged,
+        "wrong {wrong}, bright {bright}, dark {dark}"
+    );
 }

@@ -185,7 +185,16 @@ impl Companion {
         if truncation > 0.0 && !self.parts_further(kernel, mechanism, state, time - state.time) {
             truncation = 0.0;
         }
-        Carrying { apart, part: PART, most: MOST, rest: REST, sprung: self.sprung, least: self.least, exactly, truncation }
+        Carrying {
+            apart,
+            part: PART,
+            most: MOST,
+            rest: REST,
+            sprung: self.sprung,
+            least: self.least,
+            exactly,
+            truncation,
+        }
     }
 
     /// Whether the truncation, whose sign nothing tells, takes the motions further apart over a step of `length` seconds. They part in the directions
