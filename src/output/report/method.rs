@@ -270,9 +270,10 @@ impl AccuracyReport {
     pub(crate) fn see_energy(&mut self, summary: &Summary) {
         let error = summary.max_relative_energy_error;
         let allowed = UNBALANCED * self.wanted.max(FINEST);
-        // Hard dampers take what springs or weights have stored with next to no motion: a displacement changes the energies that they take, too. What is not a number does not
-        // balance either.
-        let balances = error <= allowed || summary.max_energy_error <= allowed * summary.exchange.dissipated.abs();
+        // Hard dampers take with next to no motion what springs, weights and motors have stored: a displacement changes those energies, too.
+        let moved = summary.exchange.dissipated.abs() + summary.held;
+        // An energy that is not a number does not balance either.
+        let balances = error <= allowed || summary.max_energy_error <= allowed * moved;
         if self.reached && !is_energy_rounding(summary) && !balances {
             self.reached = false;
             self.unbalanced = Some(error);

@@ -114,7 +114,7 @@ pub struct Calibration {
     pub begun: usize,
 }
 
-/// Whether a motion can amplify errors for ever. A single freedom cannot that nothing strikes, holds by dry friction or drives in time.
+/// Whether a motion can amplify errors for ever. A single freedom cannot, without impacts, dry friction and targets that change in time.
 pub(crate) fn may_be_chaotic(mechanism: &Mechanism) -> bool {
     let Nonsmooth { limits, friction, motors, pairs, .. } = &mechanism.nonsmooth;
     let is_struck = !limits.is_empty() || !friction.is_empty() || !pairs.is_empty();
