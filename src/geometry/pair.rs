@@ -102,6 +102,7 @@ impl PairGeometry {
         };
         of_first + self.second.breadth()
     }
+
     /// The lengths from which tolerances are made.
     pub fn extents(&self) -> Extents {
         self.extents

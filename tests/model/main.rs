@@ -9,6 +9,7 @@ mod models;
 
 mod assessed;
 mod assessed_random;
+mod assessed_stiff;
 mod assessed_while_it_goes_on;
 mod islands;
 mod lean;

@@ -150,3 +150,55 @@ fn a_chaotic_run_says_in_its_log_until_when_its_accuracy_holds_and_its_report_up
     let followed = run(&folder, &["inspect", "log.mcap", "--follow"]);
     assert!(text(&followed.stdout).contains(", 1e-3 m holds until t = "), "{}", text(&followed.stdout));
 }
+
+/// A report of a scene, whose warnings do not say that it is chaotic and whose accuracy is reached.
+fn settled(folder: &Path, scene: &str, duration: &str) -> Value {
+    let output = run(folder, &["simulate", scene, "--duration", duration, "--no-log", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report = json(&output.stdout);
+    let words = report["warnings"].to_string();
+    assert!(report["accuracy"]["reached"] == true && !words.contains("chaotic"), "{} {words}", report["accuracy"]);
+    assert!(report["accuracy"]["estimated"].as_f64().is_some_and(|error| error < 1e-6), "{}", report["accuracy"]);
+    report
+}
+
+#[test]
+fn a_hinge_that_a_damper_stops_and_an_arm_that_motors_hold_settle_and_are_not_called_chaotic() {
+    let Some(inputs) = shared("repro/events") else { return };
+    let place = |report: &Value, joint: &str| report["joints"][joint]["position"].as_f64().expect("a number");
+    // The spring of 1000 N m/rad against the weight of 3 kg at 0.25 m, to what an error of 1e-6 m makes of it.
+    let hinge = place(&settled(&inputs, "09_settles.toml", "10"), "j");
+    let torque: f64 = 1000.0 * (hinge - 0.5) + 3.0 * 9.81 * 0.25 * hinge.cos();
+    assert!(torque.abs() < 1e-2, "{torque:e} N m at {hinge} rad");
+    let report = settled(&inputs, "09_droop.toml", "30");
+    // Both motors against the weights, worked out from the balance of torques.
+    for (joint, right) in [("shoulder", 0.30273908), ("elbow", -0.85565518)] {
+        let here = place(&report, joint);
+        assert!((here - right).abs() < 2e-6, "{joint}: {here} rad");
+    }
+}
+
+#[test]
+fn an_effort_of_zero_in_a_file_is_said_to_be_read_as_no_bound_where_a_motor_would_have_it() {
+    let folder = scratch("effort");
+    let pendulum = |effort: &str| {
+        format!(
+            "<robot name=\"p\"><link name=\"base\"/><link name=\"rod\"><inertial><origin xyz=\"0.25 0 0\"/><mass value=\"3\"/>\
+             <inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\
+             <joint name=\"j\" type=\"revolute\"><parent link=\"base\"/><child link=\"rod\"/><axis xyz=\"0 -1 0\"/>\
+             <limit lower=\"-3\" upper=\"3\" effort=\"{effort}\" velocity=\"0\"/></joint></robot>"
+        )
+    };
+    let says = |effort: &str, bound: &str| {
+        std::fs::write(folder.join("p.urdf"), pendulum(effort)).expect("written");
+        let scene = format!(
+            "[[robot]]\nurdf=\"p.urdf\"\n[[motor]]\njoint=\"j\"\nkind=\"position\"\ntarget=0.0\nkp=50\nkd=5\n{bound}"
+        );
+        std::fs::write(folder.join("scene.toml"), scene).expect("written");
+        let output = run(&folder, &["simulate", "scene.toml", "--duration", "0.1", "--no-log"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        [text(&output.stdout), text(&output.stderr)].concat().contains("is read as no bound")
+    };
+    assert!(says("0", ""));
+    assert!(!says("30", "") && !says("0", "max_effort=30.0\n"));
+}

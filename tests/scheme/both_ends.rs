@@ -16,7 +16,16 @@ use catena::mechanism::motion::energy::Energy;
 use catena::mechanism::motion::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
-const CARRYING: Carrying = Carrying { apart: 1e-6, part: 0.02, most: 2, rest: 0.05, exactly: false, truncation: 0.0 };
+const CARRYING: Carrying = Carrying {
+    apart: 1e-6,
+    part: 0.02,
+    most: 2,
+    rest: 0.05,
+    sprung: false,
+    least: 0.0,
+    exactly: false,
+    truncation: 0.0,
+};
 
 /// Every way in which a body can be placed and eliminated, on frames that are aligned with nothing.
 fn every_kind_of_body() -> (Mechanism, State) {

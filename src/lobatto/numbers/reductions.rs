@@ -59,6 +59,16 @@ pub(crate) fn largest<V: Numbers>(values: &[V]) -> f64 {
     largest.largest()
 }
 
+/// The largest difference of two motions in any freedom at any stage, without its sign.
+#[inline(always)]
+pub(crate) fn largest_difference<V: Numbers>(one: &[V], other: &[V]) -> f64 {
+    let mut largest = V::zero();
+    for (&one, &other) in one.iter().zip(other) {
+        largest = (one - other).max_abs(largest);
+    }
+    largest.largest()
+}
+
 /// Adds increments to values; returns the largest of these at any stage, without their signs.
 #[inline(always)]
 pub(crate) fn add_to<V: Numbers>(values: &mut [V], increments: &[V]) -> f64 {

@@ -50,6 +50,10 @@ pub struct Carrying {
     pub most: usize,
     /// The larger part that an iteration may leave after `most` iterations.
     pub rest: f64,
+    /// Whether springs or dampers act, so that `h (v_y − v)` says little of what parts the motions in the step,
+    pub sprung: bool,
+    /// and increments up to this (rad, m) may be left there.
+    pub least: f64,
     /// Whether the exact Newton method has made the step.
     pub exactly: bool,
     /// The truncation of the step (rad, m), which no iteration sees.

@@ -7,14 +7,19 @@
 //! ```text
 //!     θ_y ← θ + δ̂                                      δ̂ from the last step's δ, and v_y − v at the start      extrapolation.rs
 //!     repeat:  θ_y ← Anderson(θ_y, increments at θ_y)   with the factors that the first motion has left         anderson.rs
-//!     until the increments are a small part of δ = θ_y − θ, or of what parted the starts
+//!     until the increments are a small part of δ̂, or of what parted the starts
 //!     velocity from H(q̄) v̄ = Sᵀ p̄                      at the end of θ_y                                        (2.5.11h)
 //! ```
 //!
-//! So `y` does not have the errors of the first motion, and `y − x` is their accumulated effect. A step costs one to three iterations.
+//! So `y` has the errors of the first motion out of it, and `y − x` is what they have grown to. A step costs one to three iterations.
+//!
+//! A damper of the rate γ stops `v_y − v` within `(v_y − v)/γ`, so that δ is smaller than the guess by the factor `h γ`. Then a small part of the guess is
+//! more than all of δ. Increments of that size become velocities, γ times as large, and grow from step to step as if the motion were chaotic. So the
+//! increments of a motion with springs or dampers become a small part of `δ = θ_y − θ` as it is after each iteration. The exact Newton method follows, from
+//! `δ = 0`, where the simplified iteration does not get there.
 
 use crate::numbers::lanes::{Lanes, in_lanes};
-use crate::numbers::reductions::{largest, write_ends};
+use crate::numbers::reductions::{largest, largest_difference, write_ends};
 use crate::solve::iteration::{Coupling, Equations};
 use crate::stages::attempt::Carrying;
 use crate::step::carried::Carried;
@@ -47,7 +52,13 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         if carrying.exactly {
             self.solve_carried_exactly(carrying);
         } else {
-            self.solve_carried(carrying, &carried.apart);
+            let solved = self.solve_carried(carrying, &carried.apart, &carried.solved);
+            if carrying.sprung && !solved {
+                let known = self.workspace.known();
+                self.workspace.advanced().0[known..].copy_from_slice(&carried.solved[known..]);
+                self.make_exact(mechanism);
+                self.solve_carried_exactly(carrying);
+            }
         }
         carried.part(&mut self.workspace);
         carried.learn(&mut self.workspace);
@@ -85,7 +96,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         self.workspace.record_end(refined, 0);
         write_ends(self.workspace.displacement(), active, &mut self.displaced);
         carried.part_from(&mut self.workspace);
-        self.solve_carried(carrying, &carried.apart);
+        self.solve_carried(carrying, &carried.apart, &carried.solved);
         carried.part(&mut self.workspace);
         self.chord = chord;
         let Kernel { workspace, velocity, displaced, end, top_legendre, .. } = self;
@@ -127,20 +138,33 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         workspace.accept_two(carried.both_set);
     }
 
-    /// The simplified iteration.
-    fn solve_carried(&mut self, carrying: &Carrying, apart: &[V]) {
+    /// The simplified iteration, from the guess `apart` and beside the stages `solved` of the first motion; returns whether it has come to its end.
+    fn solve_carried(&mut self, carrying: &Carrying, apart: &[V], solved: &[V]) -> bool {
         let guessed = in_lanes!(V, largest(apart));
         self.chord.begin_with(self.workspace.has_factors());
         self.workspace.leave_single();
         self.anderson.restart();
-        for iteration in 1.. {
+        for iteration in 1..=HOPELESS {
             let increment = self.iterate(self.refined);
-            let left = increment / guessed.max(carrying.apart);
-            if left <= carrying.part || (iteration >= carrying.most && left <= carrying.rest) || iteration >= HOPELESS {
-                return self.complete();
+            let ends = if carrying.sprung {
+                let known = self.workspace.known();
+                let own = &self.workspace.displacement()[known..];
+                let parted = in_lanes!(V, largest_difference(own, &solved[known..]));
+                increment <= (carrying.part * parted).max(carrying.least)
+            } else {
+                let left = increment / guessed.max(carrying.apart);
+                left <= carrying.part || (iteration >= carrying.most && left <= carrying.rest)
+            };
+            if ends {
+                self.complete();
+                return true;
             }
-            self.advance();
+            if iteration < HOPELESS {
+                self.advance();
+            }
         }
+        self.complete();
+        false
     }
 
     /// The exact Newton method, of which one iteration leaves the square of the distance of the motions.

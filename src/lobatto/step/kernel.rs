@@ -179,6 +179,17 @@ impl<V: Lanes, W: Workspace<V>> Equations for Kernel<V, W> {
     }
 }
 
+impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
+    /// Makes the exact Newton method, if it is not there yet.
+    pub(crate) fn make_exact(&mut self, mechanism: &Mechanism) {
+        let Kernel { workspace, newton, tableau, .. } = self;
+        newton.get_or_insert_with(|| {
+            let geometry = workspace.geometry(mechanism, Some(tableau));
+            Box::new(Newton::new(mechanism, geometry, tableau))
+        });
+    }
+}
+
 impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
     fn guess(&mut self, guess: Guess) {
         let Kernel { predictor, workspace, closing, .. } = self;
@@ -204,11 +215,10 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
     }
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let Kernel { workspace, newton, tableau, closing, .. } = self;
-        let newton = newton.get_or_insert_with(|| {
-            let geometry = workspace.geometry(mechanism, Some(tableau));
-            Box::new(Newton::new(mechanism, geometry, tableau))
-        });
+        self.make_exact(mechanism);
+        let Kernel { workspace, newton: Some(newton), closing, .. } = self else {
+            return Attempt::Failed { iterations: 0, freedom: 0, increment: f64::NAN };
+        };
         workspace.begin_exactly();
         let StageUnknowns { plan, start, .. } = workspace.stage_unknowns();
         newton.begin(plan, start, closing.as_ref().map(Closing::known));

@@ -10,7 +10,7 @@ use crate::model::coupling::builder::Builder;
 use crate::model::coupling::forces::{Load, Spring};
 use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
-use crate::scene::{Scene, UrdfJointKind};
+use crate::scene::{Scene, UrdfJointKind, Warning};
 use std::collections::HashMap;
 
 impl Model {
@@ -48,11 +48,14 @@ impl Model {
         let damping = springs_dampers..forces.joint_dampers.len();
         let mimics = builder.urdf_mimics(&mut warnings)?;
         let limits = builder.limits(&mut warnings);
-        let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor));
+        let mut unbounded = Vec::new();
+        let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor, &mut unbounded));
+        let motors = motors.collect::<Result<_, _>>()?;
+        warnings.extend(Warning::of_kind(unbounded, "motor", "motors"));
         let nonsmooth = Nonsmooth {
             limits: limits.clone(),
             friction: builder.friction(&mut warnings),
-            motors: motors.collect::<Result<_, _>>()?,
+            motors,
             speeds: builder.speeds(),
             ..Nonsmooth::default()
         };

@@ -35,17 +35,22 @@ impl Builder<'_> {
         speeds.collect()
     }
 
-    /// A motor of the scene file.
+    /// A motor of the scene file, and what is to be known of its bound.
     ///
     /// # Errors
     /// [`ModelError::Coupling`] with the line, for a joint that has not one freedom.
-    pub(crate) fn motor(&self, motor: &SceneMotor) -> Result<Motor, ModelError> {
+    pub(crate) fn motor(&self, motor: &SceneMotor, unbounded: &mut Vec<Warning>) -> Result<Motor, ModelError> {
         let stand = self.stand(motor.line, Element::Motor(motor.on.clone()));
         let coordinate = self.coordinate(motor.joint.robot, &motor.joint.joint, &stand)?;
         let joints = &self.model.robots[motor.joint.robot].robot.joints;
         let joint = joints.iter().find(|joint| joint.name == motor.joint.joint);
         // effort="0" is what writers of URDFs leave where they know of no bound, because URDF asks for the attribute.
-        let of_urdf = joint.and_then(|joint| joint.limit?.effort).filter(|effort| *effort > 0.0);
+        let written = joint.and_then(|joint| joint.limit?.effort);
+        let of_urdf = written.filter(|effort| *effort > 0.0);
+        if motor.max_effort.is_none() && written == Some(0.0) {
+            let message = "the effort=\"0\" of its joint in the URDF file is read as no bound; max_effort in this [[motor]] sets one";
+            unbounded.push(stand.warning(message));
+        }
         Ok(Motor {
             coordinate,
             law: motor.law,

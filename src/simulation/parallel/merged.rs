@@ -13,7 +13,7 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::parallel::island::{IslandRun, frontier};
 use crate::simulation::steps::course::{RunError, RunOptions};
 use crate::simulation::steps::observer::{Counts, Observer, Sample, StepEnd, show};
-use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, pushes};
+use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, pushes};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::sync::atomic::Ordering;
 
@@ -59,6 +59,7 @@ impl MergedRun {
                 initial_energy: initial,
                 final_energy: initial,
                 pushes: pushes(mechanism, state, initial.spring),
+                held: held(mechanism, state),
                 max_violation: violation(mechanism, state, &bodies),
                 ..Summary::default()
             },
@@ -180,6 +181,7 @@ impl MergedRun {
         }
         self.waiting.clear();
         let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
+        self.summary.max_energy_error = self.largest_deviation;
         self.summary.max_relative_energy_error = self.largest_deviation / scale;
         self.summary.exchange = self.exchange;
     }

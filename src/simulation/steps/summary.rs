@@ -3,6 +3,7 @@
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactFigures;
 use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, violation};
@@ -38,10 +39,14 @@ pub struct Summary {
     /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
     /// the largest kinetic energy seen.
     pub max_relative_energy_error: f64,
+    /// That deviation (J).
+    pub max_energy_error: f64,
     /// The largest kinetic energy seen (J).
     pub largest_kinetic: f64,
     /// The most that all forces have pushed with, added up [N or N m].
     pub pushes: f64,
+    /// The most that the springs of motors, `½ kp (r − q)²` up to their bounds, had stored at the end of any step (J).
+    pub held: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
     /// How many events there were of each kind.
@@ -90,6 +95,7 @@ impl Bookkeeper {
                 initial_energy: initial,
                 final_energy: initial,
                 pushes: pushes(mechanism, state, initial.spring),
+                held: held(mechanism, state),
                 max_violation: violation,
                 ..Summary::default()
             },
@@ -125,8 +131,10 @@ impl Bookkeeper {
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
+        summary.held = summary.held.max(held(mechanism, state));
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
+        summary.max_energy_error = self.largest_deviation;
         // Motors hold a robot with next to no motion: the balance is one of the energies that they move, too.
         let exchanged = exchange.dissipated.abs() + exchange.work.abs() + exchange.friction + exchange.impacts;
         let moved = if self.driven { exchanged.max(AT_REST * (energy.potential.abs() + energy.spring)) } else { 0.0 };
@@ -134,6 +142,16 @@ impl Bookkeeper {
         summary.max_relative_energy_error =
             if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
     }
+}
+
+/// What the springs of motors store in a state, up to their bounds (J).
+pub(crate) fn held(mechanism: &Mechanism, state: &State) -> f64 {
+    let motors = mechanism.nonsmooth.motors.iter().filter(|motor| matches!(motor.law, MotorLaw::Position { .. }));
+    let stored = motors.map(|motor| {
+        let stretch = (motor.target.value(state.time) - state.position[motor.coordinate.position]).abs();
+        0.5 * stretch * (motor.law.gains().0 * stretch).min(motor.max_effort)
+    });
+    stored.sum()
 }
 
 /// What all forces of a mechanism push with in a state, added up, for springs that store so much (J) [N or N m].

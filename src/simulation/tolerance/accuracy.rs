@@ -26,6 +26,7 @@
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::Nonsmooth;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::event::Event;
@@ -105,6 +106,8 @@ pub struct Calibration {
     pub told_until: f64,
     /// Whether the finest trial runs part before the end, so that finer steps would not help.
     pub parted: bool,
+    /// Whether its errors may grow from nearly nothing, as those of chaotic motions do ([`may_be_chaotic`]).
+    pub amplifies: bool,
     /// If the accuracy does not hold to the end: the first instant (s) from which the finest trial runs meet different events (impacts, sticking,
     /// bounds of motors).
     pub events_differ: Option<f64>,
@@ -112,6 +115,13 @@ pub struct Calibration {
     pub pilots: usize,
     /// How many times the run was begun.
     pub begun: usize,
+}
+
+/// Whether a motion can amplify errors for ever. A single freedom cannot, without impacts, dry friction and targets that change in time.
+pub(crate) fn may_be_chaotic(mechanism: &Mechanism) -> bool {
+    let Nonsmooth { limits, friction, motors, pairs, .. } = &mechanism.nonsmooth;
+    let is_struck = !limits.is_empty() || !friction.is_empty() || !pairs.is_empty();
+    mechanism.velocity_count > 1 || is_struck || motors.iter().any(|motor| !motor.target.is_constant())
 }
 
 impl Calibration {
@@ -219,6 +229,7 @@ pub(crate) fn calibrate_counted(
         told_until: search.course.end,
         events_differ: differ,
         parted,
+        amplifies: may_be_chaotic(mechanism),
         pilots: search.pilots,
         begun: 1,
     })

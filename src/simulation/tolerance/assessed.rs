@@ -23,7 +23,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
-use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy};
+use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy, may_be_chaotic};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, RATIO};
 use crate::simulation::tolerance::event_order::first_difference;
@@ -293,6 +293,7 @@ impl<'a> Assessed<'a> {
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
             told_until: if self.parted { state.time } else { time },
             parted: self.parted,
+            amplifies: may_be_chaotic(mechanism),
             events_differ: differ,
             pilots: 0,
             begun: self.begun,

@@ -1,9 +1,20 @@
 //! A second motion, computed in the steps of the run but without the errors that the iterations leave ([`Step::carry_on`]). The distance of the
 //! two is the error that the run has made so far.
+//!
+//! Of what the polynomials of a step leave out, the largest coefficient of which is about `E`, a propagator `e^{−γ(h−t)}` takes its coefficient of the same degree to
+//! the end of the step. Without dampers that is as small as `E` itself, and the error is of the size `E²`; a damper of the rate γ makes it
+//!
+//! ```text
+//!     T = E κ(h γ) min(1, 15/(h γ)),     κ(z) = |Σ_j L_j (e^{−z(1 − c_j)} − e^{−z})|         (rad, m)
+//! ```
+//!
+//! with the weights `L_j` of the top Legendre coefficient. Where `e^{−hγ}` is nothing, the motion is the slow one behind the damper, of which the fast one takes a
+//! part of the size `1/(h γ)`.
 
 use catena_lobatto::stages::attempt::Carrying;
 use catena_lobatto::step::interface::Step;
 use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::forces::Forces;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::{Body, Mechanism};
 use catena_mechanism::motion::energy::Energy;
@@ -14,6 +25,12 @@ const PART: f64 = 0.02;
 /// Number of iterations after which an iteration may leave the larger part `REST`.
 const MOST: usize = 2;
 const REST: f64 = 0.05;
+/// Increments may be left up to this part of the stop,
+const OF_STOP: f64 = 1e-3;
+/// and up to roundings (rad, m), where springs or dampers act.
+const ROUNDINGS: f64 = 1e-15;
+/// With h γ above this nothing is left at the end of a step of the fast motion that it began with.
+const STOPPED: f64 = 15.0;
 /// Steps of which E is above this part of the largest that is kept have a truncation that counts.
 const TRUNCATED: f64 = 0.5;
 
@@ -30,11 +47,24 @@ pub struct Companion {
     /// The factor of the truncation error for few degrees of freedom, `min(1, n/8)²`.
     share: f64,
     begun: bool,
+    /// Whether springs or dampers act.
+    sprung: bool,
+    /// The rate γ of the hardest damper [1/s].
+    decay: f64,
+    /// What an iteration may leave anyway (rad, m).
+    least: f64,
     /// Truncation of the next step to be accepted (rad, m).
     truncation: f64,
     /// The weights of the stages 2 … s in a top Legendre coefficient, and room for the coefficients of each degree of freedom.
     top: &'static [f64],
+    /// Where these stages are in the step.
+    nodes: &'static [f64],
     coefficients: Vec<[f64; 2]>,
+}
+
+/// Whether any of these forces is a spring or a damper.
+fn is_sprung(forces: &Forces) -> bool {
+    !forces.joint_springs.is_empty() || !forces.joint_dampers.is_empty() || !forces.point_springs.is_empty()
 }
 
 impl Companion {
@@ -47,8 +77,12 @@ impl Companion {
             ahead: false,
             share: freedoms.min(1.0).powi(2),
             begun: false,
+            sprung: is_sprung(&mechanism.forces),
+            decay: 0.0,
+            least: ROUNDINGS,
             truncation: 0.0,
             top: &tableau.top_legendre[1..],
+            nodes: &tableau.nodes[1..],
             coefficients: vec![[0.0; 2]; mechanism.velocity_count],
         }
     }
@@ -63,11 +97,28 @@ impl Companion {
         self.begun
     }
 
-    /// Takes note of a step that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local error
-    /// falls like E², which is chosen to match the stop ([`crate::length::control`]).
-    pub(crate) fn see(&mut self, legendre: f64, limit: f64, wanted: f64, stop: f64) {
+    /// Takes note of the rate at which the hardest damper stops something [1/s].
+    pub(crate) fn brake(&mut self, decay: f64) {
+        self.decay = decay;
+    }
+
+    /// Takes note of a step of `length` seconds that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m).
+    /// The local error falls like E², which is chosen to be that of the stop ([`crate::length::control`]), but for dampers.
+    pub(crate) fn see(&mut self, length: f64, legendre: f64, limit: f64, wanted: f64, stop: f64) {
         let counts = legendre > TRUNCATED * limit;
-        self.truncation = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };
+        let smooth = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };
+        self.truncation = smooth.max(legendre * self.propagated(length * self.decay));
+        self.least = (OF_STOP * stop).max(ROUNDINGS);
+    }
+
+    /// `κ(z) min(1, 15/z)`.
+    fn propagated(&self, z: f64) -> f64 {
+        if z <= 0.0 {
+            return 0.0;
+        }
+        let weights = self.top.iter().zip(self.nodes);
+        let top: f64 = weights.map(|(top, node)| top * ((z * (node - 1.0)).exp() - (-z).exp())).sum();
+        top.abs() * (STOPPED / z).min(1.0)
     }
 
     /// Begins where the run begins.
@@ -134,7 +185,16 @@ impl Companion {
         if truncation > 0.0 && !self.parts_further(kernel, mechanism, state, time - state.time) {
             truncation = 0.0;
         }
-        Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation }
+        Carrying {
+            apart,
+            part: PART,
+            most: MOST,
+            rest: REST,
+            sprung: self.sprung,
+            least: self.least,
+            exactly,
+            truncation,
+        }
     }
 
     /// Whether the truncation, whose sign is unknown, takes the motions further apart over a step of `length` seconds. They part in the directions in

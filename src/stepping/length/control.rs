@@ -298,7 +298,7 @@ impl Control {
                 Attempt::Converged { exact, legendre, .. } => {
                     outcome.exact = exact;
                     if let Some(companion) = &mut stepper.companion {
-                        companion.see(legendre, self.limit, self.wanted, self.stop);
+                        companion.see(length, legendre, self.limit, self.wanted, self.stop);
                     }
                     Some(if !exact && self.is_likely_kept(legendre) {
                         stepper.finish_both(mechanism, state, end)

@@ -170,6 +170,7 @@ impl Stepper {
                 self.modes.heed(known);
                 self.ranks.hear(known.weak, state.time);
             }
+            self.look_at_dampers(mechanism, state);
         }
         moved
     }
@@ -360,9 +361,19 @@ impl Stepper {
         self.look(mechanism, state, FIRST_LOOK, length);
     }
 
+    /// Tells the companion how hard the dampers are.
+    fn look_at_dampers(&mut self, mechanism: &Mechanism, state: &State) {
+        if let Some(companion) = &mut self.companion
+            && self.damped
+        {
+            companion.brake(self.modes.hardest_damper(mechanism, state, FIRST_LOOK));
+        }
+    }
+
     fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
         let mode = self.modes.fastest(mechanism, state, iterations);
         self.watch.see(mode, length, state.time);
+        self.look_at_dampers(mechanism, state);
         if self.watch.listens()
             && let Some(transient) = self.modes.transient(mechanism, state)
         {

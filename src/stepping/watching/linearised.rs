@@ -221,6 +221,30 @@ impl Linearised {
         (0.125 * (with - without) / size).max(0.0)
     }
 
+    /// The largest eigenvalue of C [1/s], from below, by the power iteration `d ← C d`; zero without dampers, or where the state is not finite.
+    pub fn hardest_damper(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> f64 {
+        if self.undamped.is_none() {
+            return 0.0;
+        }
+        let Linearised { motion, acceleration, image, state: moved, .. } = self;
+        first_direction(acceleration);
+        let mut decay = 0.0;
+        for _ in 0..iterations {
+            image.fill(0.0);
+            motion.brake(mechanism, state, acceleration, moved, image);
+            let before = motion.kinetic(mechanism, moved, acceleration.iter().copied());
+            let after = motion.kinetic(mechanism, moved, image.iter().copied());
+            let power = after / before;
+            if !power.is_normal() {
+                return decay;
+            }
+            decay = power.sqrt();
+            acceleration.copy_from_slice(image);
+            scale(acceleration);
+        }
+        decay
+    }
+
     /// A motion that dampers are about to stop, if there is one to speak of.
     pub fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
         self.undamped.as_ref()?;

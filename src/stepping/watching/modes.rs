@@ -74,6 +74,11 @@ impl Modes {
         self.linearised.as_mut().and_then(|linearised| linearised.transient(mechanism, state))
     }
 
+    /// The rate at which the hardest damper stops something at a state [1/s], after some power iterations.
+    pub fn hardest_damper(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> f64 {
+        self.linearised.as_mut().map_or(0.0, |linearised| linearised.hardest_damper(mechanism, state, iterations))
+    }
+
     /// The pace of the motion at a state; `None` with forces and closures, which it does not know.
     pub fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
         let Modes { plan, start, dynamics, jerks, .. } = self;
