@@ -20,5 +20,6 @@ mod scene_file;
 mod scenes;
 mod simulation;
 mod start_within_limits;
+mod starts_as_given;
 mod urdf_corpus_reading;
 mod urdf_reading;

@@ -35,6 +35,20 @@ impl Builder<'_> {
         speeds.collect()
     }
 
+    /// Warnings of motors in joints with `effort="0"`, which is read as no bound.
+    pub(crate) fn unbounded_motors(&self) -> Vec<Warning> {
+        let motors = self.scene.iter().flat_map(|scene| &scene.motors).filter(|motor| motor.max_effort.is_none());
+        let zero = motors.filter_map(|motor| {
+            let placed = &self.model.robots[motor.joint.robot].robot;
+            let joint = placed.joints.iter().find(|joint| joint.name == motor.joint.joint)?;
+            let message =
+                "its <limit> has effort=\"0\", which is read as no bound for its motor; give the [[motor]] max_effort";
+            let element = Some(Element::Joint(joint.name.clone()));
+            (joint.limit?.effort? == 0.0).then(|| Warning::odd(&placed.path, Some(joint.line), element, message))
+        });
+        Warning::of_kind(zero.collect(), "joint", "joints").into_iter().collect()
+    }
+
     /// A motor of the scene file.
     ///
     /// # Errors
