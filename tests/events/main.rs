@@ -47,6 +47,7 @@ mod reactions;
 mod robots;
 mod robots_on_floor;
 mod scene_files;
+mod singular_places;
 mod slides;
 mod throws;
 mod toys;

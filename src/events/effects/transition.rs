@@ -215,9 +215,22 @@ fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize
 
 /// Everything that is met comes to rest along its first row: what is done where the law of impact could not be solved.
 fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Impulses {
-    let approach: Vec<&Meeting> = meetings.iter().filter(|meeting| meeting.rate(&state.velocity) < 0.0).collect();
-    let first = approach.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
-    let lost = bring_rows_to_rest(scene, state, first);
+    let mut rests: Vec<usize> = Vec::new();
+    let mut lost = 0.0;
+    // Limits that come to rest may make others approach.
+    loop {
+        let approach = |index: &usize| !rests.contains(index) && meetings[*index].rate(&state.velocity) < 0.0;
+        let more: Vec<usize> = (0..meetings.len()).filter(approach).collect();
+        if more.is_empty() {
+            break;
+        }
+        rests.extend(more);
+        let first = rests.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
+        lost += bring_rows_to_rest(scene, state, first);
+        if !scene.touching.pairs.is_empty() {
+            break;
+        }
+    }
     Impulses { normal: vec![0.0; meetings.len()], lost, rounding: 0.0 }
 }
 
