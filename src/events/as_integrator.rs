@@ -57,6 +57,12 @@ impl Integrator for Eventful {
                 }
                 self.stumble(inputs, state, next)
             }
+            Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. } | StepError::TurnedTooFar { .. })
+                if self.touching.pairs.is_empty() =>
+            {
+                self.crowding.jam(self.origin.time);
+                self.pass_singular(inputs, state, next)
+            }
             done => done?,
         };
         // What is left is less than the time can tell.

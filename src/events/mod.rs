@@ -41,6 +41,7 @@ mod last_step;
 mod location;
 mod modes;
 mod quiet;
+mod singular;
 mod sliding;
 mod steps;
 mod stepwise;

@@ -285,7 +285,7 @@ impl Eventful {
     }
 
     /// Takes from the velocities what a step has gained beside the work (J); returns what it has lost (J).
-    fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
+    pub(super) fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
         let (before, after) = (energy(&self.whole, start), energy(&self.whole, end));
         let gained = after.total() - before.total() - work;
         if gained > GAIN * after.kinetic && after.kinetic > 0.0 {

@@ -46,6 +46,7 @@ impl Model {
         model.tables = scene.tables.iter().map(table).collect();
         model.warnings.extend(scene.warnings.iter().cloned());
         let start = model.start(scene)?;
+        model.build_ranges(Some(scene))?;
         let state = model.initial_state(&start.positions, &start.velocities, None)?;
         model.build_couplings(Some(scene), &state)?;
         model.set_contact(&scene.contact)?;

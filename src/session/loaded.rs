@@ -114,6 +114,7 @@ impl Loaded {
         let warning = |message: String| Warning::odd(file, None, None, message);
         let mut warnings: Vec<Warning> = onto_loops.into_iter().chain(apart).map(warning).collect();
         warnings.extend(self.model.moved_in_warning(&given, &state));
+        warnings.extend(self.model.locked_warning(&given));
         warnings.extend(self.model.limit_warning(&state));
         Ok(Assembled { state, counted, warnings })
     }

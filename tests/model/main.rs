@@ -21,5 +21,6 @@ mod scene_file;
 mod scenes;
 mod simulation;
 mod start_within_limits;
+mod starts_as_given;
 mod urdf_corpus_reading;
 mod urdf_reading;

@@ -1,6 +1,7 @@
 //! The part of `catena model` about simplifications: the rules, what each of them saves, and the islands.
 
 use crate::cli::tables::table::Table;
+use catena::instant::holding::locked::locked_bodies;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
@@ -41,6 +42,7 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
+            Rule::Locked => locked_bodies(&model.mechanism).len(),
             Rule::Tree => cut,
             Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
             Rule::Translation => bodies_in_space(sliding_bodies),
@@ -58,6 +60,7 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
+            Rule::Locked => format!("{}, {}", counted(count, "joint", "joints"), rule.saving()),
             Rule::Tree => {
                 let cut = counted(count, "other joint is cut", "other joints are cut");
                 format!("{cut}, {}", rule.saving())

@@ -4,7 +4,8 @@
 //!     left of the answer of a freedom i, or of a normal i, beside held rows S:    Y_ii − Y_iS (Y_SS)⁺ Y_Si
 //! ```
 //!
-//! Where nothing is left, to 1e-10 of Y_ii, the held rows say what it does. A pair whose gap they keep at zero, and that does not press, is idle: a wheel that
+//! If the rest is at most 1e-10 of Y_ii, the held rows determine the freedom. Without held rows Y_ii is zero at a dead point of a loop, where the freedom
+//! turns round and moves on; there it is rounding of H⁻¹_ii, the answer without closures, and decides nothing. A pair whose gap they keep at zero, and that does not press, is idle: a wheel that
 //! touches a floor while its axle stands on the other wheel. Its gap has the roundings of theirs.
 
 use crate::events::effects::decision::{Candidate, Scene};
@@ -19,6 +20,8 @@ use nalgebra::{DMatrix, DMatrixView};
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
+/// An answer below this part of that without closures is rounding.
+const ROUNDING: f64 = 1e-13;
 
 /// The pairs of candidates of which none is closed in a mode, and whose gaps its held joints and closed contacts keep as they are.
 pub(crate) fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[Candidate]) -> Vec<usize> {
@@ -79,13 +82,32 @@ pub(crate) fn held_bodies(
     let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
     let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
     let mut answers = response.diagonal(state, freedoms).into_iter();
+    let mut immobile: Vec<(usize, f64)> = Vec::new();
     for &body in &others {
         held[body] = true;
         for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
             held[body] &= cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), &inverse);
+            immobile.push((freedom, answer));
         }
+        immobile.retain(|(freedom, _)| held[body] || !whole.bodies[body].joint.velocity_range().contains(freedom));
+    }
+    for freedom in rounded(whole, state, &immobile) {
+        whole.body_of_freedom(freedom).into_iter().for_each(|body| held[body] = false);
     }
     held
+}
+
+/// The freedoms whose answers are roundings of those without closures: they are at dead points.
+fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<usize> {
+    if answers.is_empty() || !whole.has_closures() {
+        return Vec::new();
+    }
+    let mut open = whole.clone();
+    open.loops.clear();
+    open.mimics.clear();
+    let of_tree = Response::new(&open).diagonal(state, answers.iter().map(|(freedom, _)| *freedom));
+    let dead = answers.iter().zip(of_tree).filter(|((_, answer), free)| *answer <= ROUNDING * free);
+    dead.map(|((freedom, _), _)| *freedom).collect()
 }
 
 /// Whether nothing is left of an answer Y_ii beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.

@@ -12,6 +12,7 @@
 //! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
 
 use crate::events::effects::decision::Scene;
+use crate::events::effects::resting::energy;
 use crate::events::forces::closed_forces::Chosen;
 use crate::instant::cone::impact::impact;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
@@ -20,6 +21,9 @@ use crate::mechanism::motion::state::State;
 
 /// A rate that an impact leaves is zero if it is this part of the largest before.
 const STOPPED: f64 = 1e-9;
+
+/// An impact that gains more than this part of the kinetic energy is wrong.
+const GAIN: f64 = 1e-6;
 
 /// Rates that are this part of the terms that they are the sum of are roundings.
 const ROUNDING: f64 = 1e-14;
@@ -66,6 +70,19 @@ pub(crate) fn holding_impulses(scene: &mut Scene, state: &State, meetings: &[Mee
     blocks.iter().map(normal).collect()
 }
 
+/// Whether limits of a tree have given energy: near gimbal lock their response is rounding. `before` are the velocities before the impact.
+fn gains(scene: &Scene, before: &[f64], state: &State) -> bool {
+    if scene.whole.has_closures() || !scene.touching.pairs.is_empty() {
+        return false;
+    }
+    let kinetic = |velocity: &[f64]| {
+        let state = State { velocity: velocity.to_vec(), ..state.clone() };
+        energy(scene.whole, &state).kinetic
+    };
+    let (before, after) = (kinetic(before), kinetic(&state.velocity));
+    !(after <= (1.0 + GAIN) * before)
+}
+
 /// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
 pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
     let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, rounding: 0.0 };
@@ -81,7 +98,12 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
     let restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
     let found = impact(&Problem { mobility: &rows.square, free: &before, laws: &laws }, &restitution)?;
+    let velocity = state.velocity.clone();
     rows.add(&found.impulses, &mut state.velocity);
+    if gains(scene, &velocity, state) {
+        state.velocity = velocity;
+        return Err(Unsolved::Numbers { block: 0 });
+    }
     done.lost = found.lost;
     let terms = rows.square.row_iter().map(|row| row.iter().zip(&found.impulses).map(|(d, p)| (d * p).abs()).sum());
     done.rounding = ROUNDING * terms.fold(0.0, f64::max);

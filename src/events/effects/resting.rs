@@ -2,15 +2,26 @@
 //!
 //! ```text
 //!     minimise ½ dvᵀ H dv   subject to  W (v + dv) = 0          dv = Y Wᵀ P,   D P = −W v
+//!
+//!     of joints S in a tree, F the other freedoms:               dv_S = −v_S,   H_FF dv_F = −H_FS dv_S
 //! ```
+//!
+//! Near gimbal lock D is a difference of large numbers, and the second form is taken, which has no such difference. It is needed if the first one leaves
+//! rates or gains energy.
 
 use crate::events::effects::decision::Scene;
 use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::least_norm::least_norm;
+use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::instant::holding::blocks::Rows;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
+use nalgebra::{DMatrix, DVector};
+
+/// Rates that are left beyond this part of the largest are not at rest.
+const LEFT: f64 = 1e-7;
 
 /// The energy of a state (J).
 pub(crate) fn energy(mechanism: &Mechanism, state: &State) -> Energy {
@@ -37,6 +48,52 @@ pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec
     let rates = rows.rates(&state.velocity);
     let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); rates.len()];
     let impulses = minimise(&rows.square, &rates, &unbounded).efforts;
+    let before = state.velocity.clone();
     rows.add(&impulses, &mut state.velocity);
+    if let Some(joints) = joints_of_tree(scene.whole, rows.rows()) {
+        let most = LEFT * before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+        if !joints.iter().all(|&freedom| state.velocity[freedom].abs() <= most) {
+            state.velocity.copy_from_slice(&before);
+            return bring_joints_to_rest(scene.whole, state, &joints);
+        }
+    }
     impulses.iter().zip(&rates).map(|(impulse, rate)| -0.5 * rate * impulse).sum()
+}
+
+/// The freedoms that rows are of, if each of them is of one joint of a tree; none otherwise.
+fn joints_of_tree(whole: &Mechanism, rows: &[Vec<f64>]) -> Option<Vec<usize>> {
+    if whole.has_closures() {
+        return None;
+    }
+    let of = |row: &Vec<f64>| {
+        let mut own = row.iter().enumerate().filter(|(_, entry)| **entry != 0.0).map(|(freedom, _)| freedom);
+        own.next().filter(|_| own.next().is_none())
+    };
+    rows.iter().map(of).collect()
+}
+
+/// Brings joints of a tree to rest by the mass matrix; returns the energy that this takes (J).
+pub(crate) fn bring_joints_to_rest(whole: &Mechanism, state: &mut State, joints: &[usize]) -> f64 {
+    let mass = mass_matrix(whole, state);
+    let before = energy(whole, state).kinetic;
+    let others: Vec<usize> = (0..mass.nrows()).filter(|freedom| !joints.contains(freedom)).collect();
+    if !others.is_empty() {
+        // To a unit diagonal, so that units and light links do not count.
+        let unit =
+            |freedom: usize| if mass[(freedom, freedom)] > 0.0 { 1.0 / mass[(freedom, freedom)].sqrt() } else { 0.0 };
+        let units: Vec<f64> = others.iter().map(|&freedom| unit(freedom)).collect();
+        let entry = |row: usize, column: usize| mass[(others[row], others[column])] * units[row] * units[column];
+        let square = DMatrix::from_fn(others.len(), others.len(), entry);
+        // −H_FS dv_S = H_FS v_S.
+        let held = |row: usize| -> f64 {
+            joints.iter().map(|&joint| mass[(others[row], joint)] * state.velocity[joint]).sum()
+        };
+        let right = DVector::from_fn(others.len(), |row, _| units[row] * held(row));
+        if let Some((change, _)) = least_norm(&square, &right) {
+            let changes = others.iter().zip(change.iter().zip(&units));
+            changes.for_each(|(&freedom, (change, unit))| state.velocity[freedom] += unit * change);
+        }
+    }
+    joints.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+    before - energy(whole, state).kinetic
 }

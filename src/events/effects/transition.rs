@@ -215,9 +215,22 @@ fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize
 
 /// Everything that is met comes to rest along its first row: what is done where the law of impact could not be solved.
 fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Impulses {
-    let approach: Vec<&Meeting> = meetings.iter().filter(|meeting| meeting.rate(&state.velocity) < 0.0).collect();
-    let first = approach.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
-    let lost = bring_rows_to_rest(scene, state, first);
+    let mut rests: Vec<usize> = Vec::new();
+    let mut lost = 0.0;
+    // Limits that come to rest may make others approach.
+    loop {
+        let approach = |index: &usize| !rests.contains(index) && meetings[*index].rate(&state.velocity) < 0.0;
+        let more: Vec<usize> = (0..meetings.len()).filter(approach).collect();
+        if more.is_empty() {
+            break;
+        }
+        rests.extend(more);
+        let first = rests.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
+        lost += bring_rows_to_rest(scene, state, first);
+        if !scene.touching.pairs.is_empty() {
+            break;
+        }
+    }
     Impulses { normal: vec![0.0; meetings.len()], lost, rounding: 0.0 }
 }
 
@@ -296,8 +309,10 @@ fn gather_meetings(
     for (index, joint) in scene.elements.joints.iter().enumerate() {
         let Some(side) = joint.side(joint.position(state)) else { continue };
         let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
-        let block = Block::of_joint(index, freedom, count, inward(side), [0.0, f64::INFINITY]);
-        let restitution = if crowded { 0.0 } else { joint.restitution };
+        // A locked joint can be pushed both ways, and gives nothing back.
+        let least = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
+        let block = Block::of_joint(index, freedom, count, inward(side), [least, f64::INFINITY]);
+        let restitution = if crowded || joint.is_locked() { 0.0 } else { joint.restitution };
         let mut meeting = Meeting { block, restitution, rest: rests[index] };
         let rate = meeting.rate(&state.velocity);
         let known = &memory.joints[index];

@@ -348,6 +348,9 @@ impl Chosen {
     /// λ of all rows.
     pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
         let count = self.equations.len();
+        if count == 0 {
+            return Vec::new();
+        }
         let scales = self.scales(mobility);
         let scaled = self.scaled(mobility, true, &scales);
         let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scales[row]);
@@ -382,6 +385,9 @@ pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
     if !scaled.iter().all(|value| value.is_finite()) {
         return None;
     }
+    if scaled.is_empty() {
+        return Some(Vec::new());
+    }
     let eigen = scaled.symmetric_eigen();
     let least = SINGULAR * eigen.eigenvalues.max();
     let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
@@ -390,6 +396,9 @@ pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
 
 /// Whether a response is regular, whatever the units of its rows.
 fn is_regular(square: &DMatrix<f64>) -> bool {
+    if square.is_empty() {
+        return true;
+    }
     let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
     if scale.contains(&0.0) {
         return false;

@@ -10,10 +10,10 @@
 //! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
 use crate::events::forces::closed_forces::{ClosedForces, Load, are_unique, closed_forces};
-use crate::events::modes::held::Held as Moving;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
+use crate::instant::holding::held::Held as Moving;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::mechanism::{Body, Mechanism};

@@ -11,10 +11,10 @@
 //! so that stiff gains cost iterations, not steps. Its work is that of the three: of the spring `−½ kp [(q − r₀)²]`, of the damper
 //! `−h Σ b_k kd q̇_k²` and of the effort `h Σ b_k e_k q̇_k`, with the rates of the scheme.
 
-use crate::events::modes::held::Held;
 use crate::events::modes::mode::{Mode, MotorMode};
 use crate::events::modes::piece_steps::PieceSteps;
 use crate::instant::holding::elements::Elements;
+use crate::instant::holding::held::Held;
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::forces::{JointDamper, JointSpring};
 use crate::mechanism::description::mechanism::Mechanism;

@@ -13,6 +13,7 @@
 //! | contact | sticking, or rolling | whatever holds it, `|λ_T| ≤ μ λ_N` |
 
 use crate::instant::holding::elements::{ElementJoint, Elements};
+use crate::instant::holding::held::Closures;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
@@ -67,14 +68,6 @@ pub(crate) struct Mode {
     pub contacts: Vec<Closed>,
     /// Pairs that touch without pressing, because others keep their gaps at zero ([`crate::events::effects::immobile`]).
     pub idle: Vec<usize>,
-}
-
-/// Closed contacts as closures of what moves.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Closures {
-    pub touches: Vec<TouchJoint>,
-    /// Points that stay where they are.
-    pub anchors: Vec<LoopJoint>,
 }
 
 impl Mode {

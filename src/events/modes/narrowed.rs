@@ -10,8 +10,8 @@
 //! What acts on held joints moves nothing: it changes what holds them.
 
 use crate::events::modes::drives::Drives;
-use crate::events::modes::held::Held;
 use crate::instant::dynamics::response::Response;
+use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::state::State;

@@ -3,11 +3,11 @@
 //! A piece is kept with its workspace while it may be needed again: what it depends on is what is held and where, and which motors follow their laws.
 
 use crate::events::modes::drives::Drives;
-use crate::events::modes::held::Held;
 use crate::events::modes::instants::Instants;
-use crate::events::modes::mode::Closures;
 use crate::events::modes::narrowed::{Narrowed, Room};
 use crate::events::modes::piece_steps::{PieceRecipe, PieceSteps};
+use crate::instant::holding::held::Closures;
+use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};

@@ -1,8 +1,8 @@
 //! The present mode with all that belongs to it: the mechanism, its elements and their states, and the piece that moves.
 
-use crate::events::modes::held::Held as Moving;
 use crate::events::modes::mode::Mode;
 use crate::instant::holding::elements::Elements;
+use crate::instant::holding::held::Held as Moving;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::mechanism::Mechanism;
 

@@ -183,6 +183,11 @@ impl Rows {
         }
     }
 
+    /// W, one row after the other.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
     /// Y Wᵀ.
     pub fn columns(&self) -> &DMatrix<f64> {
         &self.columns

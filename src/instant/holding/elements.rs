@@ -206,7 +206,12 @@ impl ElementJoint {
 
     /// Whether its bounds leave no room.
     pub fn is_locked(&self) -> bool {
-        self.lower >= self.upper
+        self.lower >= self.upper || self.leaves_one_position()
+    }
+
+    /// Whether its bounds are one position, but for rounding.
+    pub fn leaves_one_position(&self) -> bool {
+        self.lower.is_finite() && (self.upper - self.lower).abs() <= self.at_limit(Side::Lower)
     }
 }
 

@@ -2,5 +2,7 @@
 
 pub(crate) mod blocks;
 pub(crate) mod elements;
+pub(crate) mod held;
+pub mod locked;
 pub mod statuses;
 pub(crate) mod touching;

@@ -4,6 +4,7 @@
 //! matrix ([`crate::lobatto::coupled::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
 //! as defect/h.
 
+use crate::instant::holding::locked::Locked;
 use crate::instant::start::apart::without_overlap;
 use crate::instant::start::assembly_elsewhere::close_elsewhere;
 use crate::instant::start::limits::{close_within, excess, most_exceeded, move_within, within};
@@ -14,6 +15,8 @@ use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::closure::JointLimit;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::gaps::loop_gaps;
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use std::sync::Arc;
 
@@ -125,6 +128,46 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
 /// # Errors
 /// As of [`assemble`].
 pub fn assemble_counted(
+    mechanism: &Mechanism,
+    state: &mut State,
+) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
+    match Locked::of(mechanism) {
+        Some(locked) => assemble_without(&locked, mechanism, state),
+        None => assemble_moving(mechanism, state),
+    }
+}
+
+/// Assembles what moves besides locked joints, which are put in their places, at rest.
+fn assemble_without(
+    locked: &Locked,
+    mechanism: &Mechanism,
+    state: &mut State,
+) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
+    let wanted = state.clone();
+    let mut own = State::zero(locked.mechanism());
+    locked.gather(mechanism, state, &mut own);
+    let assembled = assemble_moving(locked.mechanism(), &mut own);
+    locked.spread(mechanism, &own, state);
+    let (mut correction, _) = assembled?;
+    // Closures between locked joints are not among those that were closed.
+    let bodies = body_states(mechanism, state);
+    for joint in &mechanism.loops {
+        let (gap, _) = loop_gaps(joint, &bodies).largest();
+        if gap.is_nan() || gap > OPEN {
+            return Err(AssemblyError::Open { closure: joint.name.clone(), gap });
+        }
+    }
+    correction.position = largest_change(&wanted, state);
+    if !mechanism.has_closures() {
+        return Ok((correction, None));
+    }
+    let changes = state.velocity.iter().zip(&wanted.velocity).map(|(after, before)| (after - before).abs());
+    correction.velocity = changes.fold(0.0, f64::max);
+    Ok((correction, Some(Arc::new(Counted::at(mechanism, state)))))
+}
+
+/// Assembles a mechanism without locked joints.
+fn assemble_moving(
     mechanism: &Mechanism,
     state: &mut State,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {

@@ -12,6 +12,8 @@ pub enum Rule {
     Islands,
     /// An island at rest in equilibrium is not simulated.
     Sleep,
+    /// A joint whose limits, with those of the joints that follow it, leave one position is simulated as a fixed joint.
+    Locked,
     /// Steps are made on the spanning tree with the least work, whichever joints the file closes loops with.
     Tree,
     /// Mechanisms that move in a plane are simulated with three coordinates a body.
@@ -35,9 +37,10 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 9] = [
+    pub const ALL: [Rule; 10] = [
         Rule::Islands,
         Rule::Sleep,
+        Rule::Locked,
         Rule::Tree,
         Rule::Planar,
         Rule::Translation,
@@ -52,6 +55,7 @@ impl Rule {
         match self {
             Rule::Islands => "islands",
             Rule::Sleep => "sleep",
+            Rule::Locked => "locked",
             Rule::Tree => "tree",
             Rule::Planar => "planar",
             Rule::Translation => "translation",
@@ -67,6 +71,7 @@ impl Rule {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and all accelerations are zero",
+            Rule::Locked => "limits of the joint and of those that follow it leave one position",
             Rule::Tree => "loops, and cutting them at other joints is less work",
             Rule::Planar => "all hinges about one direction, all slides across it, loops too",
             Rule::Translation => "in space, only slides between body and world",
@@ -82,6 +87,7 @@ impl Rule {
         match self {
             Rule::Islands => "each with its own steps, on several cores, small ones together",
             Rule::Sleep => "not simulated",
+            Rule::Locked => "simulated as fixed",
             Rule::Tree => "fewer equations over each body",
             Rule::Planar => "three coordinates each instead of six",
             Rule::Translation => "three equations each instead of six",

@@ -14,7 +14,24 @@ use crate::scene::{Scene, UrdfJointKind, Warning};
 use std::collections::HashMap;
 
 impl Model {
-    /// The one place where what files say of loops, mimic relations and forces becomes part of the mechanism.
+    /// Fills the mimic relations and limits, which need no start: where the robots start depends on them.
+    ///
+    /// # Errors
+    /// [`ModelError::Coupling`] with the line of the joint.
+    pub(crate) fn build_ranges(&mut self, scene: Option<&Scene>) -> Result<(), ModelError> {
+        let builder = Builder { model: self, bodies: &[], dropped: &|_| false, scene };
+        builder.check_scene_joints()?;
+        let mut warnings = Vec::new();
+        let mimics = builder.urdf_mimics(&mut warnings)?;
+        let limits = builder.limits(&mut warnings);
+        self.mechanism.mimics = mimics;
+        self.mechanism.nonsmooth.limits.clone_from(&limits);
+        self.mechanism.limits = limits;
+        self.warnings.extend(warnings);
+        Ok(())
+    }
+
+    /// The one place where what files say of loops and forces becomes part of the mechanism.
     ///
     /// # Errors
     /// [`ModelError::Coupling`] with the line of the loop, spring, load or joint.
@@ -42,26 +59,21 @@ impl Model {
             }
         }
         let mut warnings = Vec::new();
-        builder.check_scene_joints()?;
         let springs_dampers = forces.joint_dampers.len();
         forces.joint_dampers.extend(builder.dampers(&mut warnings));
         let damping = springs_dampers..forces.joint_dampers.len();
-        let mimics = builder.urdf_mimics(&mut warnings)?;
-        let limits = builder.limits(&mut warnings);
         let mut unbounded = Vec::new();
         let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor, &mut unbounded));
         let motors = motors.collect::<Result<_, _>>()?;
         warnings.extend(Warning::of_kind(unbounded, "motor", "motors"));
         let nonsmooth = Nonsmooth {
-            limits: limits.clone(),
+            limits: self.mechanism.nonsmooth.limits.clone(),
             friction: builder.friction(&mut warnings),
             motors,
             speeds: builder.speeds(),
             ..Nonsmooth::default()
         };
         self.mechanism.loops = loops;
-        self.mechanism.mimics = mimics;
-        self.mechanism.limits = limits;
         self.mechanism.nonsmooth = nonsmooth;
         self.mechanism.forces = forces;
         self.damping = damping;

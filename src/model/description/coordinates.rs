@@ -16,8 +16,10 @@
 //!     X_body = X_link L⁻¹        v_body = v_link + ω × (p_body − p_link)        w = Rⱼᵀ ω        [m, m/s, rad/s]
 //! ```
 
+use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::motion::state::State;
+use crate::model::description::followers::Followed;
 use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::{JointRecord, Model};
 use crate::scene::UrdfJointKind;
@@ -67,8 +69,8 @@ impl Model {
         state
     }
 
-    /// The state with the given joint positions and velocities (user coordinates) and everything else at zero;
-    /// `base_velocity` is that of the floating root link's frame origin, in the world (linear, angular).
+    /// The state with the given joint positions and velocities (user coordinates). Joints that mimic given ones follow them
+    /// ([`crate::model::description::followers`]), locked joints are in their only position, and the rest is at zero; `base_velocity` is that of the floating root link's frame origin, in the world (linear, angular).
     ///
     /// # Errors
     /// [`ModelError`] for joints that do not exist or do not move, for wrong counts of numbers, and for angles without digits.
@@ -79,19 +81,34 @@ impl Model {
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, ModelError> {
         let mut state = self.zero_state();
+        let mut given = vec![false; self.mechanism.bodies.len()];
         for (name, values) in positions {
-            let (record, _) = self.moving_joint(name)?;
+            let (record, body) = self.moving_joint(name)?;
             self.set_position(&mut state, record, values)?;
+            given[body] = true;
         }
+        for limit in self.mechanism.nonsmooth.limits.iter().filter(|limit| limit.lower == limit.upper) {
+            // A locked joint that was not given is in its only position.
+            if !std::mem::replace(&mut given[limit.coordinate.body], true) {
+                state.position[limit.coordinate.position] = limit.lower;
+            }
+        }
+        let mimics = &self.mechanism.mimics;
+        let place = |of: Coordinate| of.position;
+        Followed { values: &mut state.position, place, offsets: true }.decide(mimics, given);
+        let mut given = vec![false; self.mechanism.bodies.len()];
         if let Some(velocity) = base_velocity {
             let base = self.joints.first().filter(|record| self.is_base(record)).ok_or(ModelError::BaseDoesNotFloat)?;
             // The base joint's frame is the world.
             self.set_velocity(&mut state, base, &velocity)?;
         }
         for (name, values) in velocities {
-            let (record, _) = self.moving_joint(name)?;
+            let (record, body) = self.moving_joint(name)?;
             self.set_velocity(&mut state, record, values)?;
+            given[body] = true;
         }
+        let place = |of: Coordinate| of.freedom;
+        Followed { values: &mut state.velocity, place, offsets: false }.decide(mimics, given);
         Ok(state)
     }
 

@@ -4,6 +4,7 @@ pub(crate) mod contact_pairs;
 pub(crate) mod contact_reach;
 pub(crate) mod coordinates;
 pub(crate) mod coupling_error;
+pub(crate) mod followers;
 pub(crate) mod model_error;
 pub(crate) mod reported;
 pub(crate) mod robot_model;

@@ -88,6 +88,20 @@ impl Model {
         Some(first)
     }
 
+    /// Warning of joints that were given a velocity, although their limits leave one position.
+    pub fn locked_warning(&self, wanted: &State) -> Option<Warning> {
+        let limits = self.mechanism.nonsmooth.limits.iter().filter(|limit| limit.lower == limit.upper);
+        let given = limits.filter_map(|limit| {
+            let (velocity, unit) = (wanted.velocity[limit.coordinate.freedom], self.unit(limit.coordinate));
+            let joint = Element::Joint(self.mechanism.bodies[limit.coordinate.body].joint.name.clone());
+            let at = limit.lower;
+            let message =
+                format!("its limits leave one position, {at} {unit}, so it starts at rest, not at {velocity} {unit}/s");
+            (velocity != 0.0).then(|| Warning::odd(self.path(), None, Some(joint), message))
+        });
+        Warning::of_kind(given.collect(), "joint", "joints")
+    }
+
     /// That a joint is outside a limit, if it is.
     fn outside(&self, limit: &JointLimit, state: &State) -> Option<Warning> {
         let position = state.position[limit.coordinate.position];

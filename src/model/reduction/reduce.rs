@@ -63,7 +63,8 @@ impl Model {
     /// [`ModelError`] when the base cannot float, a motion has no or negative inertia, or a loop cannot be.
     pub fn new(robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
         let mut model = Model::of_robot(robot, options)?;
-        let start = model.zero_state();
+        model.build_ranges(None)?;
+        let start = model.initial_state(&[], &[], None)?;
         model.build_couplings(None, &start)?;
         Ok(model)
     }

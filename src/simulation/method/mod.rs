@@ -1,4 +1,6 @@
 //! The integrator of a run, the scheme alone or with events, and how its steps are chosen.
 
+pub(crate) mod narrowed_inputs;
 pub mod run_integrator;
 pub(crate) mod step_choice;
+pub(crate) mod without_locked;

@@ -1,6 +1,7 @@
 //! The integrator of a run: the scheme alone, or with events if the mechanism has limits, dry friction, motors or contacts.
 
 use crate::events::Eventful;
+use crate::instant::holding::locked::Locked;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -11,6 +12,7 @@ use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::simulation::method::without_locked::WithoutLocked;
 use crate::stepping::integrator::{Lobatto, MethodError};
 use crate::stepping::recipe::{Recipe, Steps};
 use crate::stepping::trees::other_tree::OnOtherTree;
@@ -25,7 +27,12 @@ pub enum RunIntegrator {
     OnOtherTree(Box<OnOtherTree>),
     /// Of one with events.
     Eventful(Box<Eventful>),
+    /// Of one with locked joints, which no step knows.
+    WithoutLocked(Box<WithoutLockedRun>),
 }
+
+/// The integrator of the joints that are not locked.
+pub struct WithoutLockedRun(WithoutLocked<RunIntegrator>);
 
 impl From<Lobatto> for RunIntegrator {
     fn from(lobatto: Lobatto) -> Self {
@@ -39,6 +46,12 @@ impl RunIntegrator {
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
     pub fn new(mechanism: &Mechanism, steps: Steps, kept: &[Rule]) -> Result<Self, MethodError> {
+        let locked = if kept.contains(&Rule::Locked) { None } else { Locked::of(mechanism) };
+        if let Some(locked) = locked {
+            let inside = RunIntegrator::new(locked.mechanism(), steps, kept)?;
+            let without = WithoutLocked::new(mechanism, locked, inside);
+            return Ok(RunIntegrator::WithoutLocked(Box::new(WithoutLockedRun(without))));
+        }
         let recipe = Recipe { steps, kept: kept.to_vec() };
         if !mechanism.nonsmooth.is_empty() {
             return Ok(RunIntegrator::Eventful(Box::new(Eventful::new(mechanism, recipe)?)));
@@ -49,13 +62,13 @@ impl RunIntegrator {
         })
     }
 
-    /// The same from a state in which the closures were counted already. Events hold joints, which leaves other mechanisms: they count anew,
-    /// and so does another spanning tree.
+    /// The same from a state in which the closures were counted already. Events and limits hold joints, which leaves other mechanisms: they count
+    /// anew, and so does another spanning tree.
     #[must_use]
     pub fn counted(self, counted: Option<Arc<Counted>>) -> Self {
         match self {
             RunIntegrator::Smooth(lobatto) => RunIntegrator::from(lobatto.counted(counted)),
-            RunIntegrator::Eventful(_) | RunIntegrator::OnOtherTree(_) => self,
+            RunIntegrator::Eventful(_) | RunIntegrator::OnOtherTree(_) | RunIntegrator::WithoutLocked(_) => self,
         }
     }
 
@@ -65,6 +78,7 @@ impl RunIntegrator {
             RunIntegrator::Smooth(lobatto) => lobatto.was_held_by_stability(),
             RunIntegrator::OnOtherTree(other) => other.was_held_by_stability(),
             RunIntegrator::Eventful(eventful) => eventful.was_held_by_stability(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.was_held_by_stability(),
         }
     }
 
@@ -74,6 +88,7 @@ impl RunIntegrator {
             RunIntegrator::Smooth(lobatto) => lobatto.between(),
             RunIntegrator::OnOtherTree(other) => other.between(),
             RunIntegrator::Eventful(eventful) => eventful.between(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.between(),
         }
     }
 
@@ -90,6 +105,7 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.ringing_inside(),
             RunIntegrator::Eventful(eventful) => eventful.ringing_inside(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.ringing_inside(),
             // With closed loops a run beside this one has steps of its own.
             RunIntegrator::OnOtherTree(_) => 0.0,
         }
@@ -102,6 +118,10 @@ impl RunIntegrator {
             _ if mechanism.has_closures() => return false,
             RunIntegrator::Smooth(lobatto) => lobatto.accompany(mechanism),
             RunIntegrator::Eventful(eventful) => eventful.accompany(),
+            RunIntegrator::WithoutLocked(run) => {
+                let own = run.0.mechanism().clone();
+                return run.0.inside.accompany(&own);
+            }
             // Only loops are made on another tree.
             RunIntegrator::OnOtherTree(_) => return false,
         }
@@ -113,6 +133,7 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.leave_companion(),
             RunIntegrator::Eventful(eventful) => eventful.leave_companion(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.leave_companion(),
             RunIntegrator::OnOtherTree(_) => {}
         }
     }
@@ -125,11 +146,27 @@ impl RunIntegrator {
                 let placed = lobatto.companion_bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
                 Some(placed.unwrap_or_else(|| probes(mechanism, companion.state())))
             }
-            RunIntegrator::Eventful(eventful) => {
+            RunIntegrator::Eventful(_) | RunIntegrator::WithoutLocked(_) => {
                 let mut there = state.clone();
-                eventful.place_companion(&mut there).then(|| probes(mechanism, &there))
+                self.place_companion(&mut there).then(|| probes(mechanism, &there))
             }
             RunIntegrator::OnOtherTree(_) => None,
+        }
+    }
+
+    /// Writes where the companion is after the last step, which has left the run in `state`; `false` if there is none, or none any more.
+    fn place_companion(&self, state: &mut State) -> bool {
+        match self {
+            RunIntegrator::Smooth(lobatto) => match lobatto.companion() {
+                Some(companion) => {
+                    state.copy_from(companion.state());
+                    true
+                }
+                None => false,
+            },
+            RunIntegrator::Eventful(eventful) => eventful.place_companion(state),
+            RunIntegrator::WithoutLocked(run) => run.0.change(state, |own| run.0.inside.place_companion(own)),
+            RunIntegrator::OnOtherTree(_) => false,
         }
     }
 
@@ -138,6 +175,7 @@ impl RunIntegrator {
             RunIntegrator::Smooth(lobatto) => lobatto.as_ref(),
             RunIntegrator::OnOtherTree(other) => other.as_ref(),
             RunIntegrator::Eventful(eventful) => eventful.as_ref(),
+            RunIntegrator::WithoutLocked(run) => &run.0,
         }
     }
 
@@ -146,6 +184,7 @@ impl RunIntegrator {
             RunIntegrator::Smooth(lobatto) => lobatto.as_mut(),
             RunIntegrator::OnOtherTree(other) => other.as_mut(),
             RunIntegrator::Eventful(eventful) => eventful.as_mut(),
+            RunIntegrator::WithoutLocked(run) => &mut run.0,
         }
     }
 }
@@ -168,7 +207,7 @@ impl Integrator for RunIntegrator {
     fn bodies(&self) -> Option<&[BodyState]> {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.bodies(),
-            RunIntegrator::OnOtherTree(_) | RunIntegrator::Eventful(_) => None,
+            RunIntegrator::OnOtherTree(_) | RunIntegrator::Eventful(_) | RunIntegrator::WithoutLocked(_) => None,
         }
     }
 

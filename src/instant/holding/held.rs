@@ -11,8 +11,8 @@
 //! with the principal frame `P` of the group; what hangs on the world becomes part of it. A rate that is held is exactly zero, and what does
 //! not move costs nothing. Closures whose ends are on one group say nothing and are left out; so are the forces between them.
 
-use crate::events::modes::mode::Closures;
-use crate::mechanism::description::closure::{Attachment, Coordinate};
+use crate::mechanism::description::closure::{Attachment, Coordinate, JointLimit, LoopJoint};
+use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::forces::Wrench;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::{Body, Mechanism};
@@ -20,6 +20,14 @@ use crate::mechanism::description::nonsmooth::Nonsmooth;
 use crate::mechanism::motion::state::State;
 use crate::model::Composite;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+
+/// Closed contacts as closures of what moves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Closures {
+    pub touches: Vec<TouchJoint>,
+    /// Points that stay where they are.
+    pub anchors: Vec<LoopJoint>,
+}
 
 /// What is left of a mechanism to move, and where it is in the whole.
 pub(crate) struct Held {
@@ -40,8 +48,18 @@ struct Place {
 }
 
 impl Held {
-    /// The rest of a mechanism in a state, with the joints of these bodies held where they are.
+    /// The rest of a mechanism in a state, with the joints of these bodies held where they are. It has no limits, friction, motors and contacts of its
+    /// own: a mode says what they do.
     pub fn new(whole: &Mechanism, state: &State, is_held: Vec<bool>, closures: &Closures) -> Self {
+        Held::build(whole, state, is_held, closures, false)
+    }
+
+    /// The same for joints that are held for ever: the rest keeps its limits, friction, motors and contacts.
+    pub fn for_ever(whole: &Mechanism, state: &State, is_held: Vec<bool>) -> Self {
+        Held::build(whole, state, is_held, &Closures::default(), true)
+    }
+
+    fn build(whole: &Mechanism, state: &State, is_held: Vec<bool>, closures: &Closures, for_ever: bool) -> Self {
         let places = heads_and_places(whole, state, &is_held);
         let (heads, places) = (places.0, places.1);
         let groups = heads.len();
@@ -90,7 +108,32 @@ impl Held {
         let groups = places.iter().map(|place| place.group).collect();
         let mut held = Held { mechanism, heads, is_held, groups };
         held.take_over(whole, closures, &into);
+        if for_ever {
+            held.mechanism.forces.driven = whole.forces.driven;
+            held.keep_nonsmooth(whole, &into);
+        }
         held
+    }
+
+    /// Limits, friction, motors and contacts of the joints and bodies that move.
+    fn keep_nonsmooth(&mut self, whole: &Mechanism, into: &Into) {
+        let mut nonsmooth = whole.nonsmooth.clone();
+        let mut limits = whole.limits.clone();
+        let coordinate = |of: &mut Coordinate| self.coordinate(whole, *of).map(|own| *of = own).is_some();
+        let keep = |limit: &mut JointLimit| coordinate(&mut limit.coordinate);
+        limits.retain_mut(keep);
+        nonsmooth.limits.retain_mut(keep);
+        nonsmooth.friction.retain_mut(|friction| coordinate(&mut friction.coordinate));
+        nonsmooth.motors.retain_mut(|motor| coordinate(&mut motor.coordinate));
+        nonsmooth.speeds.retain_mut(|speed| coordinate(&mut speed.coordinate));
+        for collider in &mut nonsmooth.colliders {
+            if let Some(body) = collider.body {
+                (collider.body, collider.pose) = into.frame(body, &collider.pose);
+            }
+        }
+        let colliders = &nonsmooth.colliders;
+        nonsmooth.pairs.retain(|pair| colliders[pair.a].body != colliders[pair.b].body);
+        (self.mechanism.limits, self.mechanism.nonsmooth) = (limits, nonsmooth);
     }
 
     /// Closures and forces of what moves.
@@ -150,6 +193,16 @@ impl Held {
         mechanism.touches = touches;
         mechanism.mimics = mimics;
         mechanism.nonsmooth = Nonsmooth::default();
+    }
+
+    /// The body of the whole that heads a body of what moves.
+    pub fn head(&self, body: usize) -> usize {
+        self.heads[body]
+    }
+
+    /// The body of what moves that a body of the whole heads; none if its joint is held.
+    pub fn headed_by(&self, body: usize) -> Option<usize> {
+        self.heads.binary_search(&body).ok()
     }
 
     /// What a body of the whole is part of: a body of what moves, or the world.

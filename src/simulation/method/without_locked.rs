@@ -1,0 +1,127 @@
+//! Steps of a mechanism without its locked joints. The caller sees the coordinates of the whole mechanism only.
+//!
+//! ```text
+//!     Mechanism ─ instant/holding/locked.rs ─▶ Mechanism without locked joints
+//!     State ─ gather ─▶ own State ── step ──▶ own State ─ spread ─▶ State
+//! ```
+
+use crate::instant::holding::locked::Locked;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::simulation::method::narrowed_inputs::NarrowedInputs;
+use std::cell::RefCell;
+
+/// An integrator of the joints that are not locked.
+pub(crate) struct WithoutLocked<I> {
+    locked: Locked,
+    pub inside: I,
+    /// The mechanism of the last step, with its locked joints.
+    whole: Mechanism,
+    own: State,
+    inputs: NarrowedInputs,
+    /// Room for states that are asked about, and for dense output.
+    asked: RefCell<State>,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl<I: Integrator> WithoutLocked<I> {
+    /// Steps of `inside`, which was made for the mechanism of [`Locked::mechanism`].
+    pub fn new(whole: &Mechanism, locked: Locked, inside: I) -> Self {
+        let own = State::zero(locked.mechanism());
+        WithoutLocked {
+            inputs: NarrowedInputs::new(whole, locked.held()),
+            asked: RefCell::new(own.clone()),
+            position: own.position.clone(),
+            velocity: own.velocity.clone(),
+            own,
+            inside,
+            whole: whole.clone(),
+            locked,
+        }
+    }
+
+    /// The mechanism of the joints that are not locked.
+    pub fn mechanism(&self) -> &Mechanism {
+        self.locked.mechanism()
+    }
+
+    /// Changes a state of the whole by a change of the state of the joints that are not locked; `false` if there was no change.
+    pub fn change(&self, state: &mut State, change: impl FnOnce(&mut State) -> bool) -> bool {
+        let asked = &mut *self.asked.borrow_mut();
+        self.locked.gather(&self.whole, state, asked);
+        let changed = change(asked);
+        if changed {
+            self.locked.spread(&self.whole, asked, state);
+        }
+        changed
+    }
+}
+
+impl<I: Integrator> Integrator for WithoutLocked<I> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if self.whole.gravity != mechanism.gravity || !self.whole.forces.are_those_of(&mechanism.forces) {
+            self.whole = mechanism.clone();
+            self.locked.renew(mechanism);
+        }
+        let WithoutLocked { locked, inside, own, .. } = self;
+        if let Some((body, by)) = locked.misplaced(mechanism, state) {
+            let joint = mechanism.bodies[body].joint.name.clone();
+            return Err(StepError::OutsideLimit { time: state.time, joint, by });
+        }
+        locked.gather(mechanism, state, own);
+        let step = |inputs: Inputs| inside.step(locked.mechanism(), inputs, own, until);
+        let outcome = self.inputs.within(mechanism, locked.held(), inputs, state, step)?;
+        locked.spread(mechanism, own, state);
+        Ok(outcome)
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let WithoutLocked { locked, inside, position: own_position, velocity: own_velocity, .. } = self;
+        inside.dense(locked.mechanism(), time, own_position, own_velocity);
+        locked.held().spread_positions(mechanism, own_position, position);
+        locked.held().spread_velocities(mechanism, own_velocity, velocity);
+        locked.place_locked(mechanism, position);
+    }
+
+    fn begins_again(&self) -> bool {
+        self.inside.begins_again()
+    }
+
+    fn description(&self) -> MethodDescription {
+        self.inside.description()
+    }
+
+    fn take_events(&mut self, events: &mut Vec<Event>) {
+        let first = events.len();
+        self.inside.take_events(events);
+        events[first..].iter_mut().for_each(|event| event.body = self.locked.held().head(event.body));
+    }
+
+    fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
+        match self.locked.held().headed_by(body) {
+            Some(own) => {
+                let asked = &mut *self.asked.borrow_mut();
+                self.locked.gather(mechanism, state, asked);
+                self.inside.joint_status(self.locked.mechanism(), asked, own)
+            }
+            None => self.locked.status(mechanism, state, body).unwrap_or_default(),
+        }
+    }
+
+    fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
+        let asked = &mut *self.asked.borrow_mut();
+        self.locked.gather(mechanism, state, asked);
+        self.inside.contacts(self.locked.mechanism(), asked, out);
+    }
+}
