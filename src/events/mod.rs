@@ -27,6 +27,7 @@
 //! [`crate::instant::holding::blocks`] and [`crate::instant::cone`].
 
 mod as_integrator;
+mod ballistic;
 mod closing;
 mod contact_points;
 mod crowding;
