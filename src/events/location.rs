@@ -32,7 +32,12 @@ const RESOLUTION: f64 = 2e-3;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
 const STOPPED: f64 = 1e-10;
 /// A slip that keeps this part of its speed has turned.
-const TURNED: f64 = 0.1;
+const TURNED: f64 = 0.5;
+/// One that keeps less of it, but more than this part of the largest speed, has passed near its stop: it turns in less time than the step has taken, which is
+/// too long for it,
+const PASSED: f64 = 1e-5;
+/// and ends at this part of its length.
+const BEFORE_IT: f64 = 0.7;
 /// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
 const WITHIN: f64 = 0.1;
 /// The smallest value of a function has fallen if it is less than this part of what it was. After so many attempts in which it has not there is no
@@ -45,6 +50,15 @@ const SHORT: f64 = 1e-6;
 const NARROW: f64 = 1e-2;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
+
+/// How a slip has turned.
+#[derive(Clone, Copy, PartialEq)]
+enum Turned {
+    /// It is about as fast as before.
+    Fast,
+    /// It has become slow, and turned near its stop.
+    Slowly,
+}
 
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.
@@ -111,7 +125,15 @@ impl Eventful {
         }));
         let end = self.pieces[self.current].small.time;
         let found = first_sign_change(room, which.len(), since, end, noise, |time, of, values| {
-            self.evaluate(inputs, since, Inside::at(time), &which[of], values);
+            self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
+            // What carries nothing does not part by roundings.
+            for (value, &index) in values.iter_mut().zip(&which[of]) {
+                if let Watched::Presses(contact) = self.watched[index]
+                    && self.holding.is_unloaded(contact)
+                {
+                    *value = value.abs().max(f64::MIN_POSITIVE);
+                }
+            }
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
@@ -207,23 +229,45 @@ impl Eventful {
         };
         let all = (0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]);
         let mut all: Vec<Watched> = all.collect();
-        all.retain(|watched| !self.turns(since, *watched));
+        self.leave_unloaded(inputs, since, bracket.watched, &mut all);
+        let turned: Vec<Option<Turned>> = all.iter().map(|watched| self.turns(since, *watched)).collect();
+        if end - since > SHORT && turned.contains(&Some(Turned::Slowly)) {
+            return Ok(Located::Passes { length: BEFORE_IT * (end - since) });
+        }
+        let mut turned = turned.into_iter();
+        all.retain(|_| turned.next().flatten() != Some(Turned::Fast));
         Ok(Located::At(all))
     }
 
-    /// Whether a slip that has no part along its old direction any more has only turned: it is about as fast as it was before in the step.
-    fn turns(&mut self, since: f64, watched: Watched) -> bool {
+    /// Leaves out contacts that carry nothing where the step begins and where it ends: others that meet do not part them.
+    fn leave_unloaded(&mut self, inputs: Inputs, since: f64, located: usize, all: &mut Vec<Watched>) {
+        let located = self.watched[located];
+        let unloaded = |this: &Self, watched: &Watched| match *watched {
+            Watched::Presses(contact) if *watched != located => this.holding.is_unloaded(contact),
+            _ => false,
+        };
+        let ends: Vec<Watched> = all.iter().copied().filter(|watched| unloaded(self, watched)).collect();
+        if ends.is_empty() {
+            return;
+        }
+        let which: Vec<usize> = (0..self.watched.len()).filter(|&index| ends.contains(&self.watched[index])).collect();
+        self.evaluate(inputs, since, Inside::at(since), &which, &mut vec![0.0; which.len()]);
+        all.retain(|watched| !(ends.contains(watched) && unloaded(self, watched)));
+    }
+
+    /// How a slip has turned that has no part along its old direction any more, if it has not stopped.
+    fn turns(&mut self, since: f64, watched: Watched) -> Option<Turned> {
         let contacts: Vec<usize> = match watched {
             Watched::Slips(contact) => vec![contact],
             Watched::SlipsTogether(pair) => {
                 let own = |contact: &usize| self.mode.contacts[*contact].contact.pair == pair;
                 (0..self.mode.contacts.len()).filter(own).collect()
             }
-            _ => return false,
+            _ => return None,
         };
         let end = self.pieces[self.current].small.time;
         if end <= since {
-            return false;
+            return None;
         }
         let mut speed = |part: f64| {
             self.place(Inside::at(since + part * (end - since)));
@@ -232,7 +276,12 @@ impl Eventful {
             contacts.iter().map(of).fold(0.0, f64::max)
         };
         let before = [0.0, 0.25, 0.5, 0.75].map(&mut speed).into_iter().fold(0.0, f64::max);
-        speed(1.0) > TURNED * before
+        let after = speed(1.0);
+        if after > TURNED * before {
+            Some(Turned::Fast)
+        } else {
+            (after > PASSED * self.memory.fastest).then_some(Turned::Slowly)
+        }
     }
 
     /// The function that is negative from the start on, and all pairs that overlap and contacts that have left their features there.
