@@ -277,6 +277,8 @@ impl Integrator for Lobatto {
             unsolved_contacts: 0,
             first_order_steps: 0,
             first_order_time: 0.0,
+            rebounds_left_out: 0,
+            rebounds_energy: 0.0,
         }
     }
 }

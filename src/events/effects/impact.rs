@@ -49,6 +49,8 @@ pub(crate) struct Impulses {
     pub normal: Vec<f64>,
     /// Kinetic energy that was lost (J).
     pub lost: f64,
+    /// What rebounds have not given back (J).
+    pub cut: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
     pub rounding: f64,
 }
@@ -68,7 +70,7 @@ pub(crate) fn holding_impulses(scene: &mut Scene, state: &State, meetings: &[Mee
 
 /// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
 pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
-    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, rounding: 0.0 };
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, cut: 0.0, rounding: 0.0 };
     if meetings.is_empty() {
         return Ok(done);
     }
@@ -82,7 +84,7 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
     let restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
     let found = impact(&Problem { mobility: &rows.square, free: &before, laws: &laws }, &restitution)?;
     rows.add(&found.impulses, &mut state.velocity);
-    done.lost = found.lost;
+    (done.lost, done.cut) = (found.lost, found.cut);
     let terms = rows.square.row_iter().map(|row| row.iter().zip(&found.impulses).map(|(d, p)| (d * p).abs()).sum());
     done.rounding = ROUNDING * terms.fold(0.0, f64::max);
     let largest = before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));

@@ -69,7 +69,7 @@ pub(crate) fn transit(
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
     let lifted = contacts.move_apart(scene, state);
     let velocity = state.velocity.clone();
-    let (mut meetings, mut ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+    let Gathered { mut meetings, mut ends, mut left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
     let mut collided = collide(scene, state, &meetings);
     for round in 0..COMPLETING {
         let Ok(impulses) = &collided else { break };
@@ -84,7 +84,7 @@ pub(crate) fn transit(
             break;
         }
         state.velocity.copy_from_slice(&velocity);
-        (meetings, ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+        Gathered { meetings, ends, left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
         collided = collide(scene, state, &meetings);
     }
     let mut impulses = collided.unwrap_or_else(|_| {
@@ -94,12 +94,15 @@ pub(crate) fn transit(
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     done.lost = settled + lifted + impulses.lost;
+    done.left = left;
+    done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     for _ in 0..CALMING {
         let known = efforts(mode, state);
-        let low = too_low(scene, state, &meetings, &known, found.height);
+        let (low, left) = too_low(scene, state, &meetings, &known, found.height);
         if low.is_empty() {
             break;
         }
+        done.left += left;
         done.lost += stop(scene, state, &meetings, &low);
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
@@ -177,10 +180,10 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
 
 /// What is met leaves so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that it has while the limits and
 /// contacts at rest push. If it is pulled back it would be back before it is higher than that, and if not it leaves as well from rest. Where elements
-/// kick each other open without end, that is how they come to rest.
-fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> Vec<usize> {
+/// kick each other open without end, that is how they come to rest. With the sum of their heights (m or rad).
+fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> (Vec<usize>, f64) {
     if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
-        return Vec::new();
+        return (Vec::new(), 0.0);
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
@@ -191,11 +194,42 @@ fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f6
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
         rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
     }
-    let low = |meeting: &Meeting| {
+    let (mut low, mut left) = (Vec::new(), 0.0);
+    for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        rate > 0.0 && rate * rate <= 2.0 * pull * height
-    };
-    (0..meetings.len()).filter(|&index| low(&meetings[index])).collect()
+        if rate > 0.0 && rate * rate <= 2.0 * pull * height {
+            low.push(index);
+            left += rate * rate / (2.0 * pull);
+        }
+    }
+    (low, left)
+}
+
+/// How many rebounds are left out of an impact, in a crowd of impacts or of rounds of one, and what they would have given back (J): `½ e² P |γ⁻|` each.
+fn cut_in_crowd(
+    scene: &Scene,
+    memory: &mut Memory,
+    time: f64,
+    contacts: &Contacts,
+    meetings: &[Meeting],
+    rates: &[f64],
+    impulses: &Impulses,
+) -> (usize, f64) {
+    let mut cut = (usize::from(impulses.cut > 0.0), impulses.cut);
+    if !memory.is_crowded(time) {
+        return cut;
+    }
+    for ((meeting, rate), impulse) in meetings.iter().zip(rates).zip(&impulses.normal) {
+        let restitution = match (meeting.block.of, contacts.pair_of(meeting.block.of)) {
+            (_, Some(pair)) => scene.touching.pairs[pair].restitution,
+            (Of::Joint(joint), None) => scene.elements.joints[joint].restitution,
+            (Of::Contact(_), None) => 0.0,
+        };
+        if *rate < -meeting.rest && restitution > 0.0 && *impulse > 0.0 {
+            cut = (cut.0 + 1, cut.1 - 0.5 * restitution.powi(2) * impulse * rate);
+        }
+    }
+    cut
 }
 
 /// Stops these along their first rows, and keeps those that rest; returns the kinetic energy that this takes (J).
@@ -218,7 +252,7 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
     let approach: Vec<&Meeting> = meetings.iter().filter(|meeting| meeting.rate(&state.velocity) < 0.0).collect();
     let first = approach.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
     let lost = bring_rows_to_rest(scene, state, first);
-    Impulses { normal: vec![0.0; meetings.len()], lost, rounding: 0.0 }
+    Impulses { normal: vec![0.0; meetings.len()], lost, cut: 0.0, rounding: 0.0 }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.
@@ -282,7 +316,17 @@ fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mu
     }
 }
 
-/// Everything that is met: limits, then contacts; and where impacts end here, when the last of infinitely many would be (s).
+/// Everything that is met.
+struct Gathered {
+    /// Limits, then contacts.
+    meetings: Vec<Meeting>,
+    /// Of impacts that end here, when the last of infinitely many would be (s),
+    ends: Vec<(Of, f64)>,
+    /// and how far what is left of them would have moved things (m or rad).
+    left: f64,
+}
+
+/// Everything that is met: limits, then contacts; and which impacts end here.
 fn gather_meetings(
     scene: &Scene,
     state: &State,
@@ -290,8 +334,8 @@ fn gather_meetings(
     found: &Found,
     rests: &[f64],
     contacts: &Contacts,
-) -> (Vec<Meeting>, Vec<(Of, f64)>) {
-    let (mut all, mut ends) = (Vec::new(), Vec::new());
+) -> Gathered {
+    let (mut all, mut ends, mut left) = (Vec::new(), Vec::new(), 0.0);
     let crowded = memory.is_crowded(state.time);
     for (index, joint) in scene.elements.joints.iter().enumerate() {
         let Some(side) = joint.side(joint.position(state)) else { continue };
@@ -302,8 +346,9 @@ fn gather_meetings(
         let rate = meeting.rate(&state.velocity);
         let known = &memory.joints[index];
         if rate < 0.0
-            && let Some(end) = known.accumulates(side, state.time, -rate, restitution, found.height)
+            && let Some((end, moves)) = known.accumulates(side, state.time, -rate, restitution, found.height)
         {
+            left += moves;
             meeting.restitution = 0.0;
             ends.push((Of::Joint(index), end));
         }
@@ -317,11 +362,13 @@ fn gather_meetings(
         let rate = rates.fold(0.0_f64, f64::min);
         let restitution = scene.touching.pairs[pair].restitution;
         if rate < 0.0
-            && let Some(end) = known.accumulates(Side::Lower, state.time, -rate, restitution, found.height)
+            && let Some((end, moves)) = known.accumulates(Side::Lower, state.time, -rate, restitution, found.height)
         {
+            // Friction shares its impulses among the flights.
+            left += moves * (1.0 + scene.touching.pairs[pair].friction);
             all[first..].iter_mut().filter(own).for_each(|meeting| meeting.restitution = 0.0);
             ends.push((Of::Contact(pair), end));
         }
     }
-    (all, ends)
+    Gathered { meetings: all, ends, left }
 }

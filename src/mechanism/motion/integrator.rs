@@ -39,6 +39,9 @@ pub struct MethodDescription {
     /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
     pub first_order_steps: usize,
     pub first_order_time: f64,
+    /// Rebounds that were left out there and in crowds of impacts, and what they would have given back (J).
+    pub rebounds_left_out: usize,
+    pub rebounds_energy: f64,
 }
 
 impl MethodDescription {
@@ -59,6 +62,8 @@ impl MethodDescription {
             unsolved_contacts: 0,
             first_order_steps: 0,
             first_order_time: 0.0,
+            rebounds_left_out: 0,
+            rebounds_energy: 0.0,
         }
     }
 
