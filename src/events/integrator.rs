@@ -3,6 +3,7 @@
 use crate::events::crowding::Crowding;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
+use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
 use crate::events::finding::approach::Speeds;
 use crate::events::finding::cycle::Cycle;
@@ -38,6 +39,8 @@ const NEARLY: f64 = 1e5;
 const HEIGHT: f64 = 1e-13;
 /// The same over a tolerance.
 const LEFT: f64 = 1e-4;
+/// Rebounds that are left out are told where they would have given back more than this part of the kinetic energy.
+const MATTERS: f64 = 1e-9;
 
 /// The constrained Lobatto IIIA–IIIB scheme with events.
 pub struct Eventful {
@@ -364,7 +367,8 @@ impl Eventful {
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
         self.unsolved += done.unsolved;
-        self.cut = (self.cut.0 + done.cut.0, self.cut.1 + done.cut.1);
+        let (rebounds, energy) = done.cut;
+        self.leave_out(rebounds, energy, state);
         self.left_of_impacts += done.left;
         (self.fresh_joints, self.fresh_motors, self.fresh_pairs) = (done.joints, done.motors, done.pairs);
         self.enter(state);
@@ -374,6 +378,13 @@ impl Eventful {
             self.enter(state);
         }
         done.lost
+    }
+
+    /// Notes rebounds that were left out before a state, and what they would have given back (J), where it is not next to nothing beside the kinetic energy.
+    pub(super) fn leave_out(&mut self, rebounds: usize, energy: f64, state: &State) {
+        if rebounds > 0 && energy > MATTERS * resting::energy(&self.whole, state).kinetic {
+            self.cut = (self.cut.0 + rebounds, self.cut.1 + energy);
+        }
     }
 
     /// The next instant at which an effort changes its law, or the end.

@@ -80,7 +80,8 @@ impl Eventful {
             let impulses = impulses_among(&rows, &rates, &blocks);
             rows.add(&impulses, &mut state.velocity);
             let before = rows.rates(&start.velocity);
-            self.note_cut(&blocks, &sides, &contacts, &impulses, &before);
+            let (rebounds, energy) = self.left_out(&blocks, &sides, &contacts, &impulses, &before);
+            self.leave_out(rebounds, energy, &start);
             pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
             limits = limits_in(&blocks, &gaps, &sides, &impulses);
         }
@@ -119,17 +120,17 @@ impl Eventful {
         }
     }
 
-    /// Notes the rebounds that a step leaves out, `½ e² P |γ⁻|` each (J); what is slower than it falls in a step has none.
-    fn note_cut(
-        &mut self,
+    /// The rebounds that a step leaves out, and what they would give back, `½ e² P |γ⁻|` each (J); what is slower than it falls in a step has none.
+    fn left_out(
+        &self,
         blocks: &[Block],
         sides: &[Option<Side>],
         contacts: &[Contact],
         impulses: &[f64],
         before: &[f64],
-    ) {
+    ) -> (usize, f64) {
         let slow = 2.0 * self.crowding.length() * self.whole.gravity.norm();
-        let mut row = 0;
+        let (mut row, mut count, mut sum) = (0, 0, 0.0);
         for (block, side) in blocks.iter().zip(sides) {
             let restitution = match (block.of, side) {
                 (Of::Joint(joint), Some(_)) => self.elements.joints[joint].restitution,
@@ -137,11 +138,11 @@ impl Eventful {
                 (Of::Contact(contact), _) => self.touching.pairs[contacts[contact].pair].restitution,
             };
             if restitution > 0.0 && impulses[row] > 0.0 && before[row] < -slow {
-                let energy = -0.5 * restitution.powi(2) * impulses[row] * before[row];
-                self.cut = (self.cut.0 + 1, self.cut.1 + energy);
+                (count, sum) = (count + 1, sum - 0.5 * restitution.powi(2) * impulses[row] * before[row]);
             }
             row += block.rows.len();
         }
+        (count, sum)
     }
 
     /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
