@@ -47,7 +47,12 @@ impl Eventful {
             match self.locate(inputs, found, outcome)? {
                 Located::At(all) => return Ok(all),
                 Located::Jumps => length *= SHORTER,
-                Located::Passes { length: before } => length = before,
+                Located::Passes { length: before } => {
+                    length = before;
+                    // Directions have followed the slip to the end of the step.
+                    let origin = self.origin.clone();
+                    self.note_slips(&origin);
+                }
             }
             self.pieces[self.current].go_back(since, &self.recipe);
             if length <= shortest {

@@ -16,11 +16,11 @@ use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::{Evaluated, Inside};
+use crate::events::turning::{BEFORE_IT, Turned};
 use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
-use crate::mechanism::motion::touches::touch_motion;
 
 /// Attempts at the length of a step that ends at an event.
 const ATTEMPTS: usize = 12;
@@ -31,13 +31,6 @@ const TOGETHER: f64 = 1e-11;
 const RESOLUTION: f64 = 2e-3;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
 const STOPPED: f64 = 1e-10;
-/// A slip that keeps this part of its speed has turned.
-const TURNED: f64 = 0.5;
-/// One that keeps less of it, but more than this part of the largest speed, has passed near its stop: it turns in less time than the step has taken, which is
-/// too long for it,
-const PASSED: f64 = 1e-5;
-/// and ends at this part of its length.
-const BEFORE_IT: f64 = 0.7;
 /// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
 const WITHIN: f64 = 0.1;
 /// The smallest value of a function has fallen if it is less than this part of what it was. After so many attempts in which it has not there is no
@@ -50,15 +43,6 @@ const SHORT: f64 = 1e-6;
 const NARROW: f64 = 1e-2;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
-
-/// How a slip has turned.
-#[derive(Clone, Copy, PartialEq)]
-enum Turned {
-    /// It is about as fast as before.
-    Fast,
-    /// It has become slow, and turned near its stop.
-    Slowly,
-}
 
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.
@@ -237,51 +221,6 @@ impl Eventful {
         let mut turned = turned.into_iter();
         all.retain(|_| turned.next().flatten() != Some(Turned::Fast));
         Ok(Located::At(all))
-    }
-
-    /// Leaves out contacts that carry nothing where the step begins and where it ends: others that meet do not part them.
-    fn leave_unloaded(&mut self, inputs: Inputs, since: f64, located: usize, all: &mut Vec<Watched>) {
-        let located = self.watched[located];
-        let unloaded = |this: &Self, watched: &Watched| match *watched {
-            Watched::Presses(contact) if *watched != located => this.holding.is_unloaded(contact),
-            _ => false,
-        };
-        let ends: Vec<Watched> = all.iter().copied().filter(|watched| unloaded(self, watched)).collect();
-        if ends.is_empty() {
-            return;
-        }
-        let which: Vec<usize> = (0..self.watched.len()).filter(|&index| ends.contains(&self.watched[index])).collect();
-        self.evaluate(inputs, since, Inside::at(since), &which, &mut vec![0.0; which.len()]);
-        all.retain(|watched| !(ends.contains(watched) && unloaded(self, watched)));
-    }
-
-    /// How a slip has turned that has no part along its old direction any more, if it has not stopped.
-    fn turns(&mut self, since: f64, watched: Watched) -> Option<Turned> {
-        let contacts: Vec<usize> = match watched {
-            Watched::Slips(contact) => vec![contact],
-            Watched::SlipsTogether(pair) => {
-                let own = |contact: &usize| self.mode.contacts[*contact].contact.pair == pair;
-                (0..self.mode.contacts.len()).filter(own).collect()
-            }
-            _ => return None,
-        };
-        let end = self.pieces[self.current].small.time;
-        if end <= since {
-            return None;
-        }
-        let mut speed = |part: f64| {
-            self.place(Inside::at(since + part * (end - since)));
-            let of =
-                |contact: &usize| touch_motion(&self.mode.contacts[*contact].contact.joint, &self.bodies).slip.norm();
-            contacts.iter().map(of).fold(0.0, f64::max)
-        };
-        let before = [0.0, 0.25, 0.5, 0.75].map(&mut speed).into_iter().fold(0.0, f64::max);
-        let after = speed(1.0);
-        if after > TURNED * before {
-            Some(Turned::Fast)
-        } else {
-            (after > PASSED * self.memory.fastest).then_some(Turned::Slowly)
-        }
     }
 
     /// The function that is negative from the start on, and all pairs that overlap and contacts that have left their features there.

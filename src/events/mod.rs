@@ -44,5 +44,6 @@ mod quiet;
 mod sliding;
 mod steps;
 mod stepwise;
+mod turning;
 
 pub use integrator::Eventful;

@@ -13,6 +13,7 @@
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
+use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
 use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::memory::{Done, Found, Memory};
@@ -21,8 +22,8 @@ use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gain
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::holding::blocks::{Block, Of, Rows};
-use crate::instant::holding::elements::{Elements, inward};
+use crate::instant::holding::blocks::{Of, Rows};
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
@@ -205,33 +206,6 @@ fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f6
     (low, left)
 }
 
-/// How many rebounds are left out of an impact, in a crowd of impacts or of rounds of one, and what they would have given back (J): `½ e² P |γ⁻|` each.
-fn cut_in_crowd(
-    scene: &Scene,
-    memory: &mut Memory,
-    time: f64,
-    contacts: &Contacts,
-    meetings: &[Meeting],
-    rates: &[f64],
-    impulses: &Impulses,
-) -> (usize, f64) {
-    let mut cut = (usize::from(impulses.cut > 0.0), impulses.cut);
-    if !memory.is_crowded(time) {
-        return cut;
-    }
-    for ((meeting, rate), impulse) in meetings.iter().zip(rates).zip(&impulses.normal) {
-        let restitution = match (meeting.block.of, contacts.pair_of(meeting.block.of)) {
-            (_, Some(pair)) => scene.touching.pairs[pair].restitution,
-            (Of::Joint(joint), None) => scene.elements.joints[joint].restitution,
-            (Of::Contact(_), None) => 0.0,
-        };
-        if *rate < -meeting.rest && restitution > 0.0 && *impulse > 0.0 {
-            cut = (cut.0 + 1, cut.1 - 0.5 * restitution.powi(2) * impulse * rate);
-        }
-    }
-    cut
-}
-
 /// Stops these along their first rows, and keeps those that rest; returns the kinetic energy that this takes (J).
 fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize]) -> f64 {
     let rests =
@@ -314,61 +288,4 @@ fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mu
             note_bound(motor, [was, is], time, &mut done.events);
         }
     }
-}
-
-/// Everything that is met.
-struct Gathered {
-    /// Limits, then contacts.
-    meetings: Vec<Meeting>,
-    /// Of impacts that end here, when the last of infinitely many would be (s),
-    ends: Vec<(Of, f64)>,
-    /// and how far what is left of them would have moved things (m or rad).
-    left: f64,
-}
-
-/// Everything that is met: limits, then contacts; and which impacts end here.
-fn gather_meetings(
-    scene: &Scene,
-    state: &State,
-    memory: &mut Memory,
-    found: &Found,
-    rests: &[f64],
-    contacts: &Contacts,
-) -> Gathered {
-    let (mut all, mut ends, mut left) = (Vec::new(), Vec::new(), 0.0);
-    let crowded = memory.is_crowded(state.time);
-    for (index, joint) in scene.elements.joints.iter().enumerate() {
-        let Some(side) = joint.side(joint.position(state)) else { continue };
-        let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
-        let block = Block::of_joint(index, freedom, count, inward(side), [0.0, f64::INFINITY]);
-        let restitution = if crowded { 0.0 } else { joint.restitution };
-        let mut meeting = Meeting { block, restitution, rest: rests[index] };
-        let rate = meeting.rate(&state.velocity);
-        let known = &memory.joints[index];
-        if rate < 0.0
-            && let Some((end, moves)) = known.accumulates(side, state.time, -rate, restitution, found.height)
-        {
-            left += moves;
-            meeting.restitution = 0.0;
-            ends.push((Of::Joint(index), end));
-        }
-        all.push(meeting);
-    }
-    let first = all.len();
-    all.extend(contacts.meetings(scene, state, crowded));
-    for (pair, known) in memory.pairs.iter().enumerate() {
-        let own = |meeting: &&mut Meeting| contacts.pair_of(meeting.block.of) == Some(pair);
-        let rates = all[first..].iter_mut().filter(own).map(|meeting| meeting.rate(&state.velocity));
-        let rate = rates.fold(0.0_f64, f64::min);
-        let restitution = scene.touching.pairs[pair].restitution;
-        if rate < 0.0
-            && let Some((end, moves)) = known.accumulates(Side::Lower, state.time, -rate, restitution, found.height)
-        {
-            // Friction shares its impulses among the flights.
-            left += moves * (1.0 + scene.touching.pairs[pair].friction);
-            all[first..].iter_mut().filter(own).for_each(|meeting| meeting.restitution = 0.0);
-            ends.push((Of::Contact(pair), end));
-        }
-    }
-    Gathered { meetings: all, ends, left }
 }
