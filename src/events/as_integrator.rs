@@ -117,6 +117,7 @@ impl Integrator for Eventful {
         }
         description.unsolved_contacts = self.unsolved;
         (description.first_order_steps, description.first_order_time) = self.first_order;
+        (description.rebounds_left_out, description.rebounds_energy) = self.cut;
         description
     }
 

@@ -3,6 +3,7 @@
 use crate::events::crowding::Crowding;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
+use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
 use crate::events::finding::approach::Speeds;
 use crate::events::finding::cover::Cover;
@@ -38,6 +39,10 @@ use std::cell::RefCell;
 const NEARLY: f64 = 1e5;
 /// What may be left of the height of accumulating impacts, where no tolerance says so (rad or m).
 const HEIGHT: f64 = 1e-13;
+/// The same over a tolerance.
+const LEFT: f64 = 1e-4;
+/// Rebounds that are left out are told where they would have given back more than this part of the kinetic energy.
+const MATTERS: f64 = 1e-9;
 
 /// The constrained Lobatto IIIA–IIIB scheme with events.
 pub struct Eventful {
@@ -101,6 +106,12 @@ pub struct Eventful {
     pub(super) ringing: f64,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
+    /// How often rebounds were left out in crowds of impacts and in steps of first order, and what they would have given back (J).
+    pub(super) cut: (usize, f64),
+    /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
+    pub(super) left_of_impacts: f64,
+    /// The height that they may leave (m or rad).
+    height: f64,
     /// Whether it could not be solved at all where the last step ended: the next one is of first order.
     pub(super) undecided: bool,
     /// Steps of first order, and how long they were together (s).
@@ -143,6 +154,7 @@ impl Eventful {
     fn with(mechanism: &Mechanism, recipe: PieceRecipe) -> Result<Self, MethodError> {
         // Stages and steps are refused here, not in the middle of the run.
         let idle = recipe.idle(mechanism)?;
+        let height = recipe.tolerance().map_or(HEIGHT, |tolerance| HEIGHT.max(LEFT * tolerance));
         let elements = Elements::new(mechanism);
         let mode = Mode {
             joints: vec![JointMode::Free { sliding: 0 }; elements.joints.len()],
@@ -201,6 +213,9 @@ impl Eventful {
             between: Some(0.0),
             ringing: 0.0,
             unsolved: 0,
+            cut: (0, 0.0),
+            left_of_impacts: 0.0,
+            height,
             undecided: false,
             first_order: (0, 0.0),
             crowding: Crowding::CALM,
@@ -257,9 +272,15 @@ impl Eventful {
         true
     }
 
-    /// The height that accumulating impacts may leave.
-    fn height(&self) -> f64 {
-        self.recipe.tolerance().map_or(HEIGHT, |tolerance| HEIGHT.max(1e-4 * tolerance))
+    /// Lets accumulating impacts leave this part of the height that they may leave, and not less than so many times the least height: runs with finer steps leave
+    /// less, and those that they are compared with more.
+    pub(crate) fn leave_of_impacts(&mut self, part: f64, least: f64) {
+        self.height = (least * HEIGHT).max(part * self.recipe.tolerance().map_or(HEIGHT, |tolerance| LEFT * tolerance));
+    }
+
+    /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
+    pub(crate) fn left_of_impacts(&self) -> f64 {
+        self.left_of_impacts
     }
 
     /// Whether another mechanism than the one that is known acts.
@@ -337,13 +358,13 @@ impl Eventful {
         if self.accompanied {
             self.leave_companion();
         }
-        self.carry_out(inputs, state, Found { triggers, height: self.height(), anew: false })
+        self.carry_out(inputs, state, Found { triggers, height: self.height, anew: false })
     }
 
     /// The same where nothing is known of the contacts.
     pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> f64 {
         self.mode.contacts.clear();
-        self.carry_out(inputs, state, Found { triggers: &[], height: self.height(), anew: true })
+        self.carry_out(inputs, state, Found { triggers: &[], height: self.height, anew: true })
     }
 
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
@@ -354,6 +375,9 @@ impl Eventful {
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
         self.unsolved += done.unsolved;
+        let (rebounds, energy) = done.cut;
+        self.leave_out(rebounds, energy, state);
+        self.left_of_impacts += done.left;
         (self.fresh_joints, self.fresh_motors, self.fresh_pairs) = (done.joints, done.motors, done.pairs);
         self.enter(state);
         self.undecided = done.undecided || done.unsolved > 0 && self.is_far_out(inputs, state);
@@ -362,6 +386,13 @@ impl Eventful {
             self.enter(state);
         }
         done.lost
+    }
+
+    /// Notes rebounds that were left out before a state, and what they would have given back (J), where it is not next to nothing beside the kinetic energy.
+    pub(super) fn leave_out(&mut self, rebounds: usize, energy: f64, state: &State) {
+        if rebounds > 0 && energy > MATTERS * resting::energy(&self.whole, state).kinetic {
+            self.cut = (self.cut.0 + rebounds, self.cut.1 + energy);
+        }
     }
 
     /// The next instant at which an effort changes its law, or the end.

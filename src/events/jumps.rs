@@ -26,6 +26,8 @@ pub(crate) enum Located {
     At(Vec<Watched>),
     /// A force that jumps inside the step.
     Jumps,
+    /// A slip that passes near its stop, after this time (s).
+    Passes { length: f64 },
 }
 
 impl Eventful {
@@ -42,10 +44,16 @@ impl Eventful {
         let mut length = self.pieces[self.current].small.time - since;
         let mut bracket = Some(first);
         while let Some(found) = bracket {
-            if let Located::At(all) = self.locate(inputs, found, outcome)? {
-                return Ok(all);
+            match self.locate(inputs, found, outcome)? {
+                Located::At(all) => return Ok(all),
+                Located::Jumps => length *= SHORTER,
+                Located::Passes { length: before } => {
+                    length = before;
+                    // Directions have followed the slip to the end of the step.
+                    let origin = self.origin.clone();
+                    self.note_slips(&origin);
+                }
             }
-            length *= SHORTER;
             self.pieces[self.current].go_back(since, &self.recipe);
             if length <= shortest {
                 return Err(StepError::NotAccurate { time: since, step: length });

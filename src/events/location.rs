@@ -18,11 +18,11 @@ use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::{Evaluated, Inside};
+use crate::events::turning::{BEFORE_IT, Turned};
 use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
-use crate::mechanism::motion::touches::touch_motion;
 
 /// Attempts at the length of a step that ends at an event.
 const ATTEMPTS: usize = 12;
@@ -37,8 +37,6 @@ const FINEST: f64 = 1e-6;
 const NEARLY: f64 = 0.999;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
 const STOPPED: f64 = 1e-10;
-/// A slip that keeps this part of its speed has turned.
-const TURNED: f64 = 0.1;
 /// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
 const WITHIN: f64 = 0.1;
 /// The smallest value of a function has fallen if it is less than this part of what it was. After so many attempts in which it has not there is no
@@ -118,7 +116,15 @@ impl Eventful {
         let end = self.pieces[self.current].small.time;
         let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
         let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
-            self.evaluate(inputs, since, Inside::at(time), &which[of], values);
+            self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
+            // What carries nothing does not part by roundings.
+            for (value, &index) in values.iter_mut().zip(&which[of]) {
+                if let Watched::Presses(contact) = self.watched[index]
+                    && self.holding.is_unloaded(contact)
+                {
+                    *value = value.abs().max(f64::MIN_POSITIVE);
+                }
+            }
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
@@ -244,32 +250,14 @@ impl Eventful {
         };
         let all = (0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]);
         let mut all: Vec<Watched> = all.collect();
-        all.retain(|watched| !self.turns(since, *watched));
-        Ok(Located::At(all))
-    }
-
-    /// Whether a slip that has no part along its old direction any more has only turned: it is about as fast as it was before in the step.
-    fn turns(&mut self, since: f64, watched: Watched) -> bool {
-        let contacts: Vec<usize> = match watched {
-            Watched::Slips(contact) => vec![contact],
-            Watched::SlipsTogether(pair) => {
-                let own = |contact: &usize| self.mode.contacts[*contact].contact.pair == pair;
-                (0..self.mode.contacts.len()).filter(own).collect()
-            }
-            _ => return false,
-        };
-        let end = self.pieces[self.current].small.time;
-        if end <= since {
-            return false;
+        self.leave_unloaded(inputs, since, bracket.watched, &mut all);
+        let turned: Vec<Option<Turned>> = all.iter().map(|watched| self.turns(since, *watched)).collect();
+        if end - since > SHORT && turned.contains(&Some(Turned::Slowly)) {
+            return Ok(Located::Passes { length: BEFORE_IT * (end - since) });
         }
-        let mut speed = |part: f64| {
-            self.place(Inside::at(since + part * (end - since)));
-            let of =
-                |contact: &usize| touch_motion(&self.mode.contacts[*contact].contact.joint, &self.bodies).slip.norm();
-            contacts.iter().map(of).fold(0.0, f64::max)
-        };
-        let before = [0.0, 0.25, 0.5, 0.75].map(&mut speed).into_iter().fold(0.0, f64::max);
-        speed(1.0) > TURNED * before
+        let mut turned = turned.into_iter();
+        all.retain(|_| turned.next().flatten() != Some(Turned::Fast));
+        Ok(Located::At(all))
     }
 
     /// The function that is negative from the start on, and all pairs that overlap and contacts that have left their features there.

@@ -27,6 +27,7 @@
 //! [`crate::instant::holding::blocks`] and [`crate::instant::cone`].
 
 mod as_integrator;
+mod ballistic;
 mod closing;
 mod contact_points;
 mod covered;
@@ -45,6 +46,7 @@ mod singular;
 mod sliding;
 mod steps;
 mod stepwise;
+mod turning;
 
 pub use finding::cover::check_certificates;
 pub use integrator::Eventful;

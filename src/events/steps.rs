@@ -6,6 +6,7 @@
 //! ```
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
+use crate::events::effects::resting;
 use crate::events::finding::detection::{Bracket, ONE_INSTANT};
 use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
@@ -103,16 +104,23 @@ impl Eventful {
         if let Some(bracket) = bracket {
             triggers = self.end_at_first(inputs, bracket, shortest, &mut outcome)?;
         }
+        let at_start = self.pieces[self.current].small.time <= since;
+        let soon = at_start && !blind && self.go_ballistically(inputs, shortest, &mut triggers);
+        let at_start = at_start && !soon;
         let piece = &mut self.pieces[self.current];
-        let at_start = piece.small.time <= since;
         if at_start {
             state.copy_from(&self.origin);
         } else {
             piece.moving.spread(&self.whole, &piece.small, state);
         }
         outcome.step = state.time - since;
-        let kernel = if at_start { Exchange::default() } else { outcome.exchange };
-        outcome.exchange = self.exchanged(state, kernel, at_start);
+        let kernel = if at_start || soon { Exchange::default() } else { outcome.exchange };
+        outcome.exchange = self.exchanged(state, kernel, at_start || soon);
+        if soon {
+            let [before, after] = [&self.origin, &*state].map(|state| resting::energy(&self.whole, state).total());
+            let taken = if self.slides() { &mut outcome.exchange.friction } else { &mut outcome.exchange.dissipated };
+            *taken += before - after;
+        }
         let overlaps = outcome.step > JAM && self.overlaps(state);
         let overlooks = !at_start && self.has_hole(since);
         if overlaps || overlooks || self.is_off_balance(inputs, state, &outcome.exchange) {
@@ -177,6 +185,10 @@ impl Eventful {
         }
         let quiet = triggers.is_empty() && !changed && inputs.feedback.is_none() && self.is_quiet(state);
         self.quiet = if quiet { self.quiet + 1 } else { 0 };
+        if soon {
+            // No step was made that has an inside.
+            self.stepped_over = Some(state.clone());
+        }
         if self.quiet >= QUIET {
             self.asleep = true;
             state.velocity.fill(0.0);

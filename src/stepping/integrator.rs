@@ -308,6 +308,8 @@ impl Integrator for Lobatto {
             first_order_steps: 0,
             first_order_time: 0.0,
             few_stage_steps: 0,
+            rebounds_left_out: 0,
+            rebounds_energy: 0.0,
         }
     }
 }

@@ -7,6 +7,7 @@ mod accuracy_said;
 mod chart;
 mod cli;
 mod far_springs;
+mod impacts_kept;
 mod inspect;
 mod log_options;
 mod log_readback;

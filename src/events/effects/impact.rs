@@ -53,6 +53,8 @@ pub(crate) struct Impulses {
     pub normal: Vec<f64>,
     /// Kinetic energy that was lost (J).
     pub lost: f64,
+    /// What rebounds have not given back (J).
+    pub cut: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
     pub rounding: f64,
 }
@@ -85,7 +87,7 @@ fn gains(scene: &Scene, before: &[f64], state: &State) -> bool {
 
 /// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
 pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
-    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, rounding: 0.0 };
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, cut: 0.0, rounding: 0.0 };
     if meetings.is_empty() {
         return Ok(done);
     }
@@ -104,7 +106,7 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
         state.velocity = velocity;
         return Err(Unsolved::Numbers { block: 0 });
     }
-    done.lost = found.lost;
+    (done.lost, done.cut) = (found.lost, found.cut);
     let terms = rows.square.row_iter().map(|row| row.iter().zip(&found.impulses).map(|(d, p)| (d * p).abs()).sum());
     done.rounding = ROUNDING * terms.fold(0.0, f64::max);
     let largest = before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));

@@ -64,6 +64,10 @@ pub(crate) struct Done {
     pub events: Vec<Event>,
     /// Energy lost in impacts (J).
     pub lost: f64,
+    /// How often rebounds were left out, and what they would have given back (J).
+    pub cut: (usize, f64),
+    /// By how much that can move things where impacts accumulate (m or rad).
+    pub left: f64,
     /// Which joints, motors and pairs have changed or begin from zero.
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,
@@ -121,8 +125,16 @@ impl ImpactMemory {
         })
     }
 
-    /// When infinitely many impacts of which this is one would end, if too little is left of them to matter.
-    pub(crate) fn accumulates(&self, side: Side, time: f64, rate: f64, restitution: f64, height: f64) -> Option<f64> {
+    /// When infinitely many impacts of which this is one would end (s), if too little is left of them to matter, and how far all of them would have moved
+    /// things (m or rad): each flight as high as `γ⁺²/(2 g)`, less by ρ² than the one before.
+    pub(crate) fn accumulates(
+        &self,
+        side: Side,
+        time: f64,
+        rate: f64,
+        restitution: f64,
+        height: f64,
+    ) -> Option<(f64, f64)> {
         let (before, last, faster) = self.last?;
         let (ratio, flight) = (rate / faster, time - last);
         if before != side || self.in_a_row < IN_A_ROW || ratio >= 1.0 || restitution == 0.0 || flight <= 0.0 {
@@ -132,6 +144,7 @@ impl ImpactMemory {
         // In the flight that would follow, as in the last one.
         let acceleration = (restitution * faster + rate) / flight;
         let ends = self.predicted(time, rate).filter(|_| rebound * rebound <= 2.0 * acceleration * height)?;
-        Some(ends.best)
+        let first = rebound * rebound / (2.0 * acceleration);
+        Some((ends.best, first / (1.0 - ratio * ratio)))
     }
 }

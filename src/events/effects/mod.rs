@@ -4,6 +4,7 @@ pub(crate) mod contacts;
 pub(crate) mod decision;
 pub(crate) mod first_slips;
 pub(crate) mod flat_ends;
+pub(crate) mod gathering;
 pub(crate) mod immobile;
 pub(crate) mod impact;
 pub(crate) mod memory;

@@ -13,6 +13,7 @@
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
+use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
 use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::memory::{Done, Found, Memory};
@@ -21,8 +22,8 @@ use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gain
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::holding::blocks::{Block, Of, Rows};
-use crate::instant::holding::elements::{Elements, inward};
+use crate::instant::holding::blocks::{Of, Rows};
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
@@ -69,7 +70,7 @@ pub(crate) fn transit(
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
     let lifted = contacts.move_apart(scene, state);
     let velocity = state.velocity.clone();
-    let (mut meetings, mut ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+    let Gathered { mut meetings, mut ends, mut left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
     let mut collided = collide(scene, state, &meetings);
     for round in 0..COMPLETING {
         let Ok(impulses) = &collided else { break };
@@ -84,7 +85,7 @@ pub(crate) fn transit(
             break;
         }
         state.velocity.copy_from_slice(&velocity);
-        (meetings, ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+        Gathered { meetings, ends, left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
         collided = collide(scene, state, &meetings);
     }
     let mut impulses = collided.unwrap_or_else(|_| {
@@ -94,12 +95,15 @@ pub(crate) fn transit(
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     done.lost = settled + lifted + impulses.lost;
+    done.left = left;
+    done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     for _ in 0..CALMING {
         let known = efforts(mode, state);
-        let low = too_low(scene, state, &meetings, &known, found.height);
+        let (low, left) = too_low(scene, state, &meetings, &known, found.height);
         if low.is_empty() {
             break;
         }
+        done.left += left;
         done.lost += stop(scene, state, &meetings, &low);
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
@@ -177,10 +181,10 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
 
 /// What is met leaves so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that it has while the limits and
 /// contacts at rest push. If it is pulled back it would be back before it is higher than that, and if not it leaves as well from rest. Where elements
-/// kick each other open without end, that is how they come to rest.
-fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> Vec<usize> {
+/// kick each other open without end, that is how they come to rest. With the sum of their heights (m or rad).
+fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> (Vec<usize>, f64) {
     if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
-        return Vec::new();
+        return (Vec::new(), 0.0);
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
@@ -191,11 +195,15 @@ fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f6
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
         rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
     }
-    let low = |meeting: &Meeting| {
+    let (mut low, mut left) = (Vec::new(), 0.0);
+    for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        rate > 0.0 && rate * rate <= 2.0 * pull * height
-    };
-    (0..meetings.len()).filter(|&index| low(&meetings[index])).collect()
+        if rate > 0.0 && rate * rate <= 2.0 * pull * height {
+            low.push(index);
+            left += rate * rate / (2.0 * pull);
+        }
+    }
+    (low, left)
 }
 
 /// Stops these along their first rows, and keeps those that rest; returns the kinetic energy that this takes (J).
@@ -231,7 +239,7 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
             break;
         }
     }
-    Impulses { normal: vec![0.0; meetings.len()], lost, rounding: 0.0 }
+    Impulses { normal: vec![0.0; meetings.len()], lost, cut: 0.0, rounding: 0.0 }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

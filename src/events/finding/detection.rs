@@ -3,7 +3,7 @@
 //! Samples at `x_j = j/6`, of which those at 0, 1/3 and 1 come first: a function whose least value there is more than twice what it changes by is not
 //! looked at any further. A sign that changes between two of them is a bracket. Two roots between samples are found by the least value: where
 //! the middle one of three samples is the least, the parabola through them tells whether a minimum may be below zero, and the
-//! minimum is looked for. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
+//! minimum is looked for; so is one before the first of them, of a function that falls where the step begins. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
 //! first sample is negative an earlier one that is positive is looked for.
 //!
 //! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
@@ -18,6 +18,8 @@ pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
 pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
 /// and the least value of a function there over all that it changes by, above which it is not looked at any more.
 const CALM: f64 = 2.0;
+/// So soon after the start, in parts of the first interval, a function that falls there is less than at the start.
+const SOON: f64 = 1e-3;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
@@ -148,6 +150,17 @@ fn bracket(
                 None => (time(0), time(0), true),
             });
         }
+        if j == 1
+            && let Some(low) = dips_at_start(of, time, value)
+        {
+            if of[0] > noise {
+                return Some((time(0), low, false));
+            }
+            return Some(match soon_positive(time(0), low, value) {
+                Some((near, high)) => (near, high, false),
+                None => (time(0), low, true),
+            });
+        }
         let Some(&next) = of.get(j + 1) else { continue };
         let before = of[j - 1];
         if j + 1 < of.len() && next >= 0.0 && of[j] <= before && of[j] <= next {
@@ -162,6 +175,19 @@ fn bracket(
         }
     }
     None
+}
+
+/// A point before the first sample where the function is negative, although it is not at the samples around: it falls from the start on, and the parabola
+/// through the first three samples is least between the first two.
+fn dips_at_start(of: &[f64], time: &impl Fn(usize) -> f64, value: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+    let (&[first, second, third], length) = (of.first_chunk()?, time(1) - time(0));
+    let (slope, bend) = (2.0 * second - 1.5 * first - 0.5 * third, first - 2.0 * second + third);
+    if !(slope < 0.0 && -slope < bend) || value(time(0) + SOON * length) >= first {
+        return None;
+    }
+    let middle = time(0) - length * slope / bend;
+    let least = value(middle);
+    if least < 0.0 { Some(middle) } else { least_below_zero(time(0), time(1), middle, least, value) }
 }
 
 /// Where a function that is negative at the end of an interval is positive soon after its start: the longest halved interval at whose end it is, and
@@ -273,6 +299,18 @@ mod tests {
                 let found = first(function).unwrap_or_else(|| panic!("missed {at}, {depth}"));
                 assert!((found.root - root).abs() < 1e-7, "{} for {root}", found.root);
             }
+        }
+    }
+
+    #[test]
+    fn a_dip_before_the_first_sample_is_found_of_a_function_that_falls_at_the_start_from_next_to_nothing() {
+        // A limit that a joint approaches from 1e-12, and leaves again before a sixth of the step: it has a root at about 1e-10.
+        for speed in [1e-2, 0.1, 1.0, 4.0] {
+            let function = |time: f64| 1e-12 - speed * time + 30.0 * time * time;
+            let found = first(function).unwrap_or_else(|| panic!("missed {speed}"));
+            assert!(!found.at_start && function(found.low) > 0.0 && function(found.high) < 0.0, "{found:?}");
+            // The root to the width of brackets.
+            assert!((found.root - 1e-12 / speed).abs() < WIDTH, "{found:?} at {speed}");
         }
     }
 

@@ -36,6 +36,8 @@ pub(crate) struct ClosedForces {
     pub joints: Vec<(usize, f64)>,
     /// λ of the contacts (N): normal, and along both tangents of [`tangents`].
     pub contacts: Vec<[f64; 3]>,
+    /// What each contact would press with if the bodies beside it fell on each other (N).
+    pub weights: Vec<f64>,
     /// The size of what they are the difference of.
     pub size: f64,
     /// What they hold.
@@ -163,7 +165,7 @@ pub(crate) fn closed_forces(
     let held = Closing::at(at, response, state, efforts);
     let Closing { blocks, rows, offset, .. } = &held;
     let forces = held.forces(unique);
-    let (mut joints, mut contacts, mut row) = (Vec::new(), Vec::new(), 0);
+    let (mut joints, mut contacts, mut weights, mut row) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for block in blocks {
         match block.of {
             Of::Joint(index) => joints.push((index, forces[row])),
@@ -171,6 +173,7 @@ pub(crate) fn closed_forces(
                 let mut force = [0.0; 3];
                 force[..block.rows.len()].copy_from_slice(&forces[row..row + block.rows.len()]);
                 contacts.push(force);
+                weights.push(at.whole.gravity.norm() / rows.square[(row, row)].max(f64::MIN_POSITIVE));
             }
         }
         row += block.rows.len();
@@ -182,7 +185,7 @@ pub(crate) fn closed_forces(
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
     let size = (0..forces.len()).map(size).fold(0.0, f64::max);
-    ClosedForces { joints, contacts, size, load: Load { held, together } }
+    ClosedForces { joints, contacts, weights, size, load: Load { held, together } }
 }
 
 /// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of what it is the difference of.

@@ -28,6 +28,9 @@ const ROUNDING: f64 = 2e-15;
 /// The same of a contact, whose force is the solution of a system with others; and where some of these imply others, to a part of 1e-10.
 const CONTACT_ROUNDING: f64 = 1e-13;
 const SHARED_ROUNDING: f64 = 1e-9;
+/// A contact that presses by less than this part of what the bodies beside it would fall on each other with carries nothing: of bodies that hang side by
+/// side and touch, roundings of their places are left of that.
+const UNLOADED: f64 = 1e-15;
 
 /// Works out what holds the joints of one mode.
 pub(crate) struct Holding {
@@ -40,6 +43,8 @@ pub(crate) struct Holding {
     /// λ of the closed contacts (N): normal and tangents; and the size of what they are the difference of.
     contacts: Vec<[f64; 3]>,
     contact_size: f64,
+    /// What each would press with if the bodies beside it fell on each other (N).
+    weights: Vec<f64>,
     /// m.
     margin: f64,
     /// The state and the efforts that they were worked out for last.
@@ -115,6 +120,7 @@ impl Holding {
             sizes: nothing,
             contacts,
             contact_size: 0.0,
+            weights: Vec::new(),
             margin,
             known: None,
             how,
@@ -139,6 +145,12 @@ impl Holding {
     /// λ of a closed contact (N): along its normal and its tangents.
     pub fn of_contact(&self, contact: usize) -> [f64; 3] {
         self.contacts[contact]
+    }
+
+    /// Whether a contact carries nothing but roundings of its weights.
+    pub fn is_unloaded(&self, contact: usize) -> bool {
+        let [pressure, ..] = self.contacts[contact];
+        self.weights.get(contact).is_some_and(|weight| pressure.abs() <= UNLOADED * weight)
     }
 
     /// What the roundings of the contacts may be (N).
@@ -194,12 +206,12 @@ impl Holding {
                 }
             }
             How::Closed { unique, last } => {
-                let ClosedForces { joints, contacts, size, load } =
+                let ClosedForces { joints, contacts, weights, size, load } =
                     closed_forces(at, response, state, efforts, *unique);
                 for (joint, effort) in joints {
                     (found[joint], sizes[joint]) = (effort, size);
                 }
-                (self.contacts, self.contact_size) = (contacts, size);
+                (self.contacts, self.weights, self.contact_size) = (contacts, weights, size);
                 *last = (!*unique).then(|| Box::new(load));
             }
         }

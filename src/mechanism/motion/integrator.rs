@@ -41,6 +41,9 @@ pub struct MethodDescription {
     pub first_order_time: f64,
     /// Steps with three stages, in spans between given instants that are short beside the steps of the method.
     pub few_stage_steps: usize,
+    /// Rebounds that were left out there and in crowds of impacts, and what they would have given back (J).
+    pub rebounds_left_out: usize,
+    pub rebounds_energy: f64,
 }
 
 impl MethodDescription {
@@ -62,6 +65,8 @@ impl MethodDescription {
             first_order_steps: 0,
             first_order_time: 0.0,
             few_stage_steps: 0,
+            rebounds_left_out: 0,
+            rebounds_energy: 0.0,
         }
     }
 

@@ -140,7 +140,14 @@ pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -
         let instants = counted(unsolved, "instant", "instants");
         format!("the law of contact could not be solved exactly at {instants}: the run took the best that was found")
     });
-    let said: Vec<String> = crowded.into_iter().chain(inexact).collect();
+    let rebounds = (description.rebounds_left_out > 0).then(|| {
+        let rebounds = counted(description.rebounds_left_out, "rebound was", "rebounds were");
+        format!(
+            "{rebounds} left out where impacts crowd, which would have given back about {:.2e} J",
+            description.rebounds_energy
+        )
+    });
+    let said: Vec<String> = crowded.into_iter().chain(inexact).chain(rebounds).collect();
     (!said.is_empty()).then(|| format!("{}; compare it with a run of another step or tolerance", said.join("; ")))
 }
 

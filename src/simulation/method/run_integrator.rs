@@ -100,6 +100,23 @@ impl RunIntegrator {
         }
     }
 
+    /// Lets accumulating impacts leave this part of the height that they may leave, and not less than so many times the least height.
+    #[must_use]
+    pub(crate) fn leaving(mut self, part: f64, least: f64) -> Self {
+        if let RunIntegrator::Eventful(eventful) = &mut self {
+            eventful.leave_of_impacts(part, least);
+        }
+        self
+    }
+
+    /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
+    pub(crate) fn left_of_impacts(&self) -> f64 {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.left_of_impacts(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
+        }
+    }
+
     /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
     pub(crate) fn ringing_inside(&self) -> f64 {
         match self {

@@ -30,13 +30,10 @@ use crate::simulation::tolerance::event_order::first_difference;
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
-use crate::stepping::length::control::COARSEST_STOP;
 use crate::stepping::length::stage_choice::StageChoice;
 
-/// The wanted accuracy over the first stop of a smooth run,
+/// The accuracy over the stop, for which stages are chosen when the run restarts.
 const OPTIMISTIC: f64 = 100.0;
-/// and of a run with events, because a late restart costs more.
-const CAREFUL: f64 = 1000.0;
 /// The error of a run is at most this times that of the companion over [`RATIO`], because a companion may be accurate by luck.
 const LUCK: f64 = 3.0;
 /// Factor for the rounding errors of two motions that round independently.
@@ -103,9 +100,7 @@ impl<'a> Assessed<'a> {
     /// # Errors
     /// [`MethodError`] for invalid steps.
     pub(crate) fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<Self, MethodError> {
-        let smooth = mechanism.nonsmooth.is_empty();
-        let part = if smooth { OPTIMISTIC } else { CAREFUL };
-        let stop = (terms.tolerance / part).clamp(FINEST, COARSEST_STOP);
+        let stop = terms.first_stop(mechanism);
         let stages = StageChoice::of(mechanism, terms.tolerance);
         let run = terms.run(mechanism, stop, stages)?;
         let wanted = wanted(mechanism, &terms, stop);
@@ -230,7 +225,8 @@ impl<'a> Assessed<'a> {
         let error = error.max(self.largest);
         // Samples inside steps that are too long for a damper may be off where the ends are right.
         let ringing = self.run.ringing_inside();
-        let estimate = error.max(ringing);
+        // The ends of accumulating impacts are errors of the run and of its companion alike.
+        let estimate = error.max(ringing) + self.run.left_of_impacts();
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };

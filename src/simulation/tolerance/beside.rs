@@ -46,6 +46,8 @@ impl Beside {
             ..*terms
         };
         let run = coarser.run(mechanism, stop, stages).ok()?;
+        // Impacts of both that end at the same height would hide what that leaves.
+        let run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         Some(Beside { run, state: state.clone(), events: Vec::new() })
     }
 

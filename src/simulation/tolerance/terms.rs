@@ -4,7 +4,9 @@ use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::simulation::tolerance::forecast::FINEST;
 use crate::stepping::integrator::MethodError;
+use crate::stepping::length::control::COARSEST_STOP;
 use crate::stepping::length::stage_choice::StageChoice;
 use crate::stepping::recipe::Steps;
 use std::sync::Arc;
@@ -27,7 +29,18 @@ pub(crate) struct Terms<'a> {
     pub estimate: bool,
 }
 
+/// The wanted accuracy over the first stop of a smooth run,
+const OPTIMISTIC: f64 = 100.0;
+/// and of a run with events, because a late restart costs more.
+const CAREFUL: f64 = 1000.0;
+
 impl Terms<'_> {
+    /// The stop that a run begins with.
+    pub(crate) fn first_stop(&self, mechanism: &Mechanism) -> f64 {
+        let part = if mechanism.nonsmooth.is_empty() { OPTIMISTIC } else { CAREFUL };
+        (self.tolerance / part).clamp(FINEST, COARSEST_STOP)
+    }
+
     /// Whether the flag is set.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
@@ -44,6 +57,8 @@ impl Terms<'_> {
         stages: StageChoice,
     ) -> Result<RunIntegrator, MethodError> {
         let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
-        Ok(RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone()))
+        let run = RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone());
+        // What accumulating impacts leave is an error as those of the stop are.
+        Ok(run.leaving(stop / self.first_stop(mechanism), 1.0))
     }
 }

@@ -1,0 +1,113 @@
+//! The way to a gap that closes sooner than a step can be solved.
+//!
+//! ```text
+//!     q(δ) = q₀ + δ v₀ + ½ δ² a₀,   v(δ) = v₀ + δ a₀,      δ ≤ 1e-8 s with φ(q(δ)) = 0
+//! ```
+//!
+//! φ is the gap of a pair or of a limit (m or rad), a₀ the accelerations in the mode. Where contacts are closed, roundings of their gaps are forces in such
+//! short steps, and the scheme cannot make them. What is left out is of the order of δ³: the state is right to its roundings, while a pair that would be
+//! let into the other one would have to be moved apart again.
+
+use crate::events::finding::watched::{Seen, Watched};
+use crate::events::forces::closed_forces::accelerations;
+use crate::events::integrator::Eventful;
+use crate::events::modes::present::Present;
+use crate::instant::holding::touching::TOUCHED;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::state::State;
+
+/// Attempts at the length of the way.
+const ATTEMPTS: usize = 40;
+/// Gaps of this part of what a pair is made of are closed.
+const CLOSED: f64 = 1e-15;
+
+impl Eventful {
+    /// Goes from the start of the step to the first gap among what is watched that closes within `longest` (s), and adds it to what happens; false if none
+    /// of those that happen is open there, or none closes.
+    pub(super) fn go_ballistically(&mut self, inputs: Inputs, longest: f64, triggers: &mut Vec<Watched>) -> bool {
+        if self.mode.contacts.is_empty() {
+            return false;
+        }
+        let open = |watched: &Watched, gap: f64, this: &Self| {
+            gap > watched.nearly(TOUCHED, &this.elements, &this.touching, &this.mode)
+        };
+        let origin = self.origin.clone();
+        let opens = triggers.iter().any(|watched| is_gap(*watched) && open(watched, self.gap(*watched, &origin), self));
+        let found = if opens { self.first_gap(inputs, longest, &origin) } else { None };
+        let Some((end, first)) = found else { return false };
+        if !triggers.contains(&first) {
+            triggers.push(first);
+        }
+        let piece = &mut self.pieces[self.current];
+        piece.small = piece.moving.gather(&self.whole, &end);
+        true
+    }
+
+    /// Where the first gap closes, and which.
+    fn first_gap(&mut self, inputs: Inputs, longest: f64, origin: &State) -> Option<(State, Watched)> {
+        let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
+        let mut all = vec![0.0; efforts.len()];
+        mode.efforts_at(elements, inputs, origin.time, origin, &mut all);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        let accelerations = accelerations(&present, response, origin, &all, holding.is_unique());
+        let moves: Vec<f64> = accelerations.into_iter().map(|(acceleration, _)| acceleration).collect();
+        let (mut until, mut first) = (longest, None);
+        let gaps: Vec<Watched> = self.watched.iter().copied().filter(|watched| is_gap(*watched)).collect();
+        for watched in gaps {
+            let start = self.gap(watched, origin);
+            let closed = watched.nearly(CLOSED, &self.elements, &self.touching, &self.mode);
+            let after = self.gap(watched, &self.after(origin, &moves, until));
+            if start <= closed || after > 0.0 {
+                continue;
+            }
+            // Illinois, between an end that is open and one that is closed.
+            let ([mut low, mut high], [mut above, mut below]) = ([0.0, until], [start, after]);
+            let mut last = 0;
+            for _ in 0..ATTEMPTS {
+                let at = low + (high - low) * (above / (above - below));
+                let gap = self.gap(watched, &self.after(origin, &moves, at));
+                if gap > 0.0 {
+                    (low, above) = (at, gap);
+                    below *= if last == 1 { 0.5 } else { 1.0 };
+                    last = 1;
+                } else {
+                    (high, below) = (at, gap);
+                    above *= if last == -1 { 0.5 } else { 1.0 };
+                    last = -1;
+                }
+                if gap.abs() <= closed {
+                    high = at;
+                    break;
+                }
+            }
+            (until, first) = (high, Some(watched));
+        }
+        let first = first?;
+        Some((self.after(origin, &moves, until), first))
+    }
+
+    /// The state after so long (s) under constant accelerations.
+    fn after(&self, origin: &State, accelerations: &[f64], time: f64) -> State {
+        let mut state = origin.clone();
+        let moved = origin.velocity.iter().zip(accelerations).map(|(rate, a)| time * (rate + 0.5 * time * a));
+        state.displace(&self.whole, &moved.collect::<Vec<f64>>());
+        state.velocity.iter_mut().zip(accelerations).for_each(|(rate, a)| *rate += time * a);
+        state.time += time;
+        state
+    }
+
+    /// A gap in a state (m or rad).
+    fn gap(&self, watched: Watched, state: &State) -> f64 {
+        let mut bodies = self.bodies.clone();
+        place_bodies(&self.whole, state, &mut bodies);
+        let Eventful { elements, touching, mode, holding, slips, .. } = self;
+        let [since, time] = [state.time; 2];
+        watched.value(&Seen { elements, touching, mode, holding, since, time, state, bodies: &bodies, slips })
+    }
+}
+
+/// Whether it is the distance of a pair or to a limit.
+fn is_gap(watched: Watched) -> bool {
+    matches!(watched, Watched::Approach(_) | Watched::Gap(..))
+}

@@ -1,0 +1,98 @@
+//! Everything that is met at an event, with the restitution that it has there: none where impacts accumulate and end, or crowd.
+//!
+//! ```text
+//!     left out in a crowd:   Σ ½ e² P |γ⁻|  (J)        P the plastic impulse (N s), γ⁻ the rate before [m/s]
+//! ```
+
+use crate::events::effects::contacts::Contacts;
+use crate::events::effects::decision::Scene;
+use crate::events::effects::impact::{Impulses, Meeting};
+use crate::events::effects::memory::{Found, Memory};
+use crate::instant::holding::blocks::{Block, Of};
+use crate::instant::holding::elements::inward;
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::state::State;
+
+/// Everything that is met.
+pub(crate) struct Gathered {
+    /// Limits, then contacts.
+    pub meetings: Vec<Meeting>,
+    /// Of impacts that end here, when the last of infinitely many would be (s),
+    pub ends: Vec<(Of, f64)>,
+    /// and how far what is left of them would have moved things (m or rad).
+    pub left: f64,
+}
+
+/// Everything that is met: limits, then contacts; and which impacts end here.
+pub(crate) fn gather_meetings(
+    scene: &Scene,
+    state: &State,
+    memory: &mut Memory,
+    found: &Found,
+    rests: &[f64],
+    contacts: &Contacts,
+) -> Gathered {
+    let (mut all, mut ends, mut left) = (Vec::new(), Vec::new(), 0.0);
+    let crowded = memory.is_crowded(state.time);
+    for (index, joint) in scene.elements.joints.iter().enumerate() {
+        let Some(side) = joint.side(joint.position(state)) else { continue };
+        let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
+        let block = Block::of_joint(index, freedom, count, inward(side), [0.0, f64::INFINITY]);
+        let restitution = if crowded { 0.0 } else { joint.restitution };
+        let mut meeting = Meeting { block, restitution, rest: rests[index] };
+        let rate = meeting.rate(&state.velocity);
+        let known = &memory.joints[index];
+        if rate < 0.0
+            && let Some((end, moves)) = known.accumulates(side, state.time, -rate, restitution, found.height)
+        {
+            left += moves;
+            meeting.restitution = 0.0;
+            ends.push((Of::Joint(index), end));
+        }
+        all.push(meeting);
+    }
+    let first = all.len();
+    all.extend(contacts.meetings(scene, state, crowded));
+    for (pair, known) in memory.pairs.iter().enumerate() {
+        let own = |meeting: &&mut Meeting| contacts.pair_of(meeting.block.of) == Some(pair);
+        let rates = all[first..].iter_mut().filter(own).map(|meeting| meeting.rate(&state.velocity));
+        let rate = rates.fold(0.0_f64, f64::min);
+        let restitution = scene.touching.pairs[pair].restitution;
+        if rate < 0.0
+            && let Some((end, moves)) = known.accumulates(Side::Lower, state.time, -rate, restitution, found.height)
+        {
+            // Friction shares its impulses among the flights.
+            left += moves * (1.0 + scene.touching.pairs[pair].friction);
+            all[first..].iter_mut().filter(own).for_each(|meeting| meeting.restitution = 0.0);
+            ends.push((Of::Contact(pair), end));
+        }
+    }
+    Gathered { meetings: all, ends, left }
+}
+
+/// How many rebounds are left out of an impact, in a crowd of impacts or of rounds of one, and what they would have given back (J): `½ e² P |γ⁻|` each.
+pub(crate) fn cut_in_crowd(
+    scene: &Scene,
+    memory: &mut Memory,
+    time: f64,
+    contacts: &Contacts,
+    meetings: &[Meeting],
+    rates: &[f64],
+    impulses: &Impulses,
+) -> (usize, f64) {
+    let mut cut = (usize::from(impulses.cut > 0.0), impulses.cut);
+    if !memory.is_crowded(time) {
+        return cut;
+    }
+    for ((meeting, rate), impulse) in meetings.iter().zip(rates).zip(&impulses.normal) {
+        let restitution = match (meeting.block.of, contacts.pair_of(meeting.block.of)) {
+            (_, Some(pair)) => scene.touching.pairs[pair].restitution,
+            (Of::Joint(joint), None) => scene.elements.joints[joint].restitution,
+            (Of::Contact(_), None) => 0.0,
+        };
+        if *rate < -meeting.rest && restitution > 0.0 && *impulse > 0.0 {
+            cut = (cut.0 + 1, cut.1 - 0.5 * restitution.powi(2) * impulse * rate);
+        }
+    }
+    cut
+}
