@@ -37,8 +37,10 @@ pub(crate) fn gather_meetings(
     for (index, joint) in scene.elements.joints.iter().enumerate() {
         let Some(side) = joint.side(joint.position(state)) else { continue };
         let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
-        let block = Block::of_joint(index, freedom, count, inward(side), [0.0, f64::INFINITY]);
-        let restitution = if crowded { 0.0 } else { joint.restitution };
+        // A locked joint can be pushed both ways, and gives nothing back.
+        let least = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
+        let block = Block::of_joint(index, freedom, count, inward(side), [least, f64::INFINITY]);
+        let restitution = if crowded || joint.is_locked() { 0.0 } else { joint.restitution };
         let mut meeting = Meeting { block, restitution, rest: rests[index] };
         let rate = meeting.rate(&state.velocity);
         let known = &memory.joints[index];

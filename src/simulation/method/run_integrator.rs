@@ -96,6 +96,7 @@ impl RunIntegrator {
     pub(crate) fn overlap(&self) -> f64 {
         match self {
             RunIntegrator::Eventful(eventful) => eventful.overlap(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.overlap(),
             RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
         }
     }
@@ -103,16 +104,23 @@ impl RunIntegrator {
     /// Lets accumulating impacts leave this part of the height that they may leave, and not less than so many times the least height.
     #[must_use]
     pub(crate) fn leaving(mut self, part: f64, least: f64) -> Self {
-        if let RunIntegrator::Eventful(eventful) = &mut self {
-            eventful.leave_of_impacts(part, least);
-        }
+        self.leave_of_impacts(part, least);
         self
+    }
+
+    fn leave_of_impacts(&mut self, part: f64, least: f64) {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.leave_of_impacts(part, least),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.leave_of_impacts(part, least),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => {}
+        }
     }
 
     /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
     pub(crate) fn left_of_impacts(&self) -> f64 {
         match self {
             RunIntegrator::Eventful(eventful) => eventful.left_of_impacts(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.left_of_impacts(),
             RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
         }
     }
