@@ -172,7 +172,7 @@ impl Eventful {
                 None => None,
                 Some(Closing::AtStart) => Some(Bracket::at_start(watched, since)),
                 Some(Closing::Between(low, high)) => {
-                    Some(close_in(watched, low, high, false, end - since, &mut |time| gap.gap(time)))
+                    Some(close_in(watched, low, high, false, high - low, &mut |time| gap.gap(time)))
                 }
             };
             // A pair that closes at the end was open before.
