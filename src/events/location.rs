@@ -33,6 +33,8 @@ const TOGETHER: f64 = 1e-11;
 const RESOLUTION: f64 = 2e-3;
 /// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
 const FINEST: f64 = 1e-6;
+/// Its root is looked for as in a step so many times as long as its bracket: to 1e-9 of that. An end that is off by more than roundings shows the slope.
+const ROUGHLY: f64 = 10.0;
 /// A pair that closes at the end of a step is looked at up to this part of it.
 const NEARLY: f64 = 0.999;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
@@ -179,7 +181,8 @@ impl Eventful {
                 None => None,
                 Some(Closing::AtStart) => Some(Bracket::at_start(watched, since)),
                 Some(Closing::Between(low, high)) => {
-                    Some(close_in(watched, low, high, false, end - since, &mut |time| gap.gap(time)))
+                    let length = (ROUGHLY * (high - low)).min(end - since);
+                    Some(close_in(watched, low, high, false, length, &mut |time| gap.gap(time)))
                 }
             };
             // A pair that closes at the end was open before.

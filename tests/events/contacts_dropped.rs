@@ -250,7 +250,7 @@ fn a_ball_bounces_on_a_table_of_twenty_centimetres_for_ten_and_for_sixty_seconds
         let fall = (2.0 / GRAVITY).sqrt();
         let left = (duration - fall) % (2.0 * fall);
         let right = if restitution < 1.0 { 0.0 } else { (2.0 * GRAVITY).sqrt() * left - 0.5 * GRAVITY * left * left };
-        let (_, link) = report.links.iter().next().expect("a ball");
+        let (_, link) = report.links.first().expect("a ball");
         assert!((link.position[2] - 0.1 - right).abs() <= 1e-10, "{name}: {:?}, not {right}", link.position);
         assert!(impacts.contains(&impacts_in(&report)), "{name}: {:?}", report.events.counts);
         assert!(report.contact.max_penetration <= 1e-12, "{name}: {:?}", report.contact);
