@@ -1,8 +1,8 @@
 //! One scene, all methods, all settings.
 //!
 //! The ladders are climbed down together, one rung of every method after the other. A budget that runs out then cuts all curves at about the same
-//! rung. A method leaves its ladder when a run is cut for its cost. A method with fixed steps also leaves when two rungs in a row bring no smaller error:
-//! its rounding floor. Tolerances are few, and their errors need not fall from one to the next; they are all tried.
+//! rung. A method leaves its ladder when a run is cut for its cost. A method with fixed steps also leaves when two rungs in a row bring no smaller
+//! error: its rounding floor. Tolerances are few, and their errors need not fall from one to the next; they are all tried.
 
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, probes};

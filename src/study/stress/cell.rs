@@ -36,8 +36,8 @@ pub const GARBAGE: f64 = 0.5;
 const PATIENCE: f64 = 15.0;
 /// Part of the budget after which it shows whether a run will keep to it.
 const FORESIGHT: f64 = 0.05;
-/// A run is given up then if it would exceed its budget by this factor at its pace so far. The factor is larger for chosen steps, which are short where
-/// the motion begins.
+/// A run is given up then if it would exceed its budget by this factor at its pace so far. The factor is larger for chosen steps, which are short
+/// where the motion begins.
 const HOPELESS: [f64; 2] = [2.0, 20.0];
 
 /// The verdict about a run.
