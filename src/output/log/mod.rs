@@ -18,7 +18,7 @@
 //! | `/events`            | `catena_msgs/msg/Event`                 | events: time (s), kind, joint or pair `a\|b`, impulse of an impact |
 //! | `/energy`            | `catena_msgs/msg/Energy`                | step ends: the parts of the energy (J), by name |
 //! | `/constraint`        | `catena_msgs/msg/Constraint`            | step ends: constraint errors of positions and velocities |
-//! | `/solver`            | `catena_msgs/msg/Solver`                | step ends: last step (s), stages; steps, iterations, rejected steps since before |
+//! | `/solver`            | `catena_msgs/msg/Solver`                | step ends: last step (s), stages; steps, iterations, rejections since before |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.

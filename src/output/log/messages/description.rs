@@ -23,8 +23,8 @@ use crate::output::log::storage::inputs::sha256;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Gives viewers each robot's URDF and the looks of all of them; says which parts could not be put into the log. If there are several robots, all names have
-/// the robot's before them, as in the transforms. Files go beside the log, if it is one.
+/// Gives viewers each robot's URDF and the looks of all of them; says which parts could not be put into the log. If there are several robots, all
+/// names have the robot's before them, as in the transforms. Files go beside the log, if it is one.
 pub(crate) fn describe(
     sink: &mut dyn MessageSink,
     model: &Model,

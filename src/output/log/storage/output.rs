@@ -6,7 +6,7 @@
 //! |---------------------------------|-------------------------------------------------------|------------------------|
 //! | nothing                         | when all that is known before the first step is in it | the output is what there is of the run |
 //! | a log of catena without an end, or that says it did not finish | the same               | the same               |
-//! | anything else: a finished log, another file | when the run has finished                 | the output is as it was, the run's log is the neighbour |
+//! | anything else: a finished log, another file | when the run has finished                 | the output stays, the run's log is the neighbour |
 //! | a pipe or device                | it is written directly; samples at the end of the run if that may begin again | |
 //!
 //! A file that is being written is locked, so that a second run does not write into it and readers know that there
