@@ -1,7 +1,7 @@
 //! `catena chart`: read, measure scene after scene, write pictures, numbers and the page.
 //!
-//! Everything that can be wrong with the input is found before the folder is made. After every scene all files are
-//! written anew, each whole; Ctrl-C ends with what has been measured up to then.
+//! All defects of the input are found before the folder is made. After every scene all files are written anew, each whole; Ctrl-C ends with the
+//! measurements up to then.
 
 use crate::cli::arguments::input::WorldArgs;
 use crate::cli::arguments::numbers::{Assignment, numbers, pairs, positive};
@@ -137,7 +137,7 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
     let inputs: Vec<Loaded> =
         arguments.inputs.iter().map(|input| arguments.world.load(input)).collect::<anyhow::Result<_>>()?;
     for assignment in arguments.position.iter().chain(&arguments.velocity) {
-        // With a single input the message of the model itself says more.
+        // The message of the model itself is better for a single input.
         if inputs.len() > 1 && inputs.iter().all(|one| one.model.joint(&assignment.name).is_none()) {
             return Err(anyhow!("no input has a joint {:?}", assignment.name));
         }
@@ -186,7 +186,7 @@ fn scene_name(input: &Path, others: &[Scene]) -> String {
     std::iter::once(stem.clone()).chain(numbered).find(|name| !taken(name)).unwrap_or(stem)
 }
 
-/// Reads the measurements of other programs; warns of files in which nothing belongs to any scene.
+/// Reads the measurements of other programs; warns of files whose measurements belong to no scene.
 fn foreign(files: &[PathBuf], scenes: &[Scene]) -> anyhow::Result<Vec<Measurement>> {
     let mut all = Vec::new();
     for file in files {
@@ -199,7 +199,7 @@ fn foreign(files: &[PathBuf], scenes: &[Scene]) -> anyhow::Result<Vec<Measuremen
     Ok(all)
 }
 
-/// A bar for so many scenes, a thousand ticks each.
+/// A bar for this number of scenes, a thousand ticks each.
 pub fn progress_bar(visible: bool, scenes: usize) -> ProgressBar {
     let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(1000 * scenes as u64), target);

@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// What is written must replace neither what it is made from nor what else is written, and needs a folder to be in.
+/// An output must replace neither its source nor another output, and needs an existing folder.
 pub(crate) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()> {
     for (number, output) in outputs.iter().enumerate() {
         check_place(output)?;
@@ -64,7 +64,7 @@ fn write_whole(path: &Path, write: impl Fn(&mut BufWriter<File>) -> anyhow::Resu
     })
 }
 
-/// A recovered log replaces nothing, since what is there may be a log as well.
+/// A recovered log does not replace a file, since that file may be a log as well.
 pub(crate) fn check_absent(whole: &Path) -> anyhow::Result<()> {
     if whole.exists() {
         bail!("{} is there already", whole.display());
@@ -72,7 +72,7 @@ pub(crate) fn check_absent(whole: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a complete log of what can be read in another; returns what can be said of it.
+/// Writes a complete log of the readable part of another; returns a description of it.
 pub(crate) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Result<String, Failure> {
     let messages = Cell::new(0);
     let write = |out: &mut BufWriter<File>| {

@@ -23,8 +23,8 @@ pub(crate) fn follow(log: &Path, json: bool) -> Result<(), Failure> {
         let looked = Instant::now();
         // While its output must stay, a run writes beside it.
         let beside = neighbour(log);
-        // Asked before reading: what is read then is at least what there was when the run still wrote. And once, because the run may end
-        // meanwhile.
+        // The lock is asked before reading, so that at least all bytes are read that existed while the run still wrote. It is asked once, because the
+        // run may end meanwhile.
         let is_beside = is_locked(&beside);
         let current = if is_beside { &beside } else { log };
         let is_written = is_beside || is_locked(log);

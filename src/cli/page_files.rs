@@ -6,7 +6,7 @@ use catena::drawing::files::write_text;
 use catena::session::{check_place, folder_of};
 use std::path::Path;
 
-/// Whether a page can be at this place, where it must replace none of these files.
+/// Whether a page can be at this place. It must not replace any of these files.
 ///
 /// # Errors
 /// If it cannot.

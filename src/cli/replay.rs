@@ -40,7 +40,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let setup = Setup::new(&recorded.arguments, &mut recorded.loaded).map_err(Failure::input)?;
     let Setup { state, settled, log: mut options } = setup;
     let Settled { duration, choice, rate } = settled;
-    // What the clock said then.
+    // The time of the clock at the recorded run.
     options.start = recorded.start();
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
     let model = &recorded.loaded.model;

@@ -68,14 +68,14 @@ pub fn simulate_and_report(arguments: &simulate::Arguments) -> Result<(), Failur
         (Ok(()), false) => print(format_args!("  page        {}\n", page.display())),
         _ => Ok(()),
     };
-    // Of several errors the first is the cause.
+    // The first of several errors is the cause.
     ran.ended.and(written).and(said)
 }
 
 /// The page of a log.
 ///
 /// # Errors
-/// What is wrong with the log.
+/// The defect of the log.
 pub fn page_of_log(log: &Path, mesh_limit: usize) -> anyhow::Result<String> {
     let mut recorded = Recorded::open(log)?;
     let loaded = &mut recorded.loaded;

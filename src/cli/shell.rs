@@ -35,7 +35,7 @@ pub fn version() -> &'static str {
 /// Prints the completions of a shell.
 ///
 /// # Errors
-/// Where standard output cannot be written.
+/// An error if standard output cannot be written.
 pub fn complete(arguments: &CompletionsArgs, mut command: Command) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "catena", &mut text);

@@ -1,7 +1,7 @@
 //! `catena stress`: run problem after problem, write pictures, numbers and the page.
 //!
-//! What is asked for is checked before the folder is made. After every problem all files are written anew, each whole;
-//! Ctrl-C ends with the problems that have been mapped up to then.
+//! The arguments are checked before the folder is made. After every problem all files are written anew, each whole; Ctrl-C ends with the problems
+//! that have been mapped up to then.
 
 use crate::cli::chart::{processor, progress_bar};
 use crate::cli::terminal::printing::{Failure, print};
@@ -32,7 +32,7 @@ pub struct StressArgs {
     quiet: bool,
 }
 
-/// What `--only` takes, with the names of all problems.
+/// The help of `--only`, with the names of all problems.
 fn only_help() -> String {
     let names: Vec<&str> = Problem::all().iter().map(|problem| problem.name).collect();
     format!("Only the problem of this name (repeatable): {}", names.join(", "))

@@ -1,7 +1,7 @@
 //! `catena sweep`: many runs of one scene, in which numbers vary; a row of a table for each.
 //!
-//! Everything that can be wrong with the sweep file is found before the folder is made. Rows are on the disk before they are counted; Ctrl-C, a kill or a
-//! full disk end with what has been made up to then, and the same command goes on from there.
+//! All defects of the sweep file are found before the folder is made. Rows are on the disk before they are counted; Ctrl-C, a kill or a full disk end
+//! with the rows up to then, and the same command continues there.
 
 use crate::cli::arguments::numbers::finite;
 use crate::cli::terminal::printing::{Failure, print, print_json, warn};
@@ -38,7 +38,7 @@ pub struct SweepArgs {
     #[arg(short, long, value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder(), required_unless_present = "dry_run")]
     output: Option<PathBuf>,
 
-    /// Make a few runs, estimate what the whole sweep takes, and write nothing
+    /// Make a few runs, estimate what the whole sweep takes, and write no files
     #[arg(long, conflicts_with_all = ["merge", "output"])]
     dry_run: bool,
 
@@ -106,7 +106,7 @@ fn read(arguments: &SweepArgs, file: &Path) -> Result<catena::study::sweep::Swee
 fn sweep(arguments: &SweepArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     let sweep = read(arguments, file)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
-    // Nothing has been made yet: a folder that cannot be written is bad input.
+    // No run has been made yet: a folder that cannot be written is bad input.
     let opened = Folder::open(output, &sweep, shard, arguments.format.unwrap_or(Format::DEFAULT));
     let mut folder = opened.map_err(|error| match error {
         SweepError::Disk { .. } => Failure::input(error),
@@ -121,13 +121,13 @@ fn sweep(arguments: &SweepArgs, file: &Path, output: &Path) -> Result<(), Failur
     let mut told = |done: &Done| {
         if arguments.progress.is_some_and(|every| said.is_none_or(|last| last.elapsed().as_secs_f64() >= every)) {
             said = Some(Instant::now());
-            // If standard error is closed there is nobody left to tell.
+            // If standard error is closed, the line is lost.
             let _ = writeln!(std::io::stderr(), "catena: {} of {} runs are done", done.done, done.runs);
         }
         if done.done > before {
             bar.set_position(done.done);
         } else {
-            // What was there before is not how fast this goes.
+            // Rows of earlier runs do not count for the speed.
             bar.reset_eta();
             bar.set_position(done.done);
         }

@@ -4,7 +4,7 @@ use crate::drawing::picture::Scale;
 
 /// An axis with its range and ticks settled.
 pub(crate) struct Axis {
-    /// What it shows, with its unit.
+    /// The name of its quantity, with the unit.
     pub label: String,
     log: bool,
     /// In decades if logarithmic.
@@ -16,7 +16,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// Settles range and ticks for the values to be shown, with at most about so many labels.
+    /// Settles range and ticks for the values to be shown, with at most about `labels` labels.
     pub fn new(scale: &Scale, values: impl Iterator<Item = f64>, labels: i32) -> Self {
         match scale {
             Scale::Linear { label, range } => {
@@ -82,7 +82,7 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}", exponent.to_string().chars().map(raise).collect::<String>())
 }
 
-/// Ticks at multiples of 1, 2 or 5 times a power of ten, about so many of them.
+/// Ticks at multiples of 1, 2 or 5 times a power of ten, about `labels` of them.
 fn round_ticks((from, to): (f64, f64), labels: i32) -> Vec<(f64, String)> {
     let raw = (to - from) / f64::from(labels.clamp(2, 8));
     let decade = 10_f64.powf(raw.log10().floor());
@@ -94,7 +94,7 @@ fn round_ticks((from, to): (f64, f64), labels: i32) -> Vec<(f64, String)> {
     (first..=last).map(|k| k as f64 * step).map(|tick| (tick, tick_label(tick, digits))).collect()
 }
 
-/// A number with so many digits behind the point, or as a power of ten where that would be too long to stand beside an axis.
+/// A number with this number of digits behind the point, or as a power of ten if it would be too long beside an axis.
 fn tick_label(tick: f64, digits: usize) -> String {
     if digits <= 6 || tick == 0.0 {
         format!("{tick:.*}", if digits <= 6 { digits } else { 0 })

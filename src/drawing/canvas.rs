@@ -12,13 +12,13 @@ use std::sync::OnceLock;
 
 /// Lines and letters.
 pub const INK: RGBColor = RGBColor(30, 30, 30);
-/// What is said by the way.
+/// The colour of secondary text.
 pub const QUIET: RGBColor = RGBColor(90, 90, 90);
 
-/// DejaVu Sans, under the licence beside it; without a font of our own a PNG would depend on what is installed.
+/// DejaVu Sans, under the licence beside it. Without a font of our own a PNG would depend on the installed fonts.
 static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 
-/// What drawing gives.
+/// The result of drawing.
 pub type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 /// A picture of a size in pixels as the text of an SVG file; `title` names it in errors.

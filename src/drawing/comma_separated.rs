@@ -11,7 +11,7 @@ pub type Record = (usize, Vec<String>);
 /// The records of a text, each with the number of the line it starts on; empty lines are skipped.
 ///
 /// # Errors
-/// The line and what is wrong with it.
+/// The line and its defect.
 pub fn records(text: &str) -> Result<Vec<Record>, (usize, String)> {
     let (mut records, mut fields, mut current) = (Vec::new(), Vec::new(), String::new());
     let (mut line, mut first_line, mut quoted, mut was_quoted) = (1, 1, false, false);

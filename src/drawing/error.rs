@@ -1,4 +1,4 @@
-//! What can go wrong on the way to a chart.
+//! Errors of charts and their files.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ pub enum ChartError {
     /// A file could not be read.
     #[error("cannot read {}: {reason}", path.display())]
     Read { path: PathBuf, reason: std::io::Error },
-    /// A CSV file is not what it should be.
+    /// A CSV file is malformed.
     #[error("{}:{line}: {problem}", path.display())]
     Csv { path: PathBuf, line: usize, problem: String },
     /// The drawing library failed.

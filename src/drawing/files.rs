@@ -12,10 +12,10 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ChartError> {
     write_with(path, |part| fs::write(part, text).map_err(|reason| ChartError::Write { path: path.into(), reason }))
 }
 
-/// Writes a file with a function that is given the path to write to. A link stays a link: what it points to is written.
+/// Writes a file with a function that is given the path to write to. A link stays a link, and its target is written.
 ///
 /// # Errors
-/// Those of the function, and [`ChartError::Write`]; the old file is then as it was.
+/// The errors of the function, and [`ChartError::Write`]; the old file is then unchanged.
 pub fn write_with<E: From<ChartError>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
     let place = behind_links(path);
     let part = part_name(&place);
@@ -28,7 +28,7 @@ pub fn write_with<E: From<ChartError>>(path: &Path, write: impl FnOnce(&Path) ->
     written
 }
 
-/// What a path points to, also where that is not there yet.
+/// The target of a path, also if it does not exist yet.
 fn behind_links(path: &Path) -> PathBuf {
     let dangling = || fs::read_link(path).map(|to| path.parent().map_or(to.clone(), |folder| folder.join(&to)));
     path.canonicalize().or_else(|_| dangling()).unwrap_or_else(|_| path.to_path_buf())

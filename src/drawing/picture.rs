@@ -39,14 +39,14 @@ pub struct Figure {
 pub enum Scale {
     /// A fixed range with round ticks.
     Linear {
-        /// What it shows, with the unit.
+        /// The name of its quantity, with the unit.
         label: String,
-        /// From and to.
+        /// The two ends.
         range: (f64, f64),
     },
     /// As many decades as the curves need, but not beyond these limits; points outside are not drawn.
     Log {
-        /// What it shows, with the unit.
+        /// The name of its quantity, with the unit.
         label: String,
         /// Lower limit.
         least: f64,
@@ -62,7 +62,7 @@ pub struct Band {
     pub below: f64,
     /// How dark: 0 is invisible, 1 is black.
     pub strength: f64,
-    /// What it means, for the legend.
+    /// Its meaning, for the legend.
     pub label: String,
 }
 

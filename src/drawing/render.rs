@@ -20,7 +20,7 @@ const SIZE: (i32, i32) = (1280, 800);
 const LEFT: i32 = 112;
 const RIGHT: i32 = 948;
 const TOP: i32 = 92;
-/// From the data area to the lower edge of the picture.
+/// The distance from the data area to the lower edge of the picture.
 const BELOW: i32 = 84;
 
 /// Height of the ticks that mark values of the horizontal axis.
@@ -39,7 +39,7 @@ struct Page {
     bottom: i32,
     /// Left edge of the legend.
     legend: i32,
-    /// Size of the letters at the axes; those of the legend are a little smaller, those that name the axes larger.
+    /// Size of the letters at the axes. The letters of the legend are a little smaller, the names of the axes larger.
     letters: i32,
 }
 
@@ -257,7 +257,7 @@ mod tests {
     use crate::drawing::picture::{Panel, Scale};
     use crate::drawing::style::look;
 
-    /// A picture with so many curves of other programs.
+    /// A picture with this number of curves of other programs.
     fn picture(curves: usize) -> Picture {
         let scale = |label: &str| Scale::Log { label: label.to_string(), least: 1e-12, most: 1e12 };
         let curve = |index: usize| Series {

@@ -22,7 +22,7 @@ const GREY: Color = (130, 130, 130);
 /// The shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
-    /// Nothing: the line says it all.
+    /// No marker: the line is enough.
     None,
     /// ○
     Circle,
@@ -92,7 +92,7 @@ pub fn look(method: &str, foreign: usize) -> Look {
     }
 }
 
-/// The look of the curve with this number among those of one picture: colours first, then kinds of line.
+/// The look of the curve with this number in a picture: colours first, then kinds of line.
 pub fn curve(number: usize) -> Look {
     const COLORS: [Color; 7] = [BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY_BLUE, BLACK];
     const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];

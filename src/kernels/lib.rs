@@ -13,7 +13,7 @@ use catena_mechanism::description::rules::Rule;
 /// A step of the scheme for this mechanism on this processor: the planar kernel if the mechanism has a plane. `kept` lists the rules that are
 /// disabled.
 ///
-/// No vectors wider than `isa` are used, and none that the processor does not have.
+/// The vectors are not wider than `isa`, and the processor has them.
 pub fn step_for(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa, kept: &[Rule]) -> Box<dyn Step> {
     let make = MakeStep::new(mechanism, tableau, kept);
     #[cfg(target_arch = "x86_64")]

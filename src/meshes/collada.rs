@@ -85,7 +85,7 @@ impl<'d> Scene<'_, 'd> {
                     self.add_node(target, place, depth + 1)?;
                 }
                 "instance_geometry" | "instance_controller" => {
-                    // The skin of a controller is that of a geometry.
+                    // The skin of a controller refers to a geometry.
                     let geometry = match target.and_then(|target| child(target, "skin")) {
                         Some(skin) => self.elements.target(skin, "source"),
                         None => target,
@@ -129,7 +129,7 @@ fn transform(element: Node) -> Result<Option<Affine3<f64>>, MeshError> {
         },
         ("matrix", values) if values.len() == 16 => {
             let mut matrix = Matrix4::from_row_slice(values);
-            // Placements have nothing else there; some writers leave it empty.
+            // Placements have this row always; some writers leave it empty.
             matrix.set_row(3, &nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0));
             matrix
         }
@@ -178,7 +178,7 @@ mod tests {
                 assert!(normals.iter().all(|normal| (Vector3::from(normal.map(f64::from)) - outward).norm() < 1e-6));
             }
         }
-        // (10, 10, 0) is mirrored to (−10, 10, 0), turned to (−10, −10, 0), moved to z = 5, and a tenth of that in metres.
+        // (10, 10, 0) is mirrored to (−10, 10, 0), turned to (−10, −10, 0), moved to z = 5, and a tenth of it in metres.
         assert!(
             red.corners.iter().any(|corner| (Vector3::from(*corner) - Vector3::new(-1.0, -1.0, 0.5)).norm() < 1e-6)
         );

@@ -1,4 +1,4 @@
-//! The elements of a Collada file, and what is in them.
+//! The elements of a Collada file, and their content.
 
 use crate::meshes::error::MeshError;
 use roxmltree::{Document, Node};
@@ -15,7 +15,7 @@ impl<'d> Elements<'d> {
         let mut by_id = HashMap::new();
         for node in document.descendants().filter(Node::is_element) {
             if let Some(id) = node.attribute("id") {
-                // Some writers use a name twice; the first is what others read.
+                // Some writers use a name twice; other readers take the first.
                 by_id.entry(id).or_insert(node);
             }
         }
@@ -51,13 +51,13 @@ pub(super) fn children<'d, 'n>(node: Node<'d, 'd>, name: &'n str) -> impl Iterat
 /// The numbers in an element.
 ///
 /// # Errors
-/// The line of what is no number.
+/// The error names the line of a word that is no number.
 pub(super) fn numbers<T: std::str::FromStr>(node: Node) -> Result<Vec<T>, MeshError> {
     let words = node.text().unwrap_or_default().split_ascii_whitespace();
     words.map(|word| word.parse().map_err(|_| wrong(node, &format!("{word:?} is not a number")))).collect()
 }
 
-/// What is wrong with an element.
+/// The error of a malformed element.
 pub(super) fn wrong(node: Node, what: &str) -> MeshError {
     let line = node.document().text_pos_at(node.range().start).row as usize;
     MeshError::Line { line, what: format!("<{}>: {what}", node.tag_name().name()) }

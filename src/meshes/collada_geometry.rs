@@ -77,7 +77,7 @@ fn indices(primitive: Node) -> Result<Vec<Vec<usize>>, MeshError> {
     children(primitive, "p").chain(holed).map(numbers).collect()
 }
 
-/// What a corner consists of.
+/// The parts of a corner.
 struct Inputs {
     positions: Rows,
     normals: Option<Rows>,

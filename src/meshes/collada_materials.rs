@@ -8,8 +8,8 @@
 //!     opacity            A_ONE: a t        RGB_ZERO: 1 − t (0.2126 r + 0.7152 g + 0.0722 b)
 //! ```
 //!
-//! An opacity of almost zero is taken for one: nobody draws what cannot be seen, and some programs write it the wrong way round.
-//! Source: Khronos, COLLADA 1.4.1 specification, chapters 7 and 8.
+//! An opacity of almost zero is read as one: an invisible mesh makes no sense, and some programs write transparency instead. Source: Khronos, COLLADA
+//! 1.4.1 specification, chapters 7 and 8.
 
 use crate::meshes::collada_elements::{Elements, child, numbers};
 use roxmltree::Node;

@@ -1,8 +1,8 @@
-//! The surfaces of shapes that touch: those of mesh files, with shared vertices and the scale of a URDF or scene file.
+//! The surfaces of shapes that touch, from mesh files: with shared vertices and the scale of a URDF or scene file.
 //!
-//! Corners of triangles with the same coordinates, bit for bit, become one vertex, in the order in which they come; triangles with two equal
-//! corners are left out. With the scale s (one factor for each axis) a vertex p lies at (s₁ p₁, s₂ p₂, s₃ p₃). Where s₁ s₂ s₃ < 0 the scale
-//! mirrors, and the triangles are turned round so that they stay counterclockwise from outside.
+//! Corners of triangles with the same coordinates, bit for bit, become one vertex, in the order in which they come. Triangles with two equal corners
+//! are left out. The scale s has one factor for each axis: a vertex p lies at (s₁ p₁, s₂ p₂, s₃ p₃). If s₁ s₂ s₃ < 0, the scale mirrors, and the
+//! triangles are turned round so that they stay counterclockwise from outside.
 
 use crate::mechanism::description::contact::Surface;
 use crate::meshes::error::MeshError;
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Twice the area of a triangle that is none, relative to the square of its longest side.
+/// Twice the area below which a triangle is degenerate, relative to the square of its longest side.
 const NO_AREA: f64 = 1e-12;
 
 /// The surface in the bytes of a mesh file, scaled along the axes (m). The ending of the path says which format it has.

@@ -6,7 +6,7 @@ pub enum MeshError {
     /// The file could not be read.
     #[error("it cannot be read: {0}")]
     Io(#[from] std::io::Error),
-    /// The ending is not that of a format that is read.
+    /// The ending does not belong to a format that is read.
     #[error("meshes are read from .stl, .obj and .dae files, not from {ending:?}; convert it to one of these")]
     UnknownKind {
         /// The ending, in small letters.
@@ -17,13 +17,13 @@ pub enum MeshError {
     Line {
         /// Line of the file, from 1.
         line: usize,
-        /// What is wrong.
+        /// The defect.
         what: String,
     },
     /// It is not what its ending says.
     #[error("{0}")]
     Damaged(String),
-    /// What Git LFS leaves in the place of a file that it has not fetched.
+    /// The pointer that Git LFS leaves in the place of a file that it has not fetched.
     #[error("it is a pointer of Git LFS, not a mesh; fetch the mesh with git lfs pull")]
     LfsPointer,
     /// No triangle in it has three different corners.

@@ -4,10 +4,10 @@
 //!     "glTF"  2  length | length "JSON" description, padded with spaces | length "BIN\0" numbers, padded with zeros
 //! ```
 //!
-//! All numbers little endian, four bytes each. Each part is a primitive: positions and normals of its corners as singles, each pair
-//! once, three numbers of them a triangle, and a material with its colour. glTF says that y points up; the corners stay in the axes of the mesh
-//! file all the same, because a URDF places those. Colours of glTF are linear, those of mesh files and URDFs as screens show them (sRGB).
-//! Source: Khronos, glTF 2.0 specification, sections 3.6, 3.7, 3.9 and 4.
+//! All numbers are little endian, four bytes each. Each part is a primitive: a material with its colour, and positions and normals of its corners as
+//! singles. Each pair is stored once, and a triangle is three of their numbers. glTF says that y points up. The corners stay in the axes of the mesh
+//! file all the same, because a URDF places meshes in these axes. Colours of glTF are linear; mesh files and URDFs give them as screens show them
+//! (sRGB). Source: Khronos, glTF 2.0 specification, sections 3.6, 3.7, 3.9 and 4.
 
 use crate::meshes::surface::{Part, Surface};
 use serde_json::{Value, json};
@@ -74,8 +74,7 @@ struct Buffer {
 }
 
 impl Buffer {
-    /// Adds numbers of four bytes for a purpose, which are so many elements of a kind of number and a type; returns what they are
-    /// numbered by.
+    /// Adds numbers of four bytes for a purpose: `count` elements of a kind of number and a type. Returns the number of their accessor.
     fn add(&mut self, bits: &[u32], target: u32, (kind, element, count): (u32, &str, usize)) -> usize {
         let offset = self.numbers.len();
         self.numbers.extend(bits.iter().flat_map(|bits| bits.to_le_bytes()));

@@ -32,7 +32,7 @@ use std::path::Path;
 /// Gives the bytes of another file in the folder of a mesh, by its name, if there is one.
 pub type Neighbour<'n> = dyn Fn(&str) -> Option<Vec<u8>> + 'n;
 
-/// Reads a mesh; `ending` is that of its name in any case, `neighbour` gives the files of materials that it names.
+/// Reads a mesh; `ending` is the ending of its name in any case, `neighbour` gives the files of materials that it names.
 ///
 /// # Errors
 /// [`MeshError`] if it is of no known kind, damaged, or has no triangles.

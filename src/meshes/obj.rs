@@ -57,7 +57,7 @@ fn triple(text: &str) -> Option<[f64; 3]> {
     Some([words.next()??, words.next()??, words.next()??])
 }
 
-/// What has this number, from 1 on, or from −1 backwards.
+/// The element with this number, from 1 on, or from −1 backwards.
 fn numbered<'a, T>(all: &'a [T], word: &str) -> Option<&'a T> {
     let number: i64 = word.parse().ok()?;
     let place = if number < 0 { number + all.len() as i64 } else { number - 1 };

@@ -3,7 +3,7 @@
 use crate::meshes::error::MeshError;
 use nalgebra::{Affine3, Matrix3, Point3, Vector3};
 
-/// The colour of what has none: a light grey.
+/// The colour of surfaces without one: a light grey.
 const PLAIN: [f32; 4] = [0.7, 0.7, 0.72, 1.0];
 
 /// Triangles of one colour.
@@ -58,7 +58,7 @@ impl Surface {
         self.check_size().map(|()| self)
     }
 
-    /// The part of this colour, which is added if there is none.
+    /// The part of this colour, which is added if it is missing.
     pub(crate) fn part(&mut self, color: Option<[f32; 4]>) -> &mut Part {
         let found = self.parts.iter().position(|part| part.color == color);
         let place = found.unwrap_or_else(|| {
@@ -75,7 +75,7 @@ impl Part {
         self.color.unwrap_or(PLAIN)
     }
 
-    /// Adds a polygon by its corners and the normals there, cut into a fan; where a normal is missing that of the triangle is taken.
+    /// Adds a polygon by its corners and the normals there, cut into a fan. A missing normal is replaced by the normal of the triangle.
     pub(crate) fn add_polygon(&mut self, corners: &[Corner]) {
         let Some((first, rest)) = corners.split_first() else { return };
         for pair in rest.windows(2) {
@@ -98,7 +98,7 @@ impl Part {
 /// A corner of a polygon.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corner {
-    /// Where it is (m).
+    /// Its place (m).
     pub position: Point3<f64>,
     /// The normal there, of any length.
     pub normal: Option<Vector3<f64>>,
@@ -107,7 +107,7 @@ pub(crate) struct Corner {
 /// A placement of polygons that may stretch and mirror.
 pub(crate) struct Placement {
     transform: Affine3<f64>,
-    /// What normals are transformed by: the inverse transpose, up to a factor.
+    /// The transform of normals: the inverse transpose, up to a factor.
     normals: Matrix3<f64>,
     mirrors: bool,
 }

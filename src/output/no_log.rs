@@ -17,7 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// What the user chooses about a log: there is nothing to choose from.
+/// The options of a log, which do not exist in such a build.
 #[derive(Clone, Debug)]
 pub enum LogOptions {}
 

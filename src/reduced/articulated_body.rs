@@ -41,7 +41,7 @@ pub struct ArticulatedBody {
     pub(crate) links: Vec<Link>,
     /// The motion of the world (entry 0) and of every body (entry body + 1).
     pub(crate) motion: Vec<Motion>,
-    /// What the children of a body other than the next in the numbering have handed to it; zero between evaluations.
+    /// The sums that children of a body, other than the next in the numbering, have handed to it; zero between evaluations.
     gathered: Vec<Articulated>,
     /// One for each degree of freedom.
     pub(crate) screws: Vec<Screw>,
@@ -108,9 +108,9 @@ impl ArticulatedBody {
 
     /// The time derivatives of the joint velocities, written into `acceleration`. Does not allocate.
     ///
-    /// `joint_force` are generalised forces [N or N m] that act along the joint velocities; `None` means none.
-    /// The slices have the lengths of the mechanism's position and velocity vectors. Quaternions need not be of unit
-    /// length. A mechanism whose acceleration is not determined (a massless leaf) gives values that are not finite.
+    /// `joint_force` are generalised forces [N or N m] that act along the joint velocities; `None` stands for zero forces. The slices have the
+    /// lengths of the mechanism's position and velocity vectors. Quaternions need not be of unit length. A mechanism whose acceleration is not
+    /// determined (a massless leaf) gives values that are not finite.
     pub fn accelerations(
         &mut self,
         position: &[f64],
@@ -232,7 +232,7 @@ impl ArticulatedBody {
         }
     }
 
-    /// Third pass, root to leaf: the joint accelerations, and what they add to each body's acceleration.
+    /// Third pass, root to leaf: the joint accelerations, and their contribution to each body's acceleration.
     #[inline(never)] // In one body with the other passes the registers do not suffice.
     pub(crate) fn resolve_accelerations(&mut self, acceleration: &mut [f64]) {
         for (index, link) in self.links.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Articulated inertias in world axes about an anchor, and how one free direction after another is taken out of them.
 //!
-//! The equations are those of [`crate::articulated_body`], leaf to root.
+//! The equations are the ones of [`crate::articulated_body`], leaf to root.
 
 use catena_mechanism::ground::matrices::{
     Symmetric, cross, cross_matrix, cross_symmetric, dot, times, transpose_times, twice_symmetric_part_of_cross,

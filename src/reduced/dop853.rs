@@ -41,7 +41,7 @@ const STRETCH: f64 = 1.01;
 #[derive(Clone, Debug)]
 pub struct Dop853 {
     control: Control,
-    /// Step to try next [s]; none before the first step.
+    /// Step to try next [s]; `None` before the first step.
     next_step: Option<f64>,
     /// The error of the last accepted step, in units of the tolerance.
     error_before: f64,
@@ -49,7 +49,7 @@ pub struct Dop853 {
     end_time: f64,
     accepted: usize,
     accepted_time: f64,
-    /// What drives the joints.
+    /// Efforts that drive the joints.
     efforts: Vec<f64>,
     /// In a cell because dense output evaluates further slopes, and only when it is asked for.
     work: RefCell<Work>,
@@ -126,7 +126,7 @@ impl Integrator for Dop853 {
             self.error_before = LEAST_ERROR_BEFORE;
         }
         let n = work.start.len();
-        // What drives the joints may jump where a step ends.
+        // Driving efforts may jump at the end of a step.
         if continues && work.clock.is_none() {
             work.slopes.copy_within(END_SLOPE * n..(END_SLOPE + 1) * n, 0);
         } else {
@@ -166,7 +166,7 @@ impl Integrator for Dop853 {
                 self.end_time = state.time;
                 self.accepted += 1;
                 self.accepted_time += step;
-                // No growth right after a rejection; and a step cut short by the end says nothing against longer ones.
+                // The step does not grow right after a rejection. A step that the end of the run cuts short is no argument against longer ones.
                 let growth = if rejected > 0 { 1.0 } else { GROWTH_LIMIT };
                 let proportional = error.powf(0.2 * INTEGRAL_GAIN - 1.0 / ORDER);
                 let factor = SAFETY * proportional * self.error_before.powf(INTEGRAL_GAIN);
@@ -217,10 +217,10 @@ impl Integrator for Dop853 {
     }
 }
 
-/// What the location of events asks of the steps.
+/// The interface of the steps to the location of events.
 impl Dop853 {
-    /// Makes the last step again from its start with another length (s) and without error control; moves `state` to the new end. The inputs are
-    /// those of the step.
+    /// Makes the last step again from its start with another length (s) and without error control; moves `state` to the new end. The inputs are the
+    /// inputs of the step.
     ///
     /// # Errors
     /// [`StepError::NotFinite`].

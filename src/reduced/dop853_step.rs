@@ -91,7 +91,7 @@ impl Work {
         let (slope_size, state_size) = (sum(first), sum(&self.start));
         let tiny = slope_size <= 1e-10 || state_size <= 1e-10;
         let trial = if tiny { 1e-6 } else { 0.01 * (state_size / slope_size).sqrt() }.min(longest);
-        // Speeds of which the squares are infinite leave nothing to go by.
+        // Speeds whose squares are infinite give no scale for a first step.
         if trial.is_nan() || trial <= 0.0 {
             return longest;
         }

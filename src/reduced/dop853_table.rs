@@ -88,7 +88,7 @@ pub const FIFTH_ORDER_ERROR: Row = &[
 ];
 /// The weights of the embedded solution of order 3.
 pub const THIRD_ORDER: Row = &[(0, 0.2440944881889764), (8, 0.7338466882816118), (11, 0.022058823529411766)];
-/// The rows of the three further stages of dense output; slope 12 is that of the end point.
+/// The rows of the three further stages of dense output; slope 12 is the slope of the end point.
 pub const DENSE_STAGES: [Row; 3] = [
     &[
         (0, 0.056167502283047954),

@@ -65,7 +65,7 @@ impl Integrator for Euler {
         for (entry, &old) in self.velocity.iter_mut().zip(&state.velocity) {
             *entry = old + step * *entry;
         }
-        // From the end, because what fails in a leaf spoils everything that carries it.
+        // The search begins at the end, because a failure in a leaf spoils everything that carries it.
         if let Some(bad) = self.velocity.iter().rposition(|value| !value.is_finite()) {
             let joint = joint_of_entry(mechanism, mechanism.position_count + bad);
             return Err(StepError::NotFinite { time: state.time, step, joint });

@@ -19,7 +19,7 @@ use catena_mechanism::ground::matrices::{cross, times, transpose_times};
 use catena_mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
 use nalgebra::Vector3;
 
-/// What a parent exerts on its child through their joint, in the axes of the world, at the joint's anchor.
+/// The wrench that a parent exerts on its child through their joint, in the axes of the world, at the joint's anchor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction {
     /// The anchor: the origin of the joint frame on the child, in the world (m).

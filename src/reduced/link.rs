@@ -19,7 +19,7 @@ pub struct Link {
     pub velocity_index: usize,
     /// The joint frame on the parent, seen from the parent's own joint frame.
     pub mount: Matrix3<f64>,
-    /// From the parent's anchor to the origin of the joint frame on the parent, in the parent's joint frame [m].
+    /// The vector from the parent's anchor to the origin of the joint frame on the parent, in the parent's joint frame [m].
     pub arm: Vector3<f64>,
     pub mass: f64,
     /// Mass times the arm from the anchor to the centre of mass [kg m].

@@ -7,8 +7,8 @@
 //!     v̇ = q̈(q, v)         by the articulated-body algorithm
 //! ```
 //!
-//! With forces besides gravity two more entries follow, the energy dissipated and the work put in (J) since the start,
-//! whose rates are the powers: the method integrates them like everything else.
+//! Forces besides gravity add two entries, the energy dissipated and the work put in (J) since the start. Their rates are the powers: the method
+//! integrates them like everything else.
 //!
 //! The quaternion equation keeps |q|, and the accelerations do not depend on it, so rounding and truncation errors in
 //! |q| do no harm between the renormalisations at the ends of the steps.
@@ -37,7 +37,7 @@ pub struct ReducedOde {
     forced: Option<Forced>,
 }
 
-/// What forces besides gravity need.
+/// The workspace of forces besides gravity.
 #[derive(Clone, Debug)]
 struct Forced {
     mechanism: Mechanism,
@@ -45,7 +45,7 @@ struct Forced {
     /// About the centres of mass, then about the anchors.
     wrenches: Vec<BodyWrench>,
     efforts: Vec<f64>,
-    /// Those of them that come from outside.
+    /// The part of them that comes from outside.
     driven: Vec<f64>,
     /// Now (s).
     time: f64,
@@ -250,7 +250,7 @@ impl ReducedOde {
         self.forced.as_ref().map_or(Exchange::default(), |forced| forced.powers(velocity))
     }
 
-    /// What was dissipated and put in from `start` to `end`.
+    /// The energy dissipated and the work put in from `start` to `end`.
     pub fn exchange(&self, start: &[f64], end: &[f64]) -> Exchange {
         let first = self.position_count + self.velocity_count;
         match (&start[first..], &end[first..]) {
@@ -270,7 +270,7 @@ impl ReducedOde {
         }
     }
 
-    /// Copies a state into y. What rounding cut off the positions is added back as far as a number can hold it.
+    /// Copies a state into y. The digits that rounding cut off the positions are added back as far as a number can hold them.
     pub fn load(&self, state: &State, y: &mut [f64]) {
         let (position, rest) = y.split_at_mut(self.position_count);
         let (velocity, exchange) = rest.split_at_mut(self.velocity_count);

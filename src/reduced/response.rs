@@ -1,7 +1,7 @@
 //! Joint accelerations of a tree under one set of joint forces after another, at one configuration: H⁻¹ τ.
 //!
-//! The articulated inertias do not depend on τ. What the algorithm of [`crate::articulated_body`] has eliminated at its last evaluation is used again,
-//! and only the wrenches go from leaf to root:
+//! The articulated inertias do not depend on τ. The elimination of the last evaluation of [`crate::articulated_body`] is used again, and only the
+//! wrenches go from leaf to root:
 //!
 //! ```text
 //!     y = τ − sᵀ(n, f),    (n, f) ← (n, f) + U y/d       for each free screw s, from a subtree that needs (n, f) = 0
@@ -15,8 +15,8 @@ use catena_mechanism::ground::matrices::{cross, dot};
 use nalgebra::Vector3;
 
 impl ArticulatedBody {
-    /// H⁻¹ τ at the configuration of the last evaluation, whatever its velocities and forces were: accelerations for joint forces τ (N or N m), both one
-    /// entry a degree of freedom. Does not allocate.
+    /// H⁻¹ τ at the configuration of the last evaluation, whatever its velocities and forces were: accelerations for joint forces τ (N or N m), both
+    /// one entry a degree of freedom. Does not allocate.
     pub fn respond(&mut self, joint_force: &[f64], acceleration: &mut [f64]) {
         self.wrenches.fill((Vector3::zeros(), Vector3::zeros()));
         for (index, link) in self.links.iter().enumerate().rev() {

@@ -50,7 +50,7 @@ pub struct LoopEnd {
 pub struct SceneLoop {
     /// Name, unique among the loops of the file.
     pub name: String,
-    /// What it leaves free.
+    /// Its kind, which says which motions are free.
     pub kind: LoopType,
     /// The distance to keep (m), if given.
     pub length: Option<f64>,
@@ -77,7 +77,7 @@ pub struct SceneSpring {
     pub line: usize,
 }
 
-/// Where a spring is.
+/// The place of a spring.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpringPlace {
     /// Between two points that are `rest_length` (m) apart when it is free of force.
@@ -89,15 +89,15 @@ pub enum SpringPlace {
 /// A `[[load]]`: constant in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneLoad {
-    /// What it acts on, as written.
+    /// The name of the loaded part, as written.
     pub on: String,
-    /// What it is.
+    /// Its kind.
     pub kind: LoadKind,
     /// Its line.
     pub line: usize,
 }
 
-/// What a load acts on.
+/// The part on which a load acts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadKind {
     /// An effort (N m or N) along the axis of a joint.

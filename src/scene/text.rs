@@ -1,7 +1,7 @@
-//! From a file to its XML: bytes, text, document, and where each line starts.
+//! The XML of a file: bytes, text, document, and the first byte of each line.
 //!
-//! Some files in the wild are one character away from XML (a NUL at the end, blank lines before the declaration, a
-//! namespace prefix nobody declared); they are repaired here, and every line keeps its number.
+//! Some files in the wild are one character away from XML (a NUL at the end, blank lines before the declaration, an undeclared namespace prefix).
+//! They are repaired here, and every line keeps its number.
 
 use crate::scene::bounded::read_bounded;
 use crate::scene::error::{Problem, SceneError};
@@ -74,7 +74,7 @@ impl XmlText {
             std::iter::once(0).chain(self.text.match_indices('\n').map(|(offset, _)| offset + 1)).collect();
     }
 
-    /// Declares namespace prefixes that are used without a declaration: nothing of theirs is read anyway.
+    /// Declares namespace prefixes that are used without a declaration: their elements are not read anyway.
     fn declare_prefixes(&mut self) -> Result<(), SceneError> {
         // Each pass finds one prefix; a file with more than this many is not a slip.
         for _ in 0..32 {
@@ -112,7 +112,7 @@ impl XmlText {
     }
 }
 
-/// Where the name of the outermost element ends. Before it there are only comments and processing instructions.
+/// The end of the name of the outermost element. Before it there are only comments and processing instructions.
 fn end_of_root_name(text: &str) -> Option<usize> {
     let mut start = text.find('<')?;
     while let Some(end) = match &text[start + 1..] {

@@ -28,9 +28,9 @@ pub trait ContinuousController {
     /// The efforts along these freedoms in a state with its time [N m or N] (m). Entries that are not written are zero.
     fn efforts(&self, mechanism: &Mechanism, state: &State, efforts: &mut [f64]);
 
-    /// The derivatives of the efforts with respect to positions and to velocities (m × n each): one column per degree of freedom, those of ball
-    /// joints for rotations about their axes. Entries that are not written are zero. Inaccurate derivatives cost iterations. Without derivatives
-    /// steps converge only if the gains are small, and are shortened otherwise.
+    /// The derivatives of the efforts with respect to positions and to velocities (m × n each): one column per degree of freedom. Columns of ball
+    /// joints belong to rotations about their axes. Entries that are not written are zero. Inaccurate derivatives cost iterations. Without
+    /// derivatives steps converge only if the gains are small, and are shortened otherwise.
     fn derivatives(
         &self,
         mechanism: &Mechanism,
@@ -70,8 +70,8 @@ impl Feedback for Law<'_> {
 impl Simulation<'_> {
     /// Makes steps to the end of the run under a controller that acts at every instant.
     ///
-    /// Limits, dry friction, motors and contacts act as in every run. While everything is held, a release by the controller of less than a fifth of
-    /// a millisecond may be missed. Here a tolerance is that of single steps, because trial runs are made without the controller.
+    /// Limits, dry friction, motors and contacts act as in every run. While everything is held, a release by the controller of less than a fifth of a
+    /// millisecond may be missed. Here a tolerance is the tolerance of single steps, because trial runs are made without the controller.
     ///
     /// ```
     /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};

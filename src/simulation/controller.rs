@@ -4,7 +4,7 @@
 //!     t_k = t₀ + k T,   τ(t) = u(t_k, q_k, v_k)   for t_k ≤ t < t_{k+1}         T: the period (s)
 //! ```
 //!
-//! Steps end at these instants exactly, and the state there is that of the end of a step, not of the dense output, whose order is lower. Between
+//! Steps end at these instants exactly. The state there is the state of the end of a step, not of the dense output, whose order is lower. Between
 //! them the efforts are constant. So every piece is smooth, and the order of the scheme is kept. A law that acts at every instant is a
 //! [`ContinuousController`](crate::simulation::ContinuousController), or along one coordinate a
 //! [`Motor`](crate::mechanism::description::nonsmooth::Motor).

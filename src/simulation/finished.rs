@@ -1,4 +1,4 @@
-//! What a run tells: where it is, its figures so far, the accuracy to expect, and what it leaves at its end.
+//! The results of a run: its state, its figures so far, the accuracy to expect, and the data at its end.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -13,20 +13,20 @@ use crate::simulation::steps::course::Course;
 use crate::simulation::steps::summary::Summary;
 use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy};
 
-/// What a run has left.
+/// The results of a finished run.
 #[derive(Clone, Debug)]
 pub struct Finished {
-    /// Where it ended; if it ended early, the last state that all islands have reached.
+    /// The state at its end; if it ended early, the last state that all islands have reached.
     pub state: State,
     /// Its figures up to there.
     pub summary: Summary,
     /// How steps were made.
     pub method: MethodDescription,
-    /// What each island did, or several that were run together; nothing if there is only one.
+    /// The figures of each island, or of several that were run together; empty for a single island.
     pub islands: Vec<IslandFigures>,
     /// The first thousand events, in order of time.
     pub events: Vec<Event>,
-    /// What the joint of each body is up to at the end.
+    /// The state of the joint of each body at the end.
     pub joints: Vec<JointStatus>,
     /// The closed contacts at the end, in the order of their pairs.
     pub contacts: Vec<ContactPoint>,
@@ -39,12 +39,12 @@ pub struct Finished {
 }
 
 impl<'s> Simulation<'s> {
-    /// What is simulated.
+    /// The simulated mechanism.
     pub fn mechanism(&self) -> &'s Mechanism {
         self.mechanism
     }
 
-    /// Where the run is.
+    /// The state of the run.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -64,7 +64,7 @@ impl<'s> Simulation<'s> {
         self.integrators.description()
     }
 
-    /// Parts that nothing connects, and how many of them start at rest in equilibrium and are not simulated.
+    /// Number of unconnected parts, and how many of them start at rest in equilibrium and are not simulated.
     pub fn parts(&self) -> (usize, usize) {
         self.parts
     }
@@ -74,8 +74,8 @@ impl<'s> Simulation<'s> {
         self.start.is_some()
     }
 
-    /// What is known of the accuracy, for the whole or for each island that moves, or why there is nothing: from trial runs before the first
-    /// step, or from the run itself up to where it is.
+    /// The accuracy, for the whole or for each island that moves, or the reason why it is unknown. It comes from trial runs before the first step, or
+    /// from the run itself up to its present time.
     pub fn calibrations(&mut self) -> Vec<Result<Calibration, UnknownAccuracy>> {
         let told = self.integrators.told(self.mechanism, &self.state);
         if !told.is_empty() {
@@ -102,7 +102,7 @@ impl<'s> Simulation<'s> {
         summary
     }
 
-    /// What the joint of each body is up to: on its limit, held by friction, driven by so much.
+    /// The state of the joint of each body: on its limit, held by friction, driven by an effort.
     pub fn joint_statuses(&self) -> Vec<JointStatus> {
         match &self.integrators {
             Integrators::Whole(integrator) => (0..self.mechanism.bodies.len())
@@ -122,7 +122,7 @@ impl<'s> Simulation<'s> {
         points
     }
 
-    /// Ends the run: what it has left. Observers are free again.
+    /// Ends the run and returns its results. Observers are free again.
     pub fn finish(mut self) -> Finished {
         let accuracy = self.calibrations();
         let (summary, method) = (self.summary(), self.description());

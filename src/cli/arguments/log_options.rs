@@ -25,7 +25,7 @@ pub struct LogArgs {
     start_time: u64,
 }
 
-/// Where viewers find the geometry of mesh files.
+/// The place in which viewers find the geometry of mesh files.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum MeshPlace {
     /// In the log
@@ -38,7 +38,7 @@ enum MeshPlace {
 }
 
 impl LogArgs {
-    /// What they say.
+    /// The options of the log.
     pub fn options(&self) -> LogOptions {
         let meshes = match self.meshes {
             MeshPlace::Embed => Meshes::Embed,

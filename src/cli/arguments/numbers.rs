@@ -19,7 +19,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Samples per second: positive, and so few that their times in nanoseconds differ.
+/// Samples per second: positive, and at most a million, so that their times in nanoseconds differ.
 pub fn rate(text: &str) -> Result<f64, String> {
     match positive(text)? {
         rate if rate <= 1e6 => Ok(rate),

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// A file to write.
 ///
 /// # Errors
-/// For `-`, by which users mean standard output, where nothing can be renamed to or sought in.
+/// An error for `-`, by which users mean standard output: a program cannot rename a file to it or seek in it.
 pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
     not_standard_output("standard output is not supported; give a file, ./- if it shall have this name")
 }
@@ -14,7 +14,7 @@ pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
 /// A folder to write into.
 ///
 /// # Errors
-/// As [`output_file`]: several files go nowhere else.
+/// As for [`output_file`]: several files need a folder.
 pub fn output_folder() -> impl TypedValueParser<Value = PathBuf> {
     not_standard_output("several files cannot go to standard output; give a folder, ./- if it shall have this name")
 }

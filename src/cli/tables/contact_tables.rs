@@ -48,7 +48,7 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
     vec![("contact", contact)]
 }
 
-/// Why the collision shapes of a model touch nothing, where that is so.
+/// The reason why the collision shapes of a model have no contacts, if so.
 pub fn write_note(model: &Model, text: &mut String) {
     let links = model.robots.iter().flat_map(|placed| &placed.robot.links);
     let touching = links.filter(|link| !link.collisions.is_empty()).count();
@@ -107,7 +107,7 @@ fn pairs(mut table: Table, rows: impl Iterator<Item = Vec<String>>) -> Table {
     table
 }
 
-/// What a shape is, for people: its kind and its size.
+/// The words for a shape, for people: its kind and its size.
 fn shape_text(collider: &Collider, shape: &Shape) -> (&'static str, String) {
     let round = |radius: f64, half: f64| format!("radius {}, length {}", number(radius), number(2.0 * half));
     match shape {
@@ -124,7 +124,7 @@ fn shape_text(collider: &Collider, shape: &Shape) -> (&'static str, String) {
     }
 }
 
-/// What a shape is, as entries of its JSON object.
+/// The shape as entries of its JSON object.
 fn shape_json(shape: &Shape) -> Vec<(&'static str, Value)> {
     let of = |kind: &str| ("shape", json!(kind));
     match shape {

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 const LOCKED: &str = "the joint cannot move";
 
-/// Limits, friction, speeds and motors as entries of the JSON report; what is infinite is null.
+/// Limits, friction, speeds and motors as entries of the JSON report; infinite values are null.
 pub fn as_json(model: &Model, start: &State) -> Vec<(&'static str, Value)> {
     let mechanism = &model.mechanism;
     let nonsmooth = &mechanism.nonsmooth;

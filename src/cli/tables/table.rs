@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 /// A table whose columns are as wide as their widest cell.
 pub struct Table {
-    /// What it is about, as pages say above it.
+    /// Its title, as pages show it.
     pub title: &'static str,
     rows: Vec<Vec<String>>,
 }
@@ -16,7 +16,7 @@ impl Table {
         Table { title, rows: vec![head.iter().map(ToString::to_string).collect()] }
     }
 
-    /// Whether it has nothing but headings.
+    /// Whether it has headings alone.
     pub fn is_empty(&self) -> bool {
         self.rows.len() < 2
     }

@@ -1,4 +1,4 @@
-//! What a person at the terminal sees, and how runs are interrupted.
+//! The output on the terminal, and the interruption of runs.
 
 pub(crate) mod printing;
 pub(crate) mod progress;

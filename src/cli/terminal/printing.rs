@@ -1,4 +1,4 @@
-//! What the terminal shows: results on standard output, errors and warnings on standard error, and why a verb failed.
+//! Output on the terminal: results on standard output, errors and warnings on standard error, and the reasons of failures.
 
 use anstyle::{AnsiColor, Effects, Style};
 use catena::session::Error;
@@ -7,7 +7,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
-/// Why a verb did not do what it was asked for.
+/// The failure of a verb.
 #[derive(Debug)]
 pub struct Failure {
     exit_code: u8,
@@ -15,7 +15,7 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Bad usage or bad input: nothing was written.
+    /// Bad usage or bad input: no file was written.
     pub fn input(error: impl Into<anyhow::Error>) -> Self {
         Failure { exit_code: 2, error: error.into() }
     }
@@ -48,14 +48,14 @@ impl From<Error> for Failure {
     }
 }
 
-/// Colours on terminals, those that clap's own messages have; none where NO_COLOR is set, or nobody looks.
+/// Colours on terminals, as in clap's own messages; output has no colours with NO_COLOR or without a terminal.
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 
 /// Prints an error on one line.
 pub fn complain(message: &str) {
     let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    // If standard error is closed there is nobody left to tell.
+    // If standard error is closed, the message is lost.
     let _ = writeln!(anstream::stderr(), "catena: {ERROR}error:{ERROR:#} {line}");
 }
 

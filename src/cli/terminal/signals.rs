@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// What asks a process to end.
+/// Signals that ask a process to end.
 const ENDING_SIGNALS: &[i32] = &[
     SIGINT,
     SIGTERM,
@@ -19,7 +19,7 @@ const ENDING_SIGNALS: &[i32] = &[
 /// Makes a file that has reached the size the system allows an error of the write, like a full disk, not the end of the process.
 #[cfg(unix)]
 pub fn outlive_large_files() {
-    // Where the system does not let us, the process ends as it would anyway.
+    // If the system refuses, the process ends as it would anyway.
     let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 

@@ -14,7 +14,7 @@ use std::time::Duration;
 /// How often it is asked whether the run is interrupted.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// Opens what is at a path and no file; `None` where there is a file or nothing, or where it cannot be opened, which the log will say.
+/// Opens a pipe or device at a path. `None` for a file, for a missing path, and for one that cannot be opened, which the log will report.
 ///
 /// # Errors
 /// If the run is interrupted before a reader opens it.
@@ -25,7 +25,7 @@ pub fn open_special(path: &Path, interrupted: &AtomicBool) -> anyhow::Result<Opt
     let (opened, wait) = channel();
     let place = path.to_path_buf();
     std::thread::Builder::new().name("output".to_string()).spawn(move || {
-        // Nobody listens any more where the run was interrupted.
+        // The receiver is gone if the run was interrupted.
         let _ = opened.send(OpenOptions::new().write(true).open(place));
     })?;
     loop {

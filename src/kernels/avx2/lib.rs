@@ -8,17 +8,17 @@ use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
 use catena_lobatto::vectors::{eight_in_avx2, in_avx2};
 
-/// A step in these vectors. `None` where the processor has none.
+/// A step in these vectors. `None` if the processor lacks them.
 pub fn step(make: MakeStep) -> Option<Box<dyn Step>> {
     in_avx2(make.lanes(), make)
 }
 
-/// A step with 32 digits in these vectors. `None` where the processor has none.
+/// A step with 32 digits in these vectors. `None` if the processor lacks them.
 pub fn precise_step(make: MakePrecise) -> Option<Box<dyn Step>> {
     eight_in_avx2(make)
 }
 
-/// Computes eight instants at once in these vectors. `None` where the processor has none.
+/// Computes eight instants at once in these vectors. `None` if the processor lacks them.
 pub fn instants(make: MakeInstants) -> Option<Box<dyn Instants>> {
     eight_in_avx2(make)
 }

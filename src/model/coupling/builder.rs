@@ -13,17 +13,17 @@ use crate::scene::world::WORLD_LINK;
 use crate::scene::{Element, Warning};
 use std::path::{Path, PathBuf};
 
-/// What all couplings look at.
+/// The common data of all couplings.
 pub(crate) struct Builder<'b> {
     pub model: &'b Model,
-    /// Where the bodies start.
+    /// The bodies at the start.
     pub bodies: &'b [BodyState],
     /// Whether a link was left out.
     pub dropped: &'b dyn Fn(usize) -> bool,
     pub scene: Option<&'b Scene>,
 }
 
-/// Where something stands in a file.
+/// A place in a file, for messages.
 pub(crate) struct Stand {
     pub file: PathBuf,
     pub line: usize,
@@ -50,7 +50,7 @@ impl Stand {
 }
 
 impl Builder<'_> {
-    /// Where something of the scene file stands.
+    /// A place in the scene file.
     pub(crate) fn stand(&self, line: usize, element: Element) -> Stand {
         Stand { file: self.scene.map_or_else(PathBuf::new, |scene| scene.path.clone()), line, element }
     }
@@ -91,13 +91,13 @@ impl Builder<'_> {
         })
     }
 
-    /// What became of a joint of a robot.
+    /// The record of a joint of a robot.
     pub(crate) fn record(&self, robot: usize, joint: &str) -> Option<&JointRecord> {
         let index = self.model.robots[robot].robot.joints.iter().position(|other| other.name == joint)?;
         self.records(robot).get(index)
     }
 
-    /// What became of the joints of a URDF, in the order of the file.
+    /// The records of the joints of a URDF, in the order of the file.
     fn records(&self, robot: usize) -> &[JointRecord] {
         let records = &self.model.joints[self.model.robots[robot].joints.clone()];
         // A floating base comes before them.
@@ -110,7 +110,7 @@ impl Builder<'_> {
         coordinate.map_err(|reason| stand.refuse(CouplingProblem::NotScalar { joint: joint.to_string(), reason }))
     }
 
-    /// The one coordinate of a joint, or why it has none.
+    /// The one coordinate of a joint, or the reason why it is not one.
     fn scalar(&self, record: &JointRecord) -> Result<Coordinate, &'static str> {
         let reason =
             if record.kind == UrdfJointKind::Fixed { "is fixed" } else { "is not simulated: it moves no mass" };
@@ -134,13 +134,13 @@ pub(crate) struct UrdfJointOf<'b> {
 }
 
 impl UrdfJointOf<'_> {
-    /// Where it stands.
+    /// Its place in the file.
     pub(crate) fn stand(&self) -> Stand {
         let element = Element::Joint(self.joint.name.clone());
         Stand { file: self.file.to_path_buf(), line: self.joint.line, element }
     }
 
-    /// Its one coordinate in the mechanism of `builder`; `None` if it moves nothing, or in several ways.
+    /// Its one coordinate in the mechanism of `builder`; `None` if it is fixed, moves no mass, or has several freedoms.
     pub(crate) fn coordinate(&self, builder: &Builder) -> Option<Coordinate> {
         builder.scalar(self.record?).ok()
     }

@@ -172,7 +172,7 @@ mod tests {
             let error = try_chain(second, third).expect_err(message).to_string();
             assert!(error.starts_with("chain.urdf:1: joint ") && error.contains(message), "{error}");
         }
-        // What moves no mass is determined by what follows it, unless that follows it nowhere.
+        // A follower determines a joint that moves no mass, unless its multiplier is zero.
         let model = chain("", "<mimic joint='joint4'/>");
         let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
         assert_eq!((mimics.expect("a relation").len(), warnings.len()), (1, 0), "{warnings:?}");

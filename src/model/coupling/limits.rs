@@ -1,4 +1,4 @@
-//! The limits of joints: those of `<limit lower upper>`, or those of a `[[joint]]` of the scene file instead.
+//! The limits of joints, from `<limit lower upper>`, or from a `[[joint]]` of the scene file instead.
 
 use crate::mechanism::description::closure::JointLimit;
 use crate::model::coupling::builder::Builder;
@@ -6,7 +6,7 @@ use crate::model::description::model_error::ModelError;
 use crate::scene::{Element, LimitChoice, SceneJoint, UrdfJoint, UrdfJointKind, Warning};
 
 impl Builder<'_> {
-    /// What the scene file says of a joint.
+    /// The settings of the scene file for a joint.
     pub(crate) fn said(&self, robot: usize, joint: &str) -> Option<&SceneJoint> {
         let joints = self.scene.map_or(&[][..], |scene| &scene.joints);
         joints.iter().find(|said| said.joint.robot == robot && said.joint.joint == joint)
@@ -61,7 +61,7 @@ impl Builder<'_> {
     }
 }
 
-/// What to say of a `<limit>` that leaves a joint nothing or does not say what it leaves it.
+/// The warning of a `<limit>` without a lower and an upper limit, or with both at zero.
 fn empty_range(joint: &UrdfJoint) -> Option<&'static str> {
     let limit = joint.limit.filter(|_| matches!(joint.kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic))?;
     match (limit.lower, limit.upper) {

@@ -1,4 +1,4 @@
-//! What the tree does not have, built into the mechanism: loops, mimic relations, forces, limits, friction, motors, shapes.
+//! The parts of a mechanism besides the tree: loops, mimic relations, forces, limits, friction, motors, shapes.
 
 pub(crate) mod builder;
 pub(crate) mod contact;

@@ -1,6 +1,6 @@
 //! Pairs of shapes that cannot meet, by proof.
 //!
-//! **Reach.** A root joint of a tree holds the point A of the world. With `a_i` the origin of the joint frame of body i, all points of a shape on
+//! **Reach.** A root joint of a tree holds the point A of the world. Let `a_i` be the origin of the joint frame of body i. All points of a shape on
 //! body k of the chain 1 … k stay within
 //!
 //! ```text
@@ -20,7 +20,7 @@ use crate::mechanism::description::joint::{JointKind, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
 use nalgebra::Vector3;
 
-/// What rounding may add to a bound, of itself.
+/// The relative rounding error of a bound.
 const MARGIN: f64 = 1e-9;
 
 /// A ball of the world in which all points of something stay.
@@ -33,7 +33,7 @@ struct Ball {
 /// The proofs for one mechanism.
 pub(crate) struct ContactReach<'m> {
     mechanism: &'m Mechanism,
-    /// Of each body: where the origin of its joint frame stays.
+    /// For each body the ball in which the origin of its joint frame stays.
     joints: Vec<Ball>,
     /// Any position of the bodies.
     placed: Vec<BodyState>,
@@ -74,7 +74,7 @@ impl<'m> ContactReach<'m> {
         apart > reach + MARGIN * scale || self.stays_above(a, b, scale) || self.stays_above(b, a, scale)
     }
 
-    /// Where all points of a collider stay.
+    /// The ball in which all points of a collider stay.
     fn ball(&self, collider: &Collider) -> Ball {
         let center = collider.pose.translation.vector;
         let radius = radius(&collider.shape);

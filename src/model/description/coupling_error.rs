@@ -4,7 +4,7 @@ use crate::geometry::GeometryError;
 use crate::scene::Element;
 use std::path::PathBuf;
 
-/// What is wrong, and where it stands.
+/// The defect of a coupling, and its place in the file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 #[error("{}:{line}: {element}: {problem}", file.display())]
 pub struct CouplingError {
@@ -14,20 +14,20 @@ pub struct CouplingError {
     pub line: usize,
     /// The loop, spring, load or joint.
     pub element: Element,
-    /// What is wrong.
+    /// The defect.
     pub problem: CouplingProblem,
 }
 
-/// What can be wrong with something that couples or pushes bodies.
+/// A defect of a part that couples or pushes bodies.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum CouplingProblem {
-    /// A collision mesh that is there and cannot be used, of a link and with the place of the shape among those of the link.
+    /// A collision mesh that is there and cannot be used, with its link and the place of the shape among the shapes of the link.
     #[error(
         "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or leave this shape out in the scene file: [[link]] with name = {:?}, shape = {}, collision = \"none\"",
         shape_of.0, shape_of.1
     )]
     Mesh { mesh: Box<str>, problem: Box<str>, shape_of: Box<(String, usize)> },
-    /// Convex pieces were asked for of a mesh that encloses nothing.
+    /// Convex pieces were asked for, and the mesh has no inside.
     #[error("its collision mesh {mesh:?} cannot be cut into convex pieces: {problem}")]
     Pieces { mesh: String, problem: Box<GeometryError> },
     /// The link was left out of the mechanism.
@@ -58,7 +58,7 @@ pub enum CouplingProblem {
     /// A spring between two points of one body.
     #[error("links {a:?} and {b:?} are fixed to each other, so the spring does nothing; leave it out")]
     IdleSpring { a: String, b: String },
-    /// A load on what stands still.
+    /// A load on a fixed link.
     #[error("link {0:?} is fixed in the world, so the load does nothing; leave it out")]
     IdleLoad(String),
     /// A joint that has no displacement of one number.

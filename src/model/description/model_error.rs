@@ -32,7 +32,7 @@ pub enum ModelError {
     /// A loop, spring, load or mimic relation that cannot be.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
-    /// What a file says about the start is wrong.
+    /// The start that a file gives is wrong.
     #[error("{}:{line}: {problem}", file.display())]
     InFile { file: PathBuf, line: usize, problem: Box<ModelError> },
     /// No such joint.
@@ -65,7 +65,7 @@ pub enum ModelError {
          rad/s"
     )]
     TooFast { joint: String, link: String, speed: f64, spin: f64 },
-    /// The sum of all energies is infinite though those of the bodies are not.
+    /// The sum of all energies is infinite though the energies of the bodies are not.
     #[error("the energy of gravity, springs and loads is infinite where the run starts")]
     InfiniteEnergy,
     /// A spring that pushes apart two points that coincide.

@@ -1,4 +1,4 @@
-//! From reported joint coordinates back to the [`State`]: the inverse of [`Model::joint_user_coordinates`].
+//! The [`State`] of reported joint coordinates: the inverse of [`Model::joint_user_coordinates`].
 
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::motion::state::State;
@@ -7,7 +7,7 @@ use crate::scene::UrdfJointKind;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 impl Model {
-    /// The state in which the joints report these positions and velocities. `None` if nothing is said of a joint that moves, or it has other
+    /// The state in which the joints report these positions and velocities. `None` if the report lacks a joint that moves, or the joint has other
     /// counts of numbers.
     pub fn state_of_report<'r>(
         &self,

@@ -27,8 +27,7 @@ impl Composite {
         Composite { mass, center: frame.translation.vector, inertia: rotation * inertia * rotation.transpose() }
     }
 
-    /// Several parts as one body. Without any mass the centre is that of the first part that has inertia, or the
-    /// origin.
+    /// Several parts as one body. Without any mass the centre is the centre of the first part that has inertia, or the origin.
     pub fn of(parts: &[Composite]) -> Self {
         let mass: f64 = parts.iter().map(|part| part.mass).sum();
         let massive: Vec<&Composite> = parts.iter().filter(|part| part.mass > 0.0).collect();

@@ -14,7 +14,7 @@ pub fn fix_constant_followers(robot: &mut Robot) {
     let fixed = robot.joints.iter().filter(|joint| joint.kind == UrdfJointKind::Fixed);
     let mut constant: HashMap<String, f64> = fixed.map(|joint| (joint.name.clone(), 0.0)).collect();
     let mut warnings = Vec::new();
-    // Followers may stand before what they follow, so passes are repeated until one finds none.
+    // Followers may stand before their leaders, so passes are repeated until one finds no new follower.
     loop {
         let known = constant.len();
         for joint in &mut robot.joints {
@@ -36,7 +36,7 @@ pub fn fix_constant_followers(robot: &mut Robot) {
     robot.warnings.extend(Warning::of_kind(warnings, "joint", "joints"));
 }
 
-/// Where a follower of a joint that never moves is [rad or m], and the displacement that this is.
+/// The position of a follower of a joint that never moves [rad or m], and its displacement.
 fn constant_displacement(joint: &UrdfJoint, constant: &HashMap<String, f64>) -> Option<(f64, Pose)> {
     let mimic = joint.mimic.as_ref()?;
     let value = mimic.multiplier * constant.get(&mimic.joint)? + mimic.offset;

@@ -1,7 +1,7 @@
-//! From a URDF joint to a joint of the mechanism: which kind, and where its frame lies.
+//! A joint of the mechanism from a URDF joint: its kind, and the place of its frame.
 //!
-//! A mechanism's joint moves along or about `z` of its frame. With `A` the rotation whose third column is the URDF
-//! axis `n`, the URDF joint frame `O` on the parent link's body and the child link frame `L` in its body,
+//! A mechanism's joint moves along or about `z` of its frame. `A` is the rotation whose third column is the URDF axis `n`, `O` the URDF joint frame
+//! on the parent link's body, and `L` the child link frame in its body:
 //!
 //! ```text
 //!     F_parent = O A        F_child = L A        so that at zero displacement O = (the child's link frame), as in URDF

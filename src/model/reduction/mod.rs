@@ -1,4 +1,4 @@
-//! From links to bodies: what is rigid, tied, massless or constant is simulated no more than it needs, each with its reason.
+//! Bodies from links: rigid, tied, massless or constant parts are simulated no more than they need, each with its reason.
 
 pub(crate) mod composite;
 pub(crate) mod constant_followers;

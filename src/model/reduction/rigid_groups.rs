@@ -8,7 +8,7 @@ use crate::model::reduction::composite::Composite;
 use crate::scene::{Robot, UrdfJointKind};
 use std::collections::{HashMap, HashSet};
 
-/// The links of a robot depth first, with what is above each.
+/// The links of a robot depth first, with the joint and the link above each.
 pub struct LinkTree {
     /// All links, parents first, subtrees contiguous.
     pub order: Vec<usize>,
@@ -18,7 +18,7 @@ pub struct LinkTree {
     pub parent: Vec<Option<usize>>,
 }
 
-/// What carries a link.
+/// The carrier of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carrier {
     /// The world.
@@ -42,7 +42,7 @@ pub struct Group {
     pub head: usize,
     /// The joint above.
     pub joint: GroupJoint,
-    /// What carries the joint.
+    /// The carrier of the joint.
     pub parent: Carrier,
     /// The links, the head first.
     pub members: Vec<usize>,
@@ -52,7 +52,7 @@ pub struct Group {
 pub struct Groups {
     /// Depth first.
     pub groups: Vec<Group>,
-    /// What carries each link.
+    /// The carrier of each link.
     pub carrier: Vec<Carrier>,
     /// Each link's frame in the frame of its group's head link, or in the world.
     pub in_carrier: Vec<Pose>,
@@ -159,8 +159,8 @@ impl Groups {
     }
 }
 
-/// Holds still every joint beyond which there is no mass and that is not `tied` to one that moves some: nothing determines its motion. Returns the
-/// heads dropped.
+/// Holds still every joint beyond which there is no mass and that is not `tied` to one that moves some, because its motion is not determined. Returns
+/// the heads dropped.
 pub fn drop_massless_leaves(
     robot: &Robot,
     tree: &LinkTree,

@@ -1,14 +1,14 @@
 //! Joints that move no mass, but whose motion is determined by a mimic relation to a joint that does.
 //!
-//! With `q_f = k q_l + c` between a follower f and its leader l,
+//! A mimic relation is `q_f = k q_l + c` between a follower f and its leader l:
 //!
 //! ```text
 //!     l is determined                  ⟹  f is determined
 //!     f is determined, and k ≠ 0       ⟹  l is determined
 //! ```
 //!
-//! until nothing new follows; what moves mass is determined from the start. A link on a tied joint stays a body. So that its joint has an equation of
-//! motion of its own, it has 1e-14 of the mass and inertia of its robot, which is rounding to everything else.
+//! The rules are applied until no joint is added; joints that move mass are determined from the start. A link on a tied joint stays a body. So that
+//! its joint has an equation of motion of its own, it has 1e-14 of the mass and inertia of its robot, which is rounding to everything else.
 
 use crate::mechanism::description::joint::{JointKind, Pose};
 use crate::model::reduction::composite::Composite;

@@ -38,7 +38,7 @@ pub struct Comparison {
     pub links_only_a: Vec<String>,
     /// Links that only the second has.
     pub links_only_b: Vec<String>,
-    /// What is missing of the first, if something is; it is not compared.
+    /// The missing part of the first, if it is incomplete; it is not compared.
     pub missing_a: Option<String>,
     /// See `missing_a`.
     pub missing_b: Option<String>,
@@ -133,14 +133,14 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, ReadError> {
     comparison.only_a += more_a;
     comparison.only_b += more_b;
     (comparison.missing_a, comparison.missing_b) = (missing_a, missing_b);
-    // Links are looked for at the first common instant: without one there are none.
+    // Links are looked for at the first common instant; without one the list is empty.
     comparison.identical =
         !comparison.links.is_empty() && comparison.links.iter().all(|link| link.first_difference.is_none());
     Ok(comparison)
 }
 
 impl Comparison {
-    /// Sorts the links into those of both and those of one; the places of the former.
+    /// Sorts the links into common ones and links of one log; returns the places of the common ones.
     fn find_links(&mut self, a: &[LinkPose], b: &[LinkPose]) -> HashMap<String, usize> {
         let has = |links: &[LinkPose], name: &str| links.iter().any(|pose| pose.link == name);
         let names = |links: &[LinkPose], others: &[LinkPose]| -> Vec<String> {

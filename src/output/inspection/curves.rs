@@ -24,18 +24,18 @@ use std::path::{Path, PathBuf};
 /// Most curves in one picture; more can neither be told apart nor named.
 const MOST_CURVES: usize = 12;
 
-/// So many titles and names are listed where one is not known.
+/// Most titles and names that are listed when one is not known.
 const NAMED: usize = 24;
 
 /// Intervals of time whose smallest and largest values are drawn.
 const INTERVALS: usize = 1200;
 
-/// Values below this are drawn here on logarithmic axes: nothing smaller means anything in a double.
+/// Values below this are drawn here on logarithmic axes, because smaller ones are below the resolution of a double.
 const LEAST: f64 = 1e-17;
 
 struct Gatherer<'k> {
     kinds: &'k JointKinds,
-    /// By quantity, in the order of the figure, curves in the order of the log.
+    /// Sorted by quantity in the order of the figure, curves in the order of the log.
     curves: Vec<(Quantity, Vec<Curve>)>,
     initial: Option<f64>,
     largest_kinetic: f64,
@@ -123,7 +123,7 @@ impl Visitor for Gatherer<'_> {
         }
         let mut forces: Vec<(String, f64)> =
             contact_forces(frame).into_iter().map(|(pair, force)| (pair, norm(&force))).collect();
-        // What does not touch yet, or not any more, has no force.
+        // A contact that is not closed has no force.
         let known = self.curves.iter().filter(|(quantity, _)| *quantity == Quantity::ContactForce);
         let known: Vec<String> = known.flat_map(|(_, curves)| curves).map(|curve| curve.label.clone()).collect();
         for label in &known {
@@ -273,7 +273,7 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_
     }
 }
 
-/// What fits into the legend: the beginning, and the end, by which joints of one robot and coordinates of one joint differ.
+/// The part of a label that fits into the legend: the beginning, and the end, by which joints of one robot and coordinates of one joint differ.
 fn shortened(label: &str) -> String {
     const LETTERS: usize = 44;
     const LAST: usize = 24;
@@ -284,7 +284,7 @@ fn shortened(label: &str) -> String {
     label.chars().take(LETTERS - 1 - LAST).chain(['…']).chain(label.chars().skip(count - LAST)).collect()
 }
 
-/// Of every interval of time the first of the smallest and of the largest values, in order of time.
+/// The first of the smallest and of the largest values of every interval of time, in order of time.
 fn thinned(points: &[(f64, f64)], end: f64) -> Vec<(f64, f64)> {
     if points.len() <= 2 * INTERVALS {
         return points.to_vec();

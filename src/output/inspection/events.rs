@@ -1,4 +1,4 @@
-//! The events of a log as a table, in the order of the log, which is that of time.
+//! The events of a log as a table, in the order of the log, which is the order of time.
 
 use crate::output::log::reading::decode::LoggedEvent;
 use crate::output::log::reading::frames::{Visitor, visit};

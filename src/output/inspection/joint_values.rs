@@ -1,4 +1,4 @@
-//! What a log says about joints, number by number: what it is, of which joint, in which unit.
+//! The numbers of joints in a log, each with its quantity, its joint and its unit.
 
 use crate::model::Model;
 use crate::output::log::reading::decode::MultiDofStates;
@@ -14,12 +14,12 @@ pub fn joint_kinds(model: &Model) -> JointKinds {
     model.joints.iter().map(|joint| (joint.name.clone(), joint.kind)).collect()
 }
 
-/// What a number is.
+/// The quantity of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Quantity {
     Angle,
     Length,
-    /// Of a joint whose kind is not known.
+    /// The position of a joint whose kind is not known.
     Displacement,
     Orientation,
     AngularVelocity,
@@ -90,7 +90,7 @@ pub struct JointValue {
     pub joint: String,
     /// The component alone, empty if there is only one.
     pub component: &'static str,
-    /// What it is.
+    /// Its quantity.
     pub quantity: Quantity,
     /// The number.
     pub value: f64,

@@ -1,4 +1,4 @@
-//! Looking at logs: what is in them, as words, a table, curves, or the difference of two.
+//! Looking at logs: their content as words, as a table, as curves, or the difference of two.
 //!
 //! ```text
 //!     log → frames → summary | table (CSV) | events | curves → figure (SVG, PNG) | comparison of two

@@ -24,10 +24,10 @@ pub struct Summary {
     pub bytes: u64,
     /// Whether all of it is there.
     pub complete: bool,
-    /// What is missing, if something is.
+    /// The missing parts, if it is incomplete.
     #[serde(flatten)]
     pub completeness: Completeness,
-    /// What was missing of the log that it was recovered from, if it was.
+    /// The missing parts of the log that it was recovered from, if it was recovered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recovered_from: Option<String>,
     /// Whether a run is writing it.
@@ -60,9 +60,9 @@ pub struct Summary {
     /// The last line about the accuracy that was written during the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_so_far: Option<String>,
-    /// What the steps took.
+    /// The cost of the steps.
     pub solver: Option<SolverSummary>,
-    /// What there is to see.
+    /// The topics of the log.
     pub topics: Vec<Topic>,
     /// The files that the log carries, and their lengths in bytes.
     pub attachments: BTreeMap<String, usize>,
@@ -94,17 +94,17 @@ pub struct EnergySummary {
     pub impacts: f64,
     /// Work put in since the start.
     pub work: f64,
-    /// Largest deviation from the start, less what was exchanged, relative to the largest kinetic energy; of all steps
-    /// if the log is complete, else of those that are in it.
+    /// Largest deviation from the start, less the exchanged energy, relative to the largest kinetic energy; of all steps if the log is complete, else
+    /// of its steps so far.
     pub max_relative_error: f64,
 }
 
 /// Largest constraint violations; of all steps if the log is complete, else of those that are in it.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ConstraintSummary {
-    /// Of positions [m, rad].
+    /// Largest error of positions [m, rad].
     pub max_position: f64,
-    /// Of velocities [m/s, rad/s].
+    /// Largest error of velocities [m/s, rad/s].
     pub max_velocity: f64,
 }
 
@@ -129,7 +129,7 @@ impl ContactSummary {
     }
 }
 
-/// What the steps took.
+/// The cost of the steps.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct SolverSummary {
     /// Accepted steps.
@@ -175,7 +175,7 @@ impl Visitor for Collector {
         let summary = &mut self.summary;
         summary.samples += 1;
         summary.duration = summary.duration.max(frame.time());
-        // Of the last sample of a log that was cut some messages may be missing.
+        // The last sample of a log that was cut may lack some messages.
         summary.links = summary.links.max(frame.links.len());
         summary.joints = summary.joints.max(frame.joints.names.len() + frame.multi_dof.names.len());
         if let Some(contact) = &mut summary.contact {
@@ -328,7 +328,7 @@ impl Summary {
     }
 }
 
-/// What a log says, if that is a number without a row of zeros.
+/// The entry of a log; a number without a row of zeros.
 pub(crate) fn short(said: &str) -> String {
     said.parse().map_or_else(|_| said.to_string(), words::short)
 }

@@ -97,7 +97,7 @@ fn touching_pairs(log: &Path) -> Result<Vec<String>, ReadError> {
     Ok(touching.pairs)
 }
 
-/// Where the cells of a sample are first not those of the columns.
+/// The first cell of a sample that does not belong to its column.
 fn mismatch(columns: &[String], cells: &[(String, Option<f64>)], time: f64) -> TableError {
     let same = columns.iter().zip(cells).take_while(|(column, (name, _))| *column == name).count();
     let word = |name: Option<&String>| name.map_or("nothing more".to_string(), |name| format!("{name:?}"));

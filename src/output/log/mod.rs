@@ -18,7 +18,7 @@
 //! | `/events`            | `catena_msgs/msg/Event`                 | events: time (s), kind, joint or pair `a\|b`, impulse of an impact |
 //! | `/energy`            | `catena_msgs/msg/Energy`                | step ends: the parts of the energy (J), by name |
 //! | `/constraint`        | `catena_msgs/msg/Constraint`            | step ends: constraint errors of positions and velocities |
-//! | `/solver`            | `catena_msgs/msg/Solver`                | step ends: last step (s), stages; steps, iterations, rejected steps since before |
+//! | `/solver`            | `catena_msgs/msg/Solver`                | step ends: last step (s), stages; steps, iterations, rejections since before |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.
@@ -30,10 +30,9 @@
 //! The first three topics never change. They are offered to those who come late, too (durability `transient_local`). Their chunk is compressed
 //! by Zstandard. Chunks of samples hold what their messages repeat once (LZ4), and are compressed by Zstandard on request ([`LogOptions`]).
 //!
-//! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
-//! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
-//! that was cut needs nothing from its beginning. rerun 0.41 would show them. It costs 14 % (Panda) to 47 % (Baxter) of the bytes
-//! of a sample.
+//! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`. Lichtblick lost the
+//! transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026). A log that was cut needs no message from its
+//! beginning then. rerun 0.41 would show `/tf_static`. The choice costs 14 % (Panda) to 47 % (Baxter) of the bytes of a sample.
 //!
 //! rerun and RViz draw the robot from `/robot_description` and `/tf`; Foxglove, Lichtblick and RViz draw `/visual_markers` and
 //! `/collision_shapes`, which need no other file. The images of meshes are not in the log. There is no `foxglove.SceneUpdate`: Foxglove

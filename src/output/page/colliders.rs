@@ -1,7 +1,8 @@
-//! The drawn geometry of what may touch: obstacles, which are always shown, and the collision shapes of links, which are shown on request.
+//! The drawn geometry of colliders: obstacles, which are always shown, and the collision shapes of links, which are shown on request.
 //!
-//! Drawn are the colliders of the model, so that the page shows what the simulation knows: none where contact is left out. A half space `z ≤ 0` of
-//! its frame is drawn as a tile in its plane, whose size the page chooses. A mesh of a link is drawn as its convex hull, or as its convex pieces.
+//! The page draws the colliders of the model, so that it shows the shapes of the simulation; a model without contact has no colliders. A half space
+//! `z ≤ 0` of its frame is drawn as a tile in its plane, whose size the page chooses. A mesh of a link is drawn as its convex hull, or as its convex
+//! pieces.
 
 use crate::geometry::hull_surface;
 use crate::mechanism::description::contact::{Collider, Shape, Surface};
@@ -32,7 +33,7 @@ pub(super) struct DrawnCollider {
     mesh: Option<usize>,
 }
 
-/// Gathers the obstacles of a model and the collision shapes of its links, and adds their meshes to those of the robots; `with_meshes` false
+/// Gathers the obstacles of a model and the collision shapes of its links, and adds their meshes to the meshes of the robots; `with_meshes` false
 /// leaves meshes out.
 pub(super) fn colliders(model: &Model, looks: &mut Looks, with_meshes: bool) -> [Vec<DrawnCollider>; 2] {
     let (mut left_out, mut drawn) = ([0; 2], [Vec::new(), Vec::new()]);
@@ -70,7 +71,7 @@ fn drawn_collider(collider: &Collider, looks: &mut Looks, with_meshes: bool) -> 
         Shape::Cylinder { radius, half } => ("cylinder", vec![*radius, 2.0 * half]),
         Shape::Box { half } => ("box", half.iter().map(|half| 2.0 * half).collect()),
         Shape::Mesh(surface) => add(surface)?,
-        // Points without a hull touch nothing.
+        // Points without a hull touch no other shape.
         Shape::Hull(points) => add(&hull_surface(points).unwrap_or_default())?,
     };
     let (name, body, pose) = (collider.name.clone(), collider.body, pose_numbers(&collider.pose));

@@ -36,7 +36,7 @@ pub(super) struct ContactLayer {
     pairs: Vec<String>,
     /// The most contacts of a sample.
     most: u64,
-    /// One number a sample, and that of all contacts.
+    /// One number a sample, and the number of all contacts.
     starts: Place,
     which: Place,
     numbers: Place,
@@ -58,7 +58,7 @@ impl Contacts {
         }
     }
 
-    /// The layer, or `None` if nothing ever touches.
+    /// The layer, or `None` if the log has no contacts.
     pub(super) fn pack(&self, packed: &mut Packed) -> Option<ContactLayer> {
         let count = self.rows.len();
         if count == 0 {

@@ -1,4 +1,4 @@
-//! The file of a page: its parts put together, with nothing outside of it.
+//! The file of a page: its parts put together, without any reference to other files.
 //!
 //! | part in `assets/`       | what it is                                                       |
 //! |-------------------------|------------------------------------------------------------------|

@@ -1,7 +1,7 @@
 //! The drawn geometry of links: primitives, meshes, and boxes for bodies without geometry.
 //!
-//! A mesh is read once however many visuals show it. Its colours are those of its file, where that has any; else the one of the
-//! `<material>` of the visual, as in RViz. What cannot be drawn is said in [`Looks::notes`].
+//! A mesh is read once however many visuals show it. Its colours come from its file, if that has any; else from the `<material>` of the visual, as in
+//! RViz. [`Looks::notes`] names the visuals that cannot be drawn.
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::ground::words::counted;
@@ -15,7 +15,7 @@ use serde::Serialize;
 
 /// Gives the file of a mesh: of this link, the visual that is its so-manieth with a mesh, from 0.
 ///
-/// The error says why there is none, without the name of the file.
+/// The error is the reason of its absence, without the name of the file.
 pub(super) type MeshSource<'s> = dyn Fn(&str, usize, &MeshFile) -> Result<MeshData, String> + 's;
 
 /// Something drawn on a link.
@@ -42,7 +42,7 @@ pub(super) struct Looks {
     pub shapes: Vec<DrawnShape>,
     /// The meshes that they name.
     pub meshes: SharedMeshes,
-    /// What is not drawn, or not as in the files, in sentences.
+    /// Visuals that are not drawn, or not as in the files, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -52,7 +52,7 @@ pub(super) fn looks(model: &Model, source: &MeshSource, with_meshes: bool) -> Lo
     let mut missing: Vec<String> = Vec::new();
     let (mut left_out, mut boxes) = (0, 0);
     for placed in &model.robots {
-        // Bodies none of whose visuals can be drawn have boxes, like those without visuals.
+        // Bodies without a drawable visual have boxes, like bodies without visuals.
         let mut drawable: PlacedRobot = placed.clone();
         for (number, link) in drawable.robot.links.iter_mut().enumerate() {
             let index = placed.links.start + number;

@@ -9,7 +9,7 @@
 //!     all of it ─ packing.rs ─▶ header (JSON), arrays (base64) ─ html.rs ─▶ page
 //! ```
 //!
-//! The same input gives the same bytes. The scripts of the page are in `assets/`, those of others with their licences.
+//! The same input gives the same bytes. The scripts of the page are in `assets/`, foreign ones with their licences.
 
 mod colliders;
 mod contacts;
@@ -46,7 +46,7 @@ use std::path::Path;
 /// The most triangles of all meshes together, unless the user wants more or fewer.
 pub const MESH_LIMIT: usize = 200_000;
 
-/// What a page is made with.
+/// The options of a page.
 #[derive(Clone, Debug)]
 pub struct PageOptions {
     /// The most triangles of all meshes together; zero leaves meshes out.
@@ -58,7 +58,7 @@ pub struct PageOptions {
 /// A table.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PageTable {
-    /// What stands above it.
+    /// The title above it.
     pub title: String,
     /// The heading of each column.
     pub columns: Vec<String>,
@@ -66,7 +66,7 @@ pub struct PageTable {
     pub rows: Vec<Vec<String>>,
 }
 
-/// What a log without links or joints lacks for one instant, or for a page.
+/// The defect of a log without links or joints, for an instant or for a page.
 pub const BARE: &str = "its samples have no links or no joints: make the run again with tf, joint_states and multi_dof_joint_states in its --topics";
 
 /// Why there is no page.
@@ -75,7 +75,7 @@ pub enum PageError {
     /// The log cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// There is nothing to play back.
+    /// The log has no samples to play back.
     #[error("{log}: there are no samples in it; catena model draws the robot alone")]
     Empty {
         /// The log.
@@ -97,7 +97,7 @@ pub enum PageError {
     },
 }
 
-/// What the scripts of a page read as JSON; lengths in m, angles in rad, times in s.
+/// The header that the scripts of a page read as JSON; lengths in m, angles in rad, times in s.
 #[derive(Serialize)]
 struct Header<'p> {
     kind: &'static str,
@@ -122,9 +122,9 @@ struct Header<'p> {
     values: Place,
     events: &'p [EventEntry],
     arrows: Vec<ArrowLayer>,
-    /// `null` where nothing touches.
+    /// `null` without contacts.
     contacts: Option<ContactLayer>,
-    /// Of all bodies that move (N); without gravity as on earth.
+    /// Weight of all bodies that move (N); without gravity as on earth.
     weight: f64,
 }
 
@@ -140,7 +140,7 @@ struct ArrowLayer {
 #[derive(Serialize)]
 struct Arrow {
     name: String,
-    /// Where it acts.
+    /// The frame in which it acts.
     at: Frame,
     /// The curves of its x, y and z.
     curves: [usize; 3],
@@ -200,7 +200,7 @@ pub fn model_page(model: &Model, start: &State, options: &PageOptions) -> String
     write(model, start, about, &source, &motion, options)
 }
 
-/// What a page says of where it comes from.
+/// The source of a page.
 struct About {
     kind: &'static str,
     source: String,

@@ -2,7 +2,7 @@
 //!
 //! Figures of steps are at the first sample at or after the end of the step; between, curves have no number there.
 //!
-//! The poses of bodies follow from those of links, `T_body = T_link L⁻¹` with the link frame L in its body. Where a log has more than
+//! The poses of bodies follow from the poses of links, `T_body = T_link L⁻¹` with the link frame L in its body. If a log has more than
 //! [`MOST_SAMPLES`] samples, every second, third, … one is taken, and the last.
 
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz};
@@ -24,7 +24,7 @@ pub(super) const MOST_SAMPLES: u64 = 7200;
 /// The most events in a page.
 const MOST_EVENTS: usize = 20_000;
 
-/// What a curve is.
+/// The name of a curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct CurveName {
     /// As in tables: `elbow.position`, `energy.total`.
@@ -69,7 +69,7 @@ pub(super) struct Motion<'m> {
     pub times: Vec<f64>,
     /// Poses of the bodies at all times: x, y, z, w, x, y, z of each.
     pub poses: Vec<Vec<[f32; 7]>>,
-    /// What the curves are, and their values at all times.
+    /// The names of the curves, and their values at all times.
     pub curves: Vec<CurveName>,
     pub values: Vec<Vec<f32>>,
     /// The closed contacts at all times.
@@ -83,7 +83,7 @@ pub(super) struct Motion<'m> {
 }
 
 impl<'m> Motion<'m> {
-    /// To collect the motion of a log of this model with so many samples.
+    /// An empty motion for a log of this model with this number of samples.
     pub(super) fn new(model: &'m Model, samples: u64) -> Self {
         let bodies = 0..model.mechanism.bodies.len();
         let carrier = |body| {
@@ -153,7 +153,7 @@ impl<'m> Motion<'m> {
         self.times.push(frame.time());
         self.contacts.take(&frame.contacts);
         for (poses, pose) in self.poses.iter_mut().zip(poses) {
-            // The same turn has two quaternions; the one near that before it is taken, so that what lies between is near, too.
+            // The same turn has two quaternions. The one near the quaternion before it is taken, so that interpolation between them stays near, too.
             let flips =
                 poses.last().is_some_and(|last: &[f32; 7]| (3..7).map(|k| last[k] * pose[k]).sum::<f32>() < 0.0);
             poses.push(if flips {
@@ -220,7 +220,7 @@ impl Visitor for Motion<'_> {
 
 fn of_joint(value: &JointValue) -> CurveName {
     let quantity = value.quantity;
-    // What acts along the axis is a part of the reaction, and not of its components in the world.
+    // The effort along the axis is a part of the reaction, and not of its components in the world.
     let group = if value.name.ends_with(".effort") { Quantity::Effort.title() } else { quantity.title() };
     CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic() }
 }

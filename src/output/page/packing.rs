@@ -14,7 +14,7 @@ use serde::Serialize;
 /// How much effort zlib makes, from 0 to 10.
 const LEVEL: u8 = 7;
 
-/// Where an array is in the bytes of a page.
+/// The place of an array in the bytes of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Place {
     /// Its first byte.

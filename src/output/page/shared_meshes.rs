@@ -22,18 +22,18 @@ use std::path::PathBuf;
 /// The largest number of the grid.
 const GRID: f64 = 65535.0;
 
-/// However many triangles there are, a part keeps so many.
+/// Fewest triangles of a part, however many triangles there are.
 const FEWEST: usize = 60;
 
 /// A mesh.
 pub(super) struct MeshData {
-    /// What tells it from others.
+    /// The key that tells it from others.
     pub key: String,
-    /// Its triangles, or what they are read from.
+    /// Its triangles, or their source.
     pub content: MeshContent,
 }
 
-/// What the triangles of a mesh are read from.
+/// The source of the triangles of a mesh.
 pub(super) enum MeshContent {
     /// A mesh file, and its bytes.
     File(PathBuf, Vec<u8>),
@@ -127,7 +127,7 @@ impl SharedMeshes {
         number
     }
 
-    /// Packs all meshes, with at most about `limit` triangles; says what was changed for that.
+    /// Packs all meshes, with at most about `limit` triangles; returns notes about the meshes that were changed for this limit.
     pub(super) fn pack(self, limit: usize, packed: &mut Packed) -> (Vec<PackedMesh>, Vec<String>) {
         let counts = || self.meshes.iter().flat_map(|mesh| &mesh.parts).map(|part| part.triangles.len());
         let before: usize = counts().sum();

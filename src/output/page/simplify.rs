@@ -18,7 +18,7 @@ use std::collections::BinaryHeap;
 /// How much more the planes of borders count.
 const BORDER: f64 = 10.0;
 
-/// A triangle may turn by so much in a collapse: the least cosine between its normals before and after.
+/// The largest turn of a triangle in a collapse: the least cosine between its normals before and after.
 const LEAST_COSINE: f64 = 0.2;
 
 /// Q of the header.
@@ -36,7 +36,7 @@ impl Quadric {
         c: 0.0,
     };
 
-    /// That of the plane with unit normal `n` through `point`.
+    /// The quadric of the plane with unit normal `n` through `point`.
     fn plane(n: Vector3<f64>, point: &Vector3<f64>, weight: f64) -> Self {
         let d = -n.dot(point);
         Quadric { m: n * n.transpose() * weight, b: n * (d * weight), c: d * d * weight }
@@ -63,7 +63,7 @@ impl Quadric {
     }
 }
 
-/// An edge that may collapse, as it was when both its ends had been moved so many times.
+/// An edge that may collapse, with the number of moves of both its ends at its creation.
 struct Edge {
     cost: f64,
     ends: [u32; 2],
@@ -177,7 +177,7 @@ impl Simplifier {
         self.edges.push(Reverse(Edge { cost, ends, moved: [self.moved[a], self.moved[b]] }));
     }
 
-    /// Collapses an edge if it still is as it was, and nothing turns over; returns how many triangles are gone by that.
+    /// Collapses an edge if it is still valid and no triangle turns over; returns the number of triangles that this removes.
     fn collapse(&mut self, edge: &Edge) -> usize {
         let [a, b] = edge.ends.map(|end| end as usize);
         if [self.moved[a], self.moved[b]] != edge.moved {
@@ -190,7 +190,7 @@ impl Simplifier {
         }
         self.vertices[a] = place;
         self.quadrics[a] = sum;
-        // What was offered of either end is void.
+        // Earlier offers of either end are void.
         self.moved[a] += 1;
         self.moved[b] = u32::MAX;
         let of_b = std::mem::take(&mut self.around[b]);

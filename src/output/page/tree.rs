@@ -57,10 +57,10 @@ struct BodyOnJoint<'m> {
     on_child: [f64; 7],
     /// Its positions at the start.
     start: Vec<f64>,
-    /// Of joints of one number: from, to (m, rad).
+    /// Limits of joints of one number: from, to (m, rad).
     #[serde(skip_serializing_if = "Option::is_none")]
     limit: Option<[Option<f64>; 2]>,
-    /// Of a joint that follows another: the body of that joint, the factor, the offset.
+    /// For a joint that follows another: the body of that joint, the factor, the offset.
     #[serde(skip_serializing_if = "Option::is_none")]
     follows: Option<(usize, f64, f64)>,
 }
@@ -74,7 +74,7 @@ struct LoopEnds<'m> {
     /// [`crate::mechanism::description::closure`].
     slides: &'static [usize],
     squares: &'static [(usize, usize)],
-    /// Of a distance (m).
+    /// The length of a distance (m).
     length: Option<f64>,
     a: Frame,
     b: Frame,

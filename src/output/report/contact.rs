@@ -13,7 +13,7 @@ pub struct ContactReport {
     pub a: String,
     /// The obstacle, or the other link.
     pub b: String,
-    /// Where they touch, in the world (m).
+    /// The contact point, in the world (m).
     pub position: [f64; 3],
     /// The unit normal from b to a.
     pub normal: [f64; 3],
@@ -68,7 +68,7 @@ impl ContactsReport {
         }
     }
 
-    /// What there is at the end and the worst of all contacts, in words.
+    /// The contacts at the end and the worst of all contacts, in words.
     pub(crate) fn words(&self) -> String {
         let slipping = self.points.iter().filter(|point| point.state == "slip").count();
         contact_words(self.points.len(), slipping, self.max_penetration, Some(self.max_cone_violation))
@@ -88,7 +88,7 @@ pub(crate) fn contact_words(count: usize, slipping: usize, penetration: f64, con
     format!("{all} at the end{slip}; deepest overlap {penetration:.1e} m{cones}")
 }
 
-/// What friction does at a contact, as reports and logs name it.
+/// The state of friction at a contact, as reports and logs name it.
 pub(crate) fn state_name(point: &ContactPoint) -> &'static str {
     if point.sticks { "stick" } else { "slip" }
 }
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(words(&["stick"]), format!("1 contact at the end{worst}"));
         assert_eq!(words(&["stick", "slip"]), format!("2 contacts at the end, 1 of them slips{worst}"));
         assert_eq!(words(&["slip", "slip"]), format!("2 contacts at the end, 2 of them slip{worst}"));
-        // What a log that was cut off knows.
+        // The words of a log that was cut off.
         assert_eq!(contact_words(1, 0, 2e-16, None), "1 contact at the end; deepest overlap 2.0e-16 m");
     }
 }

@@ -37,14 +37,14 @@ impl Default for KindCounts {
 }
 
 impl KindCounts {
-    /// Those of a run.
+    /// The counts of a run.
     pub(crate) fn new(counts: &EventCounts) -> Self {
         let mut all = KindCounts::default();
         EventKind::ALL.iter().for_each(|&kind| all.add(kind.name(), counts.of(kind)));
         all
     }
 
-    /// Counts so many more events of a kind. Kinds that this version does not know come last.
+    /// Counts more events of a kind. Kinds that this version does not know come last.
     pub(crate) fn add(&mut self, kind: &str, count: usize) {
         match self.0.iter_mut().find(|(name, _)| name == kind) {
             Some((_, sum)) => *sum += count,
@@ -52,7 +52,7 @@ impl KindCounts {
         }
     }
 
-    /// Of all kinds.
+    /// The number of events of all kinds.
     pub fn total(&self) -> usize {
         self.0.iter().map(|(_, count)| count).sum()
     }
@@ -75,9 +75,9 @@ impl KindCounts {
 pub struct EventEntry {
     /// When (s).
     pub time: f64,
-    /// What happened.
+    /// The kind of the event.
     pub kind: String,
-    /// The joint to which it happened, or the two names `a|b` of what touches.
+    /// The joint of the event, or the two names `a|b` of a contact.
     pub what: String,
     /// The impulse of an impact along the joint, positive into the allowed range [N m s or N s].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -132,12 +132,12 @@ impl EventReport {
     }
 }
 
-/// What a joint is up to at the end of a run.
+/// The state of a joint at the end of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct JointStatusReport {
     /// The limit on which it rests: `lower` or `upper`.
     pub limit: Option<&'static str>,
-    /// What its dry friction does: `stuck` or `sliding`.
+    /// The state of its dry friction: `stuck` or `sliding`.
     pub friction: Option<&'static str>,
     /// The effort of its motor [N m or N].
     pub effort: Option<f64>,

@@ -42,7 +42,7 @@ pub struct MethodReport {
 pub struct FrequencyReport {
     /// Step times frequency of the fastest mode (rad).
     pub value: f64,
-    /// Where the scheme becomes unstable (rad).
+    /// The limit of stability of the scheme (rad).
     pub limit: f64,
     /// The step (s).
     pub step: f64,
@@ -75,7 +75,7 @@ impl MethodReport {
         }
     }
 
-    /// What the user should know, if a step was beyond the limit of stability.
+    /// The warning of a step beyond the limit of stability.
     pub(crate) fn warning(description: &MethodDescription) -> Option<String> {
         let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
         let longest = rounded(seen.longest());
@@ -96,7 +96,7 @@ impl MethodReport {
     }
 }
 
-/// What the user should know, if dampers were to stop a motion that the steps were too long to stop.
+/// The warning of steps that are too long for a damper to stop a motion.
 pub(crate) fn ringing_warning(description: &MethodDescription) -> Option<String> {
     let Ringing { decay, step, longest, time } = description.ringing?;
     let remedy = if description.adaptive {
@@ -113,7 +113,7 @@ pub(crate) fn ringing_warning(description: &MethodDescription) -> Option<String>
     ))
 }
 
-/// What the user should know, if closures said less somewhere in the run than elsewhere.
+/// The warning of closures whose rank was lower somewhere in the run than elsewhere.
 pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String> {
     let SingularPosition { time, extra } = description.singular?;
     let (equations, are) = if extra == 1 { ("constraint", "is") } else { ("constraints", "are") };
@@ -124,7 +124,7 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
     ))
 }
 
-/// What the user should know, if contacts were too many or too contradictory for the solver in a run of this duration (s).
+/// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s).
 pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
     let &MethodDescription { unsolved_contacts, first_order_steps: steps, first_order_time: time, .. } = description;
     // Because the law of a step of first order is solved to first order, each such step is one of the unsolved, too.
@@ -167,7 +167,7 @@ pub struct AccuracyReport {
     pub told_until: f64,
     /// Whether the estimated error meets the tolerance up to that instant.
     pub reached: bool,
-    /// Number of trial runs before the run: none where the run itself tells its accuracy.
+    /// Number of trial runs before the run: zero if the run itself tells its accuracy.
     pub pilots: usize,
     /// How often the run has begun: once, and again with finer steps where errors grew more than was expected; of several parts the most.
     pub begun: usize,
@@ -180,7 +180,7 @@ pub struct AccuracyReport {
     /// Whether the run ends anywhere: no runs that differ by roundings stay together.
     #[serde(skip)]
     parts: bool,
-    /// From when on runs that differ by little meet other events (s).
+    /// The time after which runs that differ by little meet other events (s).
     #[serde(skip)]
     events_differ: Option<f64>,
     /// Whether it can be told at all.
@@ -191,8 +191,7 @@ pub struct AccuracyReport {
     unbalanced: Option<f64>,
 }
 
-/// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of what
-/// tells it alike.
+/// If a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run and of its estimate.
 const FINEST: f64 = 1e-11;
 /// Energy errors over the wanted accuracy (1/m) beyond which the estimate is not believed: steps are kept within one.
 const UNBALANCED: f64 = 10.0;
@@ -223,7 +222,7 @@ impl AccuracyReport {
     /// The accuracy of a run, from the run itself or from its trial runs.
     ///
     /// # Errors
-    /// [`UnknownAccuracy`] where nothing tells it.
+    /// [`UnknownAccuracy`] if the run has no estimate.
     #[doc(hidden)]
     pub fn of(choice: StepChoice, run: &Finished) -> Result<Self, UnknownAccuracy> {
         let wanted = choice.tolerance().ok_or(UnknownAccuracy::NotAsked)?;
@@ -290,7 +289,7 @@ impl AccuracyReport {
         }
     }
 
-    /// What the user should know of a run whose energy does not agree with the wanted accuracy.
+    /// The warning of a run whose energy does not agree with the wanted accuracy.
     pub(crate) fn energy_warning(&self) -> Option<String> {
         let (error, wanted) = (self.unbalanced?, self.wanted);
         Some(format!(
@@ -299,7 +298,7 @@ impl AccuracyReport {
         ))
     }
 
-    /// What the user should know, if the accuracy does not hold to the end, or if that cannot be told.
+    /// The warning of an accuracy that does not hold to the end, or that is unknown.
     #[doc(hidden)]
     pub fn warning(&self) -> Option<String> {
         let wanted = self.wanted;

@@ -55,7 +55,7 @@ pub struct Report {
     pub steps: usize,
     /// Iterations of all steps.
     pub iterations: usize,
-    /// Those of them that kept the factors of the articulated inertias of an earlier one ([`crate::lobatto::solve::kept_factors`]).
+    /// The number of them that kept the factors of the articulated inertias of an earlier one ([`crate::lobatto::solve::kept_factors`]).
     pub kept_factor_iterations: usize,
     /// Steps that were thrown away.
     pub rejected_steps: usize,
@@ -75,9 +75,9 @@ pub struct Report {
     /// The estimated error of fixed steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_error: Option<StepErrorReport>,
-    /// What was not smooth about the motion.
+    /// The events of the motion.
     pub events: EventReport,
-    /// What touched.
+    /// The contacts.
     pub contact: ContactsReport,
     /// Energy over the run.
     pub energy: EnergyReport,
@@ -95,9 +95,9 @@ pub struct Report {
     /// The islands of the mechanism, if there are several; small ones are run together.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub islands: Vec<IslandReport>,
-    /// What the user should know about the model and the run.
+    /// Warnings about the model and the run.
     pub warnings: Vec<String>,
-    /// Where the log is; part of the lines for people alone.
+    /// The path of the log; part of the lines for people alone.
     #[serde(skip)]
     pub log: Option<PathBuf>,
 }
@@ -115,15 +115,15 @@ pub struct ModelReport {
     pub degrees_of_freedom: usize,
     /// Joints that close loops.
     pub loops: usize,
-    /// Constraints that say what others say already.
+    /// Constraints that repeat others.
     pub redundant_constraints: usize,
-    /// Parts that nothing connects and that are simulated apart.
+    /// Unconnected parts that are simulated apart.
     pub islands: usize,
-    /// Those of them that start at rest in equilibrium and are not simulated.
+    /// The number of them that start at rest in equilibrium and are not simulated.
     pub sleeping_islands: usize,
 }
 
-/// What became of a part of the mechanism that nothing connects with the rest, or of several small ones together.
+/// The result of a part of the mechanism that is not connected with the rest, or of several small ones together.
 #[derive(Clone, Debug, Serialize)]
 pub struct IslandReport {
     /// The bodies of it that hang on the world.
@@ -149,10 +149,10 @@ pub struct EnergyReport {
     pub initial: f64,
     /// Total energy at the end.
     pub r#final: f64,
-    /// Largest deviation from the start, but for what was dissipated, lost to friction and impacts, and put in, relative to the largest kinetic energy
-    /// seen.
+    /// Largest deviation from the start, but for energy that was dissipated, lost to friction and impacts, and put in, relative to the largest
+    /// kinetic energy seen.
     pub max_relative_error: f64,
-    /// What makes up the energy at the end.
+    /// The parts of the energy at the end.
     pub parts: EnergyParts,
     /// Turned into heat by dampers over the run.
     pub dissipated: f64,
@@ -167,22 +167,22 @@ pub struct EnergyReport {
 /// The parts of an energy (J).
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EnergyParts {
-    /// Of motion.
+    /// Energy of motion.
     pub kinetic: f64,
-    /// Of weights.
+    /// Energy of weights.
     pub gravity: f64,
     /// In springs.
     pub spring: f64,
-    /// Of constant forces and efforts.
+    /// Energy of constant forces and efforts.
     pub load: f64,
 }
 
 /// Largest constraint violations of the run.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ConstraintReport {
-    /// Of positions [m, rad].
+    /// Largest error of positions [m, rad].
     pub max_position: f64,
-    /// Of velocities [m/s, rad/s].
+    /// Largest error of velocities [m/s, rad/s].
     pub max_velocity: f64,
 }
 
@@ -217,7 +217,7 @@ impl ConstraintReport {
 }
 
 impl ModelReport {
-    /// The size of a model whose closures have these redundant equations, and that falls into so many parts, of which so many sleep.
+    /// The size of a model with the redundant equations of its closures, its number of islands, and the number of sleeping islands.
     #[doc(hidden)]
     pub fn new(model: &Model, redundancy: &Redundancy, (islands, sleeping_islands): (usize, usize)) -> Self {
         ModelReport {
@@ -234,7 +234,7 @@ impl ModelReport {
 }
 
 impl IslandReport {
-    /// What an island did in a run.
+    /// The report of an island.
     pub(crate) fn new(figures: &IslandFigures) -> Self {
         IslandReport {
             roots: figures.roots.clone(),
@@ -251,7 +251,7 @@ impl IslandReport {
 /// Serializes pairs as the entries of an object, in their order.
 ///
 /// # Errors
-/// Those of the serializer.
+/// The errors of the serializer.
 pub(crate) fn as_object<T: Serialize, S: Serializer>(pairs: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }

@@ -29,12 +29,12 @@ pub struct LinkReport {
     pub angular_velocity: [f64; 3],
 }
 
-/// A joint: positions and velocities in its frame on the parent, and what it transmits.
+/// A joint: positions and velocities in its frame on the parent, and its reaction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointReport {
     /// Position; turns are given as the quaternion w, x, y, z, after the translation.
     pub position: Numbers,
-    /// Velocity; that of the child frame's origin before the angular velocity.
+    /// Velocity; the velocity of the child frame's origin before the angular velocity.
     pub velocity: Numbers,
     /// Force of the parent on the child at the joint, in the world (N).
     pub reaction_force: [f64; 3],
@@ -45,7 +45,7 @@ pub struct JointReport {
     pub status: Option<JointStatusReport>,
 }
 
-/// What a loop joint carries at the end of a run.
+/// The reaction of a loop joint at the end of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct LoopReport {
     /// Largest gap between its ends (m, or sine of an angle).

@@ -1,4 +1,4 @@
-//! Limits of double precision: lengths of springs with an end far away, and the balance of energies far larger than those of the motion.
+//! Limits of double precision: lengths of springs with an end far away, and the balance of energies far larger than the energies of the motion.
 //!
 //! ```text
 //!     δ = ε max(ℓ, |P_a − x_a|, |P_b − x_b|)     (m)      of the ends of a spring, ε = 2⁻⁵²
@@ -17,19 +17,19 @@ use crate::simulation::Summary;
 /// Changes of the energy by this part of it, and by what forces do over this distance (m), are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A tolerance of so many roundings of places takes no more steps than with springs nearby.
+/// A tolerance of at least this number of roundings of places takes no more steps than with springs nearby.
 const ENOUGH: f64 = 100.0;
 
 /// The spring whose ends are rounded most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarSpring {
     name: String,
-    /// Its length, or that of an arm of it (m).
+    /// Its length, or the length of an arm of it (m).
     distance: f64,
 }
 
 impl FarSpring {
-    /// Of a mechanism in a state; `None` without springs between points.
+    /// The farthest spring of a mechanism in a state; `None` without springs between points.
     pub(crate) fn of(mechanism: &Mechanism, state: &State) -> Option<Self> {
         let bodies = body_states(mechanism, state);
         let arm = |end: &Attachment| end.body.map_or(0.0, |_| end.frame.translation.vector.norm());
@@ -40,12 +40,12 @@ impl FarSpring {
         springs.max_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// What its ends are rounded by (m).
+    /// The rounding of its ends (m).
     pub(crate) fn rounding(&self) -> f64 {
         f64::EPSILON * self.distance
     }
 
-    /// What the user should know where that is more than the accuracy that is wanted (m).
+    /// The warning of a rounding that exceeds the wanted accuracy (m).
     pub(crate) fn warning(&self, wanted: f64) -> Option<String> {
         let (FarSpring { name, distance }, rounding) = (self, self.rounding());
         (rounding > wanted).then(|| {
@@ -58,18 +58,18 @@ impl FarSpring {
     }
 }
 
-/// Whether rounding of what is stored explains all that the energy balance of a run is off by.
+/// Whether the rounding of stored numbers explains the whole error of the energy balance of a run.
 pub(super) fn is_energy_rounding(summary: &Summary) -> bool {
     stored_rounding(summary) || summary.max_relative_energy_error * summary.largest_kinetic <= ROUNDING * summary.pushes
 }
 
-/// Whether that of stored energies alone does.
+/// Whether the rounding of stored energies alone explains it.
 fn stored_rounding(summary: &Summary) -> bool {
     let rounding = ROUNDING * summary.initial_energy.total().abs().max(summary.final_energy.total().abs());
     summary.max_relative_energy_error * summary.largest_kinetic <= rounding
 }
 
-/// What the user should know, if the energy does not balance, or if that cannot be told.
+/// The warning of an energy that does not balance, or whose balance is unknown.
 pub(crate) fn balance_warning(description: &MethodDescription, summary: &Summary) -> Option<String> {
     let error = summary.max_relative_energy_error;
     if error > COARSE && is_energy_rounding(summary) {
@@ -92,9 +92,9 @@ pub(crate) fn balance_warning(description: &MethodDescription, summary: &Summary
 /// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
 pub(crate) const COARSE: f64 = 1e-2;
 
-/// What the user should know, if the energy does not balance.
+/// The warning of an energy that does not balance.
 pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {
-    // What is not a number does not balance either.
+    // NaN does not balance either.
     if relative_error <= COARSE {
         return None;
     }

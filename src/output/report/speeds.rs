@@ -1,7 +1,7 @@
 //! The observer that watches speeds of joints for which a largest one is given (`<limit velocity>` of a URDF).
 //!
-//! It sees the samples of a run, the first at the start and the last at the end; a speed that is exceeded between two samples
-//! alone is not seen. Nothing holds a joint back.
+//! It sees the samples of a run, the first at the start and the last at the end. A speed that is exceeded between two samples alone is not seen. The
+//! observer does not limit the speed of a joint.
 
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::nonsmooth::SpeedLimit;
@@ -47,7 +47,7 @@ impl SpeedWatch {
         (!joints.is_empty()).then_some(SpeedWatch { joints })
     }
 
-    /// What the user should know, in one line: the joint that was faster by the largest factor, and how many others were too fast.
+    /// The warning in one line: the joint that was faster by the largest factor, and how many others were too fast.
     pub fn warning(&self) -> Option<String> {
         let over = |joint: &Watched| joint.largest / joint.limit.speed;
         let fast: Vec<&Watched> = self.joints.iter().filter(|joint| over(joint) > 1.0 + ROUNDING).collect();

@@ -15,11 +15,11 @@ use crate::output::report::rounding::{COARSE, is_energy_rounding};
 use crate::simulation::Summary;
 use serde::Serialize;
 
-/// What motions amplify an error of velocities by, for want of knowing better.
+/// The amplification of errors of velocities by motions, as a guess for want of knowing better.
 const AMPLIFIED: f64 = 10.0;
 /// Errors beyond this (m, rad of a body of one metre) are said to the user.
 const NOTICEABLE: f64 = 1e-3;
-/// Energy errors below this are rounding, which says nothing of steps: no estimate comes from less.
+/// Energy errors below this are rounding, which does not depend on steps. They give no estimate.
 const ROUNDING: f64 = 1e-11;
 
 /// The estimated error of a run with fixed steps.
@@ -27,17 +27,17 @@ const ROUNDING: f64 = 1e-11;
 pub struct StepErrorReport {
     /// The error at the end (m).
     pub estimated: f64,
-    /// What it is estimated by: `half the step` or `energy`.
+    /// The source of the estimate: `half the step` or `energy`.
     pub by: &'static str,
 }
 
 impl StepErrorReport {
-    /// From how far a run with half the step is from it at the end (m).
+    /// The estimate from the distance of a run with half the step at the end (m).
     pub(crate) fn by_half_the_step(apart: f64) -> Self {
         StepErrorReport { estimated: apart, by: "half the step" }
     }
 
-    /// From what the run has done to the energy in so much time (s); `None` where rounding hides that.
+    /// The estimate from the energy error of a run of this duration (s); `None` if rounding hides it.
     pub(crate) fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Option<Self> {
         if summary.max_relative_energy_error > COARSE && is_energy_rounding(summary) {
             return None;
@@ -48,7 +48,7 @@ impl StepErrorReport {
         Some(StepErrorReport { estimated, by: "energy" })
     }
 
-    /// What the user should know of steps that were too long.
+    /// The warning of steps that were too long.
     pub(crate) fn warning(&self, description: &MethodDescription) -> Option<String> {
         let StepErrorReport { estimated, by } = *self;
         if estimated <= NOTICEABLE {

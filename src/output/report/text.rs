@@ -16,7 +16,7 @@ impl fmt::Display for Report {
             out,
             "{}: {} s simulated in {:.3} s, {} times real time",
             self.scene,
-            // Sums of steps carry roundings that nobody wants to read.
+            // Sums of steps carry roundings, which are cut off for readers.
             (self.duration * 1e6).round() / 1e6,
             self.wall_seconds,
             rounded(speed)

@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 pub(crate) enum Slot<'s> {
     Number(&'s mut f64),
     Optional(&'s mut Option<f64>),
-    /// Half of the number is what is kept.
+    /// The stored value is half of the number.
     Half(&'s mut f64),
     /// Both sides of the diagonal.
     Symmetric {
@@ -21,7 +21,7 @@ pub(crate) enum Slot<'s> {
 }
 
 impl Slot<'_> {
-    /// The number; `None` if there is none, or several.
+    /// The number; `None` if the slot is empty or holds several.
     pub fn read(&self) -> Option<f64> {
         match self {
             Slot::Number(number) => Some(**number),

@@ -1,4 +1,4 @@
-//! Where the files that a scene names come from: the file system, or a log that carries them.
+//! The source of the files that a scene names: the file system, or a log that carries them.
 
 use crate::scene::error::SceneError;
 use crate::scene::robot::Robot;
@@ -7,7 +7,7 @@ use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::urdf_reading::urdf::read_urdf;
 use std::path::Path;
 
-/// Where the files that a scene names are read from.
+/// The source of the files that a scene names.
 pub trait SceneFiles {
     /// A robot.
     ///

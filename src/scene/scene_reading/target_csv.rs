@@ -23,7 +23,7 @@ pub(crate) struct Entry {
 /// The entries of a CSV file, which `owner` needs.
 ///
 /// # Errors
-/// [`SceneError`] with the line, for what is not two numbers.
+/// [`SceneError`] with the line, for a line that is not two numbers.
 pub(crate) fn entries_of_csv(text: &str, file: &Path, owner: &Element) -> Result<Vec<Entry>, SceneError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
     let mut entries = Vec::new();

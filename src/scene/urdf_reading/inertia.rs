@@ -15,7 +15,7 @@ pub(crate) fn impossible_inertia(
 ) -> Option<Warning> {
     let mut moments: Vec<f64> = inertia.symmetric_eigenvalues().iter().copied().collect();
     moments.sort_by(f64::total_cmp);
-    // What the computation of the moments leaves of one that is zero may be negative.
+    // The computed value of a zero moment may be negative by rounding.
     for moment in 0..2 {
         if moments[moment] < 0.0 && moments[moment] > -1e-12 * moments[2] {
             moments[moment] = 0.0;

@@ -1,4 +1,4 @@
-//! Where mesh files are: `package://NAME/rest`, `file://...`, absolute and relative paths.
+//! The paths of mesh files: `package://NAME/rest`, `file://...`, absolute and relative paths.
 //!
 //! `package://` (and Gazebo's `model://`) is looked for, in this order, in
 //!
@@ -7,7 +7,7 @@
 //! 3. `AMENT_PREFIX_PATH`: `P/NAME/rest`, `P/share/NAME/rest`;
 //! 4. the folders above the URDF: `A/NAME/rest`, `A/rest`.
 //!
-//! A rest that leads out of its package, `package://NAME/../file`, names nothing.
+//! A rest that leads out of its package, `package://NAME/../file`, names no file.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -22,7 +22,7 @@ pub struct PackagePath {
     pub ament_prefix_path: Vec<PathBuf>,
 }
 
-/// What became of a file reference.
+/// The result of a search for a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Resolved {
     /// The file exists.

@@ -16,12 +16,12 @@ pub(crate) struct Attribute {
     pub presence: Presence,
 }
 
-/// What an attribute holds.
+/// The content of an attribute.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Content {
     /// Any text.
     Text,
-    /// So many finite numbers.
+    /// A given number of finite numbers.
     Numbers(usize),
     /// A number that may be infinite: no limit.
     Limit,
@@ -30,7 +30,7 @@ pub(crate) enum Content {
 /// Whether an attribute must be there.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Presence {
-    /// Without it the element means nothing.
+    /// Without it the element is meaningless.
     Required,
     /// URDF has a default.
     Optional,

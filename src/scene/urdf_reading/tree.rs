@@ -1,4 +1,4 @@
-//! The links of a URDF must form one tree; this finds its root or says why there is none.
+//! The links of a URDF must form one tree; this finds its root or says why they form no tree.
 //!
 //! A world that only joints mention (`<parent link="world"/>` without `<link name="world">`, as Drake and
 //! RigidBodyDynamics.jl write it) is a root too.
@@ -27,10 +27,10 @@ pub(crate) fn find_root(
     one_root(file, links, &tree, robot_line)
 }
 
-/// What is above a link.
+/// The parent of a link.
 #[derive(Clone, Copy, PartialEq)]
 enum Above {
-    /// Nothing: it is a root.
+    /// No parent: it is a root.
     Nothing,
     /// The undeclared world.
     World,
@@ -60,7 +60,7 @@ fn unique_joints(file: &Path, joints: &[UrdfJoint]) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// What is above each link, from the joints.
+/// The parent of each link, from the joints.
 fn parents(
     file: &Path,
     links: &[Link],
@@ -92,7 +92,7 @@ fn parents(
 
 /// Walks up from every link; a walk that meets itself is a cycle.
 fn refuse_cycles(file: &Path, links: &[Link], above: &[Above]) -> Result<(), SceneError> {
-    // Number of the walk that first visited each link; 0 is none.
+    // Number of the walk that first visited each link; 0 before the first visit.
     let mut visited = vec![0; links.len()];
     for start in 0..links.len() {
         let walk = start + 1;

@@ -145,7 +145,7 @@ pub(crate) fn frontier(awake: &[&mut IslandRun]) -> f64 {
     awake.iter().map(|part| part.state.time).fold(f64::INFINITY, f64::min)
 }
 
-/// The failure at the earliest time; an interruption counts only if nothing failed.
+/// The failure at the earliest time; an interruption counts only if no island failed.
 pub(crate) fn first_error(awake: &mut [&mut IslandRun]) -> Option<RunError> {
     let interrupted = |part: &IslandRun| matches!(part.failed, Some(RunError::Interrupted { .. }));
     let failed = awake.iter_mut().filter(|part| part.failed.is_some());

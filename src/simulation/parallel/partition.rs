@@ -1,6 +1,6 @@
 //! The islands of a mechanism: which of them rest in equilibrium, and which small ones are integrated together.
 //!
-//! Each step has a fixed cost, which small islands share if they are integrated together. Those in parallel planes are grouped among themselves,
+//! Each step has a fixed cost, which small islands share if they are integrated together. Islands in parallel planes are grouped among themselves,
 //! because planar steps are cheaper than spatial ones.
 
 use crate::instant::exerting::rest::is_at_rest_counted;
@@ -73,7 +73,7 @@ impl Plan {
         self.awake().filter(|island| Plane::of(&island.mechanism).is_some())
     }
 
-    /// The awake islands in space, and those whose planes are `kept` from use.
+    /// The awake islands in space, and the planar ones if the rule of planes is switched off by `kept`.
     pub fn spatial(&self, kept: &[Rule]) -> impl Iterator<Item = &Island> {
         let planes = !kept.contains(&Rule::Planar);
         self.awake().filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
@@ -94,7 +94,7 @@ impl Plan {
     }
 }
 
-/// Islands that are grouped only with each other: those in parallel planes, trees apart from closed loops (whose steps cost more), if they have
+/// Islands that are grouped only with each other: islands in parallel planes, and trees apart from closed loops (whose steps cost more), if they have
 /// `smallest` bodies; and all others.
 fn alike(islands: Vec<Island>, smallest: usize, kept: &[Rule]) -> Vec<Vec<Island>> {
     if kept.contains(&Rule::Planar) {

@@ -16,7 +16,8 @@ thread_local! {
     static ALONE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Does the work on this thread alone: runs in it start no threads, because there is one such piece of work for each processor. Results do not depend on it.
+/// Does the work on this thread alone: runs in it start no threads, because there is one such piece of work for each processor. Results do not depend
+/// on it.
 pub fn on_one_thread<T>(work: impl FnOnce() -> T) -> T {
     let before = ALONE.replace(true);
     let done = work();
@@ -29,7 +30,7 @@ pub fn on_one_thread<T>(work: impl FnOnce() -> T) -> T {
 pub enum Threads {
     /// As many as there are processors, where the work pays for them.
     WherePaid,
-    /// So many, always.
+    /// This number, always.
     Exactly(usize),
 }
 
@@ -42,13 +43,13 @@ impl Threads {
         }
     }
 
-    /// For work that is expected to take so many seconds on one of them.
+    /// The number of threads for work that is expected to take this time (s) on one of them.
     pub(crate) fn for_work_of(self, seconds: f64) -> usize {
         if self == Threads::WherePaid && (seconds < WORTH_THREADS || ALONE.get()) { 1 } else { self.at_most() }
     }
 }
 
-/// Does the work on every item, on so many threads at most.
+/// Does the work on every item, on at most `threads` threads.
 pub(crate) fn spread<T: Send>(items: &mut [T], threads: usize, work: impl Fn(&mut T) + Sync) {
     if threads.min(items.len()) < 2 {
         items.iter_mut().for_each(work);

@@ -1,4 +1,4 @@
-//! One mechanism, step by step: what observers see, and what is summed up.
+//! One mechanism, step by step: the interface of observers, and the sums over steps.
 
 pub(crate) mod clock;
 pub(crate) mod course;

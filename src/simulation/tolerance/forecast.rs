@@ -1,8 +1,8 @@
 //! Forecasts the error at the end of a run from its growth so far, and how much finer the steps must be to meet the tolerance.
 //!
 //! A run iterates its steps until increments are below a stop `ε`, and estimates its largest error so far, `e(t)`, during the run. Errors are
-//! proportional to the stop, and grow by a factor per step that is characteristic of the motion. With `n` steps until `t` and `N = n T/t` until the
-//! end,
+//! proportional to the stop, and grow by a factor per step that is characteristic of the motion. There are `n` steps until `t` and `N = n T/t` until
+//! the end:
 //!
 //! ```text
 //!     g = (log₁₀(e/ε) + M g₀) / (n + M)        growth a step, drawn to what is usual, g₀ = 0.04, as if M = 15 steps had been seen before
@@ -10,10 +10,10 @@
 //!     ε ← min(ε/10, ε E/(300 ê))               where e > E/2, or where ê > 3 E at T/16, T/8, T/4, 3T/8, T/2 or 5T/8
 //! ```
 //!
-//! with the wanted accuracy `E`. The constants are those with which 700 random motions took the least time and the fewest of them several times that of
-//! the run that was accepted (`doc/decisions/006-cost-of-a-tolerance.md`). Below a stop of 1e-13 there are only rounding errors; so the second
-//! restart uses the finest stop. So does the first one of a run with events: what amplifies errors there are impacts, and a run that is finer by ten thousand
-//! keeps its accuracy hardly longer.
+//! `E` is the wanted accuracy. The constants are a compromise for 700 random motions: the least total time, and the fewest motions that took several
+//! times as long as their accepted run (`doc/decisions/006-cost-of-a-tolerance.md`). Below a stop of 1e-13 there are only rounding errors; so the
+//! second restart uses the finest stop. So does the first one of a run with events, because there impacts amplify errors, and a run that is finer by
+//! ten thousand keeps its accuracy hardly longer.
 
 /// The finest stop, at rounding.
 pub(crate) const FINEST: f64 = 1e-16;

@@ -24,17 +24,17 @@ pub enum CalibrationError {
     Interrupted,
 }
 
-/// Two trial runs are compared at no more than so many instants, evenly spread,
+/// Most instants at which two trial runs are compared, evenly spread.
 const INSTANTS: f64 = 32.0;
-/// or each after so many steps of the coarser one, if that is later: the finer one has to end a step there, too.
+/// Steps of the coarser run between two comparisons, if that is later: the finer run has to end a step there, too.
 const STRIDE: usize = 4;
-/// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to restart later is dear.
+/// In this first part of the run stability decides on the stages: stiff parts are stiff from the start, and a later restart is expensive.
 const EARLY: f64 = 1.0 / 16.0;
 
 /// Decides after every step of a trial run whether to go on, from the time that the trial run has reached (s) and the step.
 pub(crate) type GoOn<'g> = &'g mut dyn FnMut(f64, &StepOutcome) -> bool;
 
-/// Where trial runs are to go.
+/// The course of trial runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Course {
     /// When the run begins and ends (s).
@@ -66,7 +66,7 @@ pub(crate) struct TrialRun<'m> {
     pub trail: Vec<(f64, Vec<Vector3<f64>>)>,
     /// Whether stability, and not accuracy, has limited its steps early.
     pub held_back: bool,
-    /// What has happened.
+    /// The events so far.
     pub events: Vec<Event>,
     /// How far it was from another at every instant, the worst so far: an error that has been made does not heal (m).
     pub apart: Vec<f64>,

@@ -4,8 +4,9 @@
 //!     e(t) = |T + V + D − W − T₀ − V₀| / max T                                 no unit
 //! ```
 //!
-//! with what dampers have dissipated, D, and torques without a potential have put in, W; at the end of every step, with the largest kinetic energy of the scene. Steps are gathered in intervals of time of
-//! which the largest error is kept: the error passes through zero so often that single steps would draw a comb.
+//! D is the energy dissipated by dampers, and W the work of torques without a potential. The error is taken at the end of every step, relative to the
+//! largest kinetic energy of the scene. Steps are gathered in intervals of time, and the largest error of each interval is kept: the error passes
+//! through zero too often for a curve of single steps, which would be a comb.
 
 use crate::drawing::picture::{Band, Panel, Picture, Scale, Series};
 use crate::drawing::style::look;
@@ -21,7 +22,7 @@ use crate::study::chart::table::Measurement;
 const WANTED_ERROR: f64 = 1e-6;
 /// Intervals of time along a run.
 const INTERVALS: usize = 160;
-/// Errors below this are drawn here: nothing smaller means anything in a double.
+/// Errors below this are drawn here, because smaller ones are below the resolution of a double.
 const LEAST: f64 = 1e-17;
 
 /// Energy error of one run.

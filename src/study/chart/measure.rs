@@ -1,9 +1,8 @@
 //! One scene, all methods, all settings.
 //!
-//! The ladders are climbed down together, one rung of every method after the other, so that a budget that runs out cuts
-//! all curves at about the same rung. A method leaves its ladder when a run is cut for its cost, or, with fixed steps,
-//! when two rungs in a row bring nothing more: its rounding floor. Tolerances are few, and their errors need not fall
-//! from one to the next; they are all tried.
+//! The ladders are climbed down together, one rung of every method after the other. A budget that runs out then cuts all curves at about the same
+//! rung. A method leaves its ladder when a run is cut for its cost. A method with fixed steps also leaves when two rungs in a row bring no smaller
+//! error: its rounding floor. Tolerances are few, and their errors need not fall from one to the next; they are all tried.
 
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, probes};
@@ -38,7 +37,7 @@ pub struct SceneChart {
     pub duration: f64,
     /// Degrees of freedom and bodies.
     pub size: (usize, usize),
-    /// What errors are measured from.
+    /// The reference from which errors are measured.
     pub reference: Reference,
     /// Every run, method by method, coarse settings first.
     pub measurements: Vec<Measurement>,
@@ -83,7 +82,7 @@ impl Climb {
     }
 }
 
-/// Measures a scene. `told` hears what is being done, and the fraction of the work that is behind.
+/// Measures a scene. `told` hears which run is being made, and the fraction of the work that is behind.
 ///
 /// # Errors
 /// [`ChartError`] if there is no reference; an interruption after that is no error but a shorter chart.
@@ -97,7 +96,7 @@ pub fn measure(
     let effort = if plan.quick {
         Effort { cap: 0.5, total: 0.005, repeats: 2, enough: 0.1 }
     } else {
-        // Beyond a hundred times what full accuracy costs a rival, nobody is interested.
+        // A rival is cut at a hundred times the cost of full accuracy: slower runs are of no interest.
         Effort { cap: (100.0 * reference.cost_scale).clamp(0.02, 5.0), total: 0.02, repeats: 5, enough: 1.0 }
     };
     let mut climbs: Vec<Climb> = Method::of(&scene.mechanism)

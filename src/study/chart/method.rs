@@ -35,7 +35,7 @@ pub enum Method {
     Dop853Regularised,
 }
 
-/// What a method is told for one run.
+/// The parameter of a method for one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setting {
     /// A fixed step (s).
@@ -60,7 +60,7 @@ impl Method {
     /// The methods of smooth motions: all but the last, which regularises events.
     pub const ALL: &'static [Method] = Method::WITH_EVENTS.split_at(Method::WITH_EVENTS.len() - 1).0;
 
-    /// The methods for a mechanism: those that know what it is made of.
+    /// The methods for a mechanism: the ones that know all its elements.
     pub fn of(mechanism: &Mechanism) -> impl Iterator<Item = Method> {
         let all = if mechanism.nonsmooth.is_empty() { Method::ALL } else { Method::WITH_EVENTS };
         all.iter().copied().filter(|method| method.knows(mechanism))
@@ -112,8 +112,8 @@ impl Method {
         matches!(self, Method::Rk4 | Method::Dop853 | Method::Dop853Regularised)
     }
 
-    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism. Of a
-    /// tolerance it is the steps alone, without what tells their accuracy ([`Method::telling`]).
+    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism. For a tolerance it makes
+    /// the steps alone, without an estimate of their accuracy ([`Method::telling`]).
     pub fn integrator(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         if !self.knows(mechanism) {
             return None;
@@ -139,7 +139,7 @@ impl Method {
         }
     }
 
-    /// What makes a run of `duration` (s) that tells its accuracy itself, and may restart: of the one method that does.
+    /// The maker of a run of `duration` (s) that estimates its own accuracy, and may restart: for the one method that does.
     pub fn telling(
         self,
         mechanism: &Mechanism,

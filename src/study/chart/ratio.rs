@@ -7,8 +7,8 @@
 //!     log c(ε) = log c_a + (log ε − log ε_a) / (log ε_b − log ε_a) · (log c_b − log c_a),     ε_b ≤ ε ≤ ε_a
 //! ```
 //!
-//! A level coarser than the whole front costs what the cheapest run costs; one finer than it is not reached, and nothing
-//! is extrapolated. The ratio at a level is the cost of the cheapest rival (RK4, DOP853) over that of our cheapest.
+//! The cost at a level coarser than the whole front is the cost of the cheapest run. A level finer than the front is not reached, because costs are
+//! not extrapolated. The ratio at a level is the cost of the cheapest rival (RK4, DOP853) over the cost of our cheapest method.
 
 use crate::study::chart::measure::SceneChart;
 use crate::study::chart::method::Method;
@@ -62,7 +62,7 @@ impl Front {
         }
         let next = self.0.partition_point(|point| point.0 > level);
         let (coarse, fine) = (self.0[next - 1], self.0[next]);
-        // An error of zero is infinitely far away on a logarithmic axis; the finer run is what can be had.
+        // An error of zero is infinitely far away on a logarithmic axis, so the cost is the cost of the finer run.
         if fine.0 == 0.0 || fine.0 == coarse.0 {
             return Reach::Cost(fine.1);
         }
@@ -74,7 +74,7 @@ impl Front {
 /// The cheapest of several methods at a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Best {
-    /// Which method; the one with the lowest floor if none reaches the level.
+    /// The method; the one with the lowest floor if the level is not reached.
     pub method: Method,
     /// Its cost or floor.
     pub reach: Reach,
@@ -94,8 +94,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The comparison at an error level in a scene. An error below the noise of the reference counts as that noise: it
-    /// is luck, and a level below the noise is reached by nobody.
+    /// The comparison at an error level in a scene. An error below the noise of the reference counts as that noise, because it is luck. No method
+    /// reaches a level below the noise.
     pub fn of(chart: &SceneChart, level: f64) -> Self {
         let noise = chart.reference.floor();
         let seen = |one: &Measurement| Measurement { error: one.error.max(noise), ..one.clone() };
@@ -120,7 +120,7 @@ impl Comparison {
         quotient(self.rival, self.ours)
     }
 
-    /// Cost of the best rival over that of our tolerance mode.
+    /// Cost of the best rival over the cost of our tolerance mode.
     pub fn tolerance_ratio(&self) -> Option<f64> {
         quotient(self.rival, self.tolerance)
     }

@@ -1,9 +1,9 @@
 //! The reference solution at the end of the run, by two formulations, and its accuracy. They share no code but what springs, dampers and
 //! loads exert in a given state, and where a state places the bodies.
 //!
-//! The Lobatto scheme in maximal coordinates, with 32 digits where it is a tree under gravity and with 14 to 16 stages elsewhere, and
-//! DOP853 in joint coordinates near the end of double precision, each at several settings so that rounding falls
-//! differently. DOP853 knows no contacts: of a scene with contacts there is the first formulation alone. From their end points:
+//! The first formulation is the Lobatto scheme in maximal coordinates: with 32 digits for trees under gravity, and with 14 to 16 stages elsewhere.
+//! The second is DOP853 in joint coordinates near the end of double precision. Each runs at several settings, so that rounding falls differently.
+//! DOP853 knows no contacts, so scenes with contacts have the first formulation alone. Their end points give:
 //!
 //! - the *scatter* of a formulation: the largest distance of one of its runs from their mean;
 //! - the *agreement*: the distance between the two means.
@@ -34,12 +34,12 @@ pub struct Reference {
     pub time_scale: f64,
     /// CPU time of the slowest reference run of DOP853 (s), with contacts of ours: the scene's own scale of cost.
     pub cost_scale: f64,
-    /// What every reference run was, and its distance from the reference (m).
+    /// A description of every reference run, and its distance from the reference (m).
     pub runs: Vec<(String, f64)>,
 }
 
 impl Reference {
-    /// The level below which an error says nothing (m).
+    /// The level below which an error is noise of the reference (m).
     pub fn floor(&self) -> f64 {
         self.scatter
     }
@@ -56,11 +56,11 @@ const PRECISE: [(Method, f64); 3] = [(Method::Precise(9), 0.2), (Method::Precise
 /// and elsewhere with few and large steps, because rounding grows with their number.
 const LARGE: [(Method, f64); 3] = [(Method::Lobatto(16), 0.83), (Method::Lobatto(15), 0.7), (Method::Lobatto(14), 0.6)];
 
-/// The mean step of ours at a tolerance is about so many of DOP853.
+/// The mean step of our tolerance mode is about this multiple of the step of DOP853.
 const OURS: f64 = 4.0;
 /// One run, however long.
 const ONCE: Effort = Effort { cap: f64::INFINITY, total: 0.0, repeats: 1, enough: 0.0 };
-/// A run that costs so many times more than the one before it rejects steps because of rounding.
+/// A run whose cost grows by this factor over the one before it rejects steps because of rounding.
 const CAP_GROWTH: f64 = 5.0;
 /// Runs of a formulation that make its mean.
 const KEPT: usize = 3;
@@ -101,7 +101,7 @@ impl Family {
     fn scatter(&self) -> f64 {
         let middle = mean(&self.answers);
         let spread = self.answers.iter().map(|answer| distance(answer, &middle)).fold(0.0, f64::max);
-        // One run alone says nothing about its own scatter.
+        // The scatter of one run alone is unknown.
         if self.answers.len() < 2 { f64::INFINITY } else { spread }
     }
 }

@@ -20,12 +20,12 @@ use crate::mechanism::motion::state::State;
 use crate::reduced::{ReducedOde, Regularised, SoftFriction, SoftLimit};
 use std::f64::consts::PI;
 
-/// An impact takes so many steps.
+/// Steps that an impact takes.
 const STEPS: f64 = 4.0;
 /// The speed at which an impact goes as deep as the tolerance [rad/s or m/s].
 const SPEED: f64 = 1.0;
 
-/// What the stiffness of a regularisation follows from.
+/// The quantity that determines the stiffness of a regularisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Softness {
     /// Fixed steps (s).
@@ -34,7 +34,8 @@ pub(crate) enum Softness {
     Tolerance(f64),
 }
 
-/// The reduced system of a mechanism with limits, friction or motors, for a run from `start`; `None` for motors that are sampled, which it does not know.
+/// The reduced system of a mechanism with limits, friction or motors, for a run from `start`; `None` for motors that are sampled, which it does not
+/// know.
 pub(crate) fn regularised_system(mechanism: &Mechanism, start: &State, softness: Softness) -> Option<ReducedOde> {
     let sampled = mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0);
     (!sampled).then(|| ReducedOde::with_regularised(mechanism, regularised(mechanism, start, softness)))
@@ -95,7 +96,7 @@ mod tests {
         while state.time < 0.6 {
             rk4.advance(&mechanism, &mut state, 0.6).expect("a step");
         }
-        // Where it would begin to pull the limit lets go, a little early.
+        // The limit lets go a little early, where it would begin to pull.
         assert!((state.velocity[0] - 1.6).abs() < 0.05, "{}", state.velocity[0]);
     }
 }

@@ -4,10 +4,10 @@ use crate::study::chart::measure::SceneChart;
 use crate::study::chart::ratio::{Best, Comparison, LEVELS, Reach};
 use crate::study::chart::table::Measurement;
 
-/// What the name of a scene's second picture has after that of its first.
+/// The suffix that turns the name of a scene's first picture into the name of its second.
 pub const ENERGY: &str = "_energy";
 
-/// The measured scenes, and what other programs need for the same.
+/// The measured scenes, and the input with which other programs measure them.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// The scenes, in the order of the input.
@@ -51,7 +51,7 @@ impl Report {
     }
 }
 
-/// Method and cost, or why there is none.
+/// Method and cost, or the reason why there is no method.
 pub fn words(best: Option<Best>) -> String {
     match best {
         None => "no run".to_string(),

@@ -1,4 +1,4 @@
-//! The numbers of a chart as CSV, and those of other programs read back.
+//! The numbers of a chart as CSV, and the numbers of other programs read back.
 //!
 //! | column                             | meaning                                                        | foreign files |
 //! |------------------------------------|----------------------------------------------------------------|---------------|
@@ -23,9 +23,9 @@ use std::path::Path;
 pub struct Measurement {
     /// Name of the scene.
     pub scene: String,
-    /// Name of the method ([`crate::study::chart::Method::id`], or that of a foreign program).
+    /// Name of the method ([`crate::study::chart::Method::id`], or the name of a foreign program).
     pub method: String,
-    /// What the method was told.
+    /// The setting of the method.
     pub setting: String,
     /// Distance of the end from the reference (m); NaN if there is no end.
     pub error: f64,
@@ -93,7 +93,7 @@ pub fn write_csv(measurements: &[Measurement]) -> String {
 /// Reads a file of measurements, ours or foreign.
 ///
 /// # Errors
-/// [`ChartError::Read`], or [`ChartError::Csv`] with the line and what is wrong with it.
+/// [`ChartError::Read`], or [`ChartError::Csv`] with the line and the defect.
 pub fn read_csv(path: &Path) -> Result<Vec<Measurement>, ChartError> {
     let text = std::fs::read_to_string(path).map_err(|reason| ChartError::Read { path: path.to_path_buf(), reason })?;
     parse_csv(&text).map_err(|(line, problem)| ChartError::Csv { path: path.to_path_buf(), line, problem })
@@ -102,7 +102,7 @@ pub fn read_csv(path: &Path) -> Result<Vec<Measurement>, ChartError> {
 /// The measurements in the text of a CSV file.
 ///
 /// # Errors
-/// The line and what is wrong with it.
+/// The line and its defect.
 pub fn parse_csv(text: &str) -> Result<Vec<Measurement>, (usize, String)> {
     // Spreadsheets put a byte order mark in front.
     let records = records(text.trim_start_matches('\u{feff}'))?;

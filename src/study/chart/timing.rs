@@ -48,7 +48,7 @@ pub struct Effort {
     pub cap: f64,
     /// Runs are repeated until they have used this much CPU time together (s).
     pub total: f64,
-    /// Runs are repeated at least so often, unless they are long.
+    /// Least number of repetitions, unless runs are long.
     pub repeats: usize,
     /// No repetition once the runs have used this much together (s).
     pub enough: f64,
@@ -76,7 +76,7 @@ pub struct TimedRun {
 }
 
 impl TimedRun {
-    /// Nothing yet.
+    /// A run without steps so far.
     fn empty(start: &State) -> Self {
         TimedRun {
             end: start.clone(),
@@ -107,7 +107,7 @@ pub fn timed_run(
     while best.ended == Ended::Done && total < effort.enough && (total < effort.total || runs < effort.repeats) {
         let again = once();
         if again.ended != Ended::Done {
-            // Only an interruption or a very unlucky cap: what has been measured stands.
+            // The cause is an interruption or a very unlucky cap: the measurements so far are kept.
             break;
         }
         total += again.cpu_seconds;
@@ -191,7 +191,7 @@ fn single_run(
 /// No run counts as shorter (s): the axis of the picture is logarithmic, and runs are repeated until they add up to something.
 const SHORTEST: f64 = 1e-9;
 
-/// What reading the clock takes at least (s): 0.4 µs, a twentieth of a short run of two bodies.
+/// The least cost of a reading of the clock (s): 0.4 µs, a twentieth of a short run of two bodies.
 fn seconds_a_reading() -> f64 {
     static SECONDS: OnceLock<f64> = OnceLock::new();
     let apart = |_| ThreadTime::now().elapsed().as_secs_f64();

@@ -13,7 +13,7 @@ const LEAST_ERROR: f64 = 1e-16;
 /// A larger error is no answer any more [m].
 const MOST_ERROR: f64 = 10.0;
 
-/// The picture of a scene; `foreign` are the measurements of other programs, of which those of this scene are drawn.
+/// The picture of a scene; `foreign` are the measurements of other programs, of which the ones of this scene are drawn.
 pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Picture {
     let own = |ours: bool| -> Vec<Series> {
         Method::WITH_EVENTS

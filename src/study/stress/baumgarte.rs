@@ -147,7 +147,7 @@ impl<'m> Baumgarte<'m> {
         let mut wrenches = vec![BodyWrench::default(); bodies.len()];
         body_wrenches(mechanism, &bodies, &mut wrenches);
         let mut inverses = Vec::with_capacity(bodies.len());
-        // What the bodies would do without constraints: M⁻¹ f.
+        // The accelerations of the bodies without constraints: M⁻¹ f.
         let mut free = DVector::zeros(6 * bodies.len());
         for (index, (body, state)) in mechanism.bodies.iter().zip(&bodies).enumerate() {
             let spin = state.rotation.transpose() * state.angular_velocity;
@@ -204,7 +204,7 @@ impl<'m> Baumgarte<'m> {
         let mut first = 0;
         for joint in &self.constraints {
             let gaps = loop_gaps(joint, bodies);
-            // With the bodies not accelerated the second derivative is Ġ v.
+            // If the bodies are not accelerated, the second derivative is Ġ v.
             let (bias, _) = loop_gap_accelerations(joint, bodies, &still);
             for row in 0..gaps.count {
                 right[first + row] = -bias[row] - 2.0 * alpha * gaps.velocity[row] - alpha * alpha * gaps.position[row];

@@ -1,7 +1,8 @@
 //! One cell of a map: one run and its result.
 //!
-//! With the error `e` of the watched bodies at the end, the size `L` of the mechanism (m) and the energy error `ε`, the change of all energy
-//! (less what was put in, plus what was dissipated) over the largest kinetic energy of the right motion (of the end, where that is not known):
+//! `e` is the error of the watched bodies at the end, and `L` the size of the mechanism (m). The energy error `ε` is the change of all energy, less
+//! the work put in, plus the energy dissipated. It is relative to the largest kinetic energy of the right motion, or of the end if that motion is not
+//! known:
 //!
 //! ```text
 //!     accurate    e ≤ max(10⁻⁶ L, 3 × the doubt of the answer)
@@ -11,8 +12,8 @@
 //!     wrong       more, without a word, or an end where there is none
 //! ```
 //!
-//! Where there is no answer because motions that start together part (no two runs agree), the energy says what it can: accurate at
-//! `ε ≤ 10⁻⁶`, usable at `ε ≤ 10⁻²`, wrong beyond.
+//! If motions that start together part, no two runs agree, and there is no answer. Then the energy alone decides: accurate at `ε ≤ 10⁻⁶`, usable at
+//! `ε ≤ 10⁻²`, wrong beyond.
 
 use crate::mechanism::motion::distance::distance;
 use crate::study::chart::Setting;
@@ -35,11 +36,11 @@ pub const GARBAGE: f64 = 0.5;
 const PATIENCE: f64 = 15.0;
 /// Part of the budget after which it shows whether a run will keep to it.
 const FORESIGHT: f64 = 0.05;
-/// A run is given up then if at its pace so far it would take so many times its budget: fixed steps are all alike, chosen ones are
-/// short where the motion begins.
+/// A run is given up then if it would exceed its budget by this factor at its pace so far. The factor is larger for chosen steps, which are short
+/// where the motion begins.
 const HOPELESS: [f64; 2] = [2.0, 20.0];
 
-/// What became of a run.
+/// The verdict about a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// It came to the right end.
@@ -48,7 +49,7 @@ pub enum Verdict {
     Usable,
     /// It came to a wrong end with a warning.
     Warned,
-    /// It came to a wrong end and said nothing.
+    /// It came to a wrong end without a warning.
     Wrong,
     /// It ended with an error.
     Failed,
@@ -107,7 +108,7 @@ impl Verdict {
 pub enum Ended {
     /// At the end.
     Survived,
-    /// With an error.
+    /// It ended with an error.
     Failed(Failure),
     /// It was cut at this time (s).
     TimedOut {
@@ -129,21 +130,21 @@ pub struct Cell {
     pub place: usize,
     /// How it ended.
     pub ended: Ended,
-    /// What that is worth.
+    /// The verdict about that end.
     pub verdict: Verdict,
-    /// Error of the end (m); NaN if there is none.
+    /// Error of the end (m); NaN if it is not known.
     pub end_error: f64,
     /// Energy error, relative to the largest kinetic energy; NaN if the run did not come to its end.
     pub energy_error: f64,
     /// CPU time (s).
     pub cpu_seconds: f64,
-    /// What the user is warned of.
+    /// The warning of the run.
     pub warning: Option<String>,
 }
 
 impl Cell {
-    /// Whether the run ended with numbers that mean nothing, and neither an error nor a warning: a defect. An inaccurate motion that has its
-    /// energy is none.
+    /// Whether the run ended with meaningless numbers, and with neither an error nor a warning: a defect. An inaccurate motion that has its energy is
+    /// no such defect.
     pub fn is_silent_garbage(&self) -> bool {
         let meaningless = !self.energy_error.is_finite() || self.energy_error > GARBAGE;
         self.ended == Ended::Survived && self.verdict == Verdict::Wrong && meaningless
@@ -255,7 +256,7 @@ impl Cell {
             Setting::Tolerance(tolerance) if answer.probes.is_some() => USABLE.max(tolerance / answer.size),
             _ => USABLE,
         };
-        // What is not a number is wrong.
+        // NaN is wrong.
         if error <= accurate {
             Verdict::Accurate
         } else if error <= usable {

@@ -21,10 +21,10 @@ pub enum StressError {
     Interrupted,
 }
 
-/// What became of a problem.
+/// The result of a problem.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// What was mapped.
+    /// The mapped problem.
     pub thinned: ThinnedProblem,
     /// The methods, ours first.
     pub methods: [Method; Method::ALL.len()],
@@ -86,7 +86,7 @@ impl Map {
     }
 }
 
-/// Does jobs `0..count` on some threads; the results in the order of the jobs, `None` if any of them has none.
+/// Does jobs `0..count` on some threads; the results in the order of the jobs, `None` if any job returns `None`.
 fn side_by_side<T: Send>(threads: usize, count: usize, job: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();

@@ -27,8 +27,8 @@ impl Method {
         Method::Baumgarte,
     ];
 
-    /// The methods for a mechanism: where it has limits, dry friction or motors, DOP853 locates events, and once more has them as ordinary forces
-    /// instead of the constrained integrator, which knows none of them.
+    /// The methods for a mechanism. DOP853 locates the events of limits, dry friction and motors. The constrained integrator cannot represent
+    /// these elements, so DOP853 with them as ordinary forces replaces it.
     pub fn of(mechanism: &Mechanism) -> [Method; Method::ALL.len()] {
         Method::ALL.map(|method| match method {
             Method::Baumgarte if !mechanism.nonsmooth.is_empty() => Method::Chart(ChartMethod::Dop853Regularised),

@@ -2,8 +2,8 @@
 //!
 //! A [`Problem`] is a family of mechanisms of increasing difficulty ([`problems`]). Every [`Method`] runs it over a range of steps or tolerances
 //! ([`runner`]; [`baumgarte`] is the integrator of the textbooks, `regularised` the comparators on limits, friction and motors). Each run is a
-//! [`Cell`] with a [`Verdict`] by comparison with a correct result ([`truth`]). The work of a cell is bounded, so that none delays the others, and
-//! a failure is a result like any other.
+//! [`Cell`] with a [`Verdict`] by comparison with a correct result ([`truth`]). The work of a cell is bounded, so that one cell cannot delay the
+//! others. A failure is a result like any other.
 //!
 //! ```text
 //!     Problem → Case ┬→ Answer ──────────┐

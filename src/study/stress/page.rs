@@ -68,7 +68,7 @@ fn section(html: &mut String, map: &Map, picture: &str) {
     *html += "</tbody></table></details>\n";
 }
 
-/// By method and kind: how many cells, and the words of the first.
+/// For each method and kind: the number of cells, and the words of the first.
 fn messages(map: &Map) -> BTreeMap<(String, String), (usize, String)> {
     let mut all = BTreeMap::new();
     let difficulties = &map.thinned.problem.difficulties;

@@ -1,6 +1,6 @@
 //! The picture of a map: a panel for each method that can run any of it, difficulty upwards, shorter steps to the right.
 //!
-//! Colours are those of Okabe and Ito; every verdict that is not good has a mark of its own besides, for prints without colour.
+//! The colours are the palette of Okabe and Ito. Every verdict that is not good has a mark of its own besides, for prints without colour.
 
 use crate::drawing::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use crate::drawing::error::ChartError;
@@ -26,7 +26,7 @@ const NARROW: i32 = 6;
 const RIGHT: i32 = 24;
 const BELOW: i32 = 74;
 
-/// The methods that can run a case at least, and those that can run none.
+/// The methods that can run at least one case, and the methods that can run no case.
 fn able_and_not(map: &Map) -> (Vec<Method>, Vec<Method>) {
     let can =
         |method: &Method| map.cells.iter().any(|cell| cell.method == *method && cell.verdict != Verdict::NotApplicable);
@@ -145,7 +145,8 @@ fn fill(verdict: Verdict) -> style::Color {
     }
 }
 
-/// A cell with its mark: a cross where wrong, an upright where warned of, a bar where failed, dots where too slow, a thin stroke where not applicable.
+/// A cell with its mark: a cross where wrong, an upright where warned of, a bar where failed, dots where too slow, a thin stroke where not
+/// applicable.
 fn swatch<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     [(left, top), (right, bottom)]: [(i32, i32); 2],

@@ -9,13 +9,13 @@ pub const BUDGET: f64 = 0.2;
 /// A family of cases of growing difficulty.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Its name, which is also that of its files.
+    /// Its name, which is also the name of its files.
     pub name: &'static str,
     /// Headline.
     pub title: &'static str,
-    /// What happens in it, in a sentence or two.
+    /// The scene, in a sentence or two.
     pub scene: &'static str,
-    /// What the difficulty is, with its unit.
+    /// The meaning of the difficulty, with its unit.
     pub axis: &'static str,
     /// The difficulties as they are written, easy ones first.
     pub difficulties: Vec<&'static str>,
@@ -25,16 +25,16 @@ pub struct Problem {
     pub build: fn(usize) -> Result<Case, MechanismError>,
 }
 
-/// What is simulated in one row of a map.
+/// The simulation of one row of a map.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The bodies and joints.
     pub mechanism: Mechanism,
-    /// Where it starts; loops need not be closed.
+    /// Its initial state; loops need not be closed.
     pub start: State,
     /// How long it runs (s).
     pub duration: f64,
-    /// Where the right answer comes from.
+    /// The source of the right answer.
     pub truth: Truth,
     /// How many of the last bodies are compared with the answer.
     pub watched: usize,
@@ -42,16 +42,16 @@ pub struct Case {
     pub budget: f64,
 }
 
-/// Where the right answer of a case comes from.
+/// The source of the right answer of a case.
 #[derive(Clone, Debug)]
 pub enum Truth {
     /// The motion itself, computed with two steps that agree.
     Converged,
-    /// The motion repeats itself with this period (s): its end is that of a short run.
+    /// The motion repeats itself with this period (s), so its end is the end of a short run.
     Periodic(f64),
     /// The same motion of the watched bodies in a mechanism without the difficulty.
     Same(Box<(Mechanism, State)>),
-    /// There is none, for this reason: whoever comes to an end has invented it.
+    /// There is no right answer, for this reason: a method that comes to an end has invented it.
     None(&'static str),
 }
 

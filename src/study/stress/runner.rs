@@ -24,7 +24,7 @@ pub struct Failure {
     pub name: &'static str,
     /// When (s); where the run began if it never did.
     pub time: f64,
-    /// What the user is told.
+    /// The message for the user.
     pub message: String,
 }
 
@@ -45,13 +45,13 @@ pub enum Refused {
 pub struct Runner<'m> {
     mechanism: &'m Mechanism,
     work: Work<'m>,
-    /// What a unit of the method's work takes, very roughly (s).
+    /// The time of a unit of the method's work, very roughly (s).
     unit: f64,
-    /// What the user is told before the run.
+    /// The warning before the run.
     foretold: Option<String>,
 }
 
-/// The trial runs of a tolerance may cost so many times the budget of the run.
+/// Most cost of the trial runs of a tolerance, as a multiple of the budget of the run.
 const PILOTS: f64 = 2.5;
 
 enum Work<'m> {
@@ -135,7 +135,7 @@ impl<'m> Runner<'m> {
         let Some(integrator) = method.integrator(mechanism, &state, setting) else {
             return Err(Refused::NotApplicable("the method does not know such a setting"));
         };
-        // An iteration or evaluation. With forces or loops the stages are coupled, which costs ten times as much.
+        // The unit is an iteration or evaluation. Forces or loops couple the stages, which costs ten times as much.
         let equations: usize = mechanism.loops.iter().map(|joint| joint.kind.rows()).sum();
         let coupled = method.is_ours() && !mechanism.is_plain_tree();
         let unit = 1e-6 + if coupled { 4e-6 * (bodies + equations as f64) } else { 2.5e-7 * bodies };
@@ -187,7 +187,7 @@ impl<'m> Runner<'m> {
         (energy.kinetic, energy.total() + lost.lost())
     }
 
-    /// What the user would be warned of.
+    /// The warning that a user would get.
     pub fn warning(&self) -> Option<String> {
         let Work::Joint { integrator, .. } = &self.work else { return None };
         let unstable = integrator.description().frequency_step.filter(|seen| seen.is_unstable()).map(|seen| {
@@ -197,7 +197,7 @@ impl<'m> Runner<'m> {
         unstable.or_else(|| self.foretold.clone())
     }
 
-    /// What the user of ours would be warned of for an energy error relative to the largest kinetic energy.
+    /// The warning of our method for an energy error relative to the largest kinetic energy.
     pub fn energy_warning(&self, relative_error: f64) -> Option<String> {
         let Work::Joint { integrator, .. } = &self.work else { return None };
         let description = integrator.description();

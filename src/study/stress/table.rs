@@ -22,7 +22,7 @@ const COLUMNS: [&str; 14] = [
     "answer",
 ];
 
-/// Every cell of some maps as CSV, all digits kept; what is not a number is left empty.
+/// Every cell of some maps as CSV, all digits kept; NaN and infinities are left empty.
 pub fn write_csv(maps: &[Map]) -> String {
     let number = |value: f64| if value.is_finite() { format!("{value:e}") } else { String::new() };
     let mut text = COLUMNS.join(",") + "\n";

@@ -13,7 +13,7 @@ use crate::study::stress::runner::Runner;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// An answer whose runs agree worse than this part of the size is none.
+/// An answer whose runs agree worse than this part of the size is discarded.
 pub const WORST_DOUBT: f64 = 1e-3;
 /// Agreement that cannot be bettered, as a part of the size.
 const ROUNDING: f64 = 1e-13;
@@ -23,13 +23,13 @@ const BUDGET: f64 = 7.5;
 const FIRST: f64 = 14.0;
 const FACTOR: f64 = 1.7;
 const RUNS: i32 = 18;
-/// A run that takes so many times more steps than it should is given up.
+/// A run whose steps exceed the expected number by this factor is given up.
 const HALVED: f64 = 4.0;
 
-/// What is known of a case.
+/// The answer of a case, as far as it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// Probes of the watched bodies at the end; none if no two runs agree or there is no answer.
+    /// Probes of the watched bodies at the end; `None` if no two runs agree or there is no answer.
     pub probes: Option<Vec<Vector3<f64>>>,
     /// Distance between the two runs, as a part of the size.
     pub doubt: f64,
@@ -39,7 +39,7 @@ pub struct Answer {
     pub kinetic: f64,
     /// Why there is no answer.
     pub refusal: Option<&'static str>,
-    /// Where it comes from.
+    /// Its source.
     pub source: String,
 }
 

@@ -1,11 +1,12 @@
-//! The sweep file: which scene, what varies, what is kept.
+//! The sweep file: the scene, the varied numbers, and the kept quantities.
 //!
 //! | table        | keys                                                                                                        |
 //! |--------------|-------------------------------------------------------------------------------------------------------------|
 //! | `sweep`      | `scene` (a scene file or URDF, relative to this file), `name`, `seed`, `samples`, `rows_per_file`             |
-//! | `vary`       | `key` or `keys` ([`crate::scene::parameters`]), `relative`, and one of `linear`, `logarithmic` (`from`, `to`, `count`), `values`, `uniform`, `log_uniform`, `normal`; or `csv` alone |
+//! | `vary`       | `key` or `keys` ([`crate::scene::parameters`]), `relative`, and one of `linear`, `logarithmic`               |
+//! |              | (`from`, `to`, `count`), `values`, `uniform`, `log_uniform`, `normal`; or `csv` alone                       |
 //! | `keep`       | `end`, `curves`, `extremes`, `rate`, `events`                                                               |
-//! | `simulation` | instead of that of the scene: `duration`, `tolerance` or `stages` and `step`, `rate`                        |
+//! | `simulation` | replaces the table of the scene: `duration`, `tolerance` or `stages` and `step`, `rate`                     |
 
 use crate::model::Model;
 use crate::scene::{
@@ -28,7 +29,7 @@ const DEFAULT_RATE: f64 = 60.0;
 /// Most runs of a sweep: up to here an index is a double without rounding.
 const MOST_RUNS: u64 = 1 << 53;
 
-/// About so many numbers are in a file of rows, unless the sweep file says how many rows.
+/// About this many numbers are in a file of rows, unless the sweep file says how many rows.
 const NUMBERS_PER_FILE: u64 = 1 << 22;
 /// Rows of a file.
 const MOST_ROWS: u64 = 1 << 16;
@@ -39,7 +40,7 @@ const MOST_SAMPLES: f64 = 1e7;
 /// A sweep: everything that its rows follow from.
 #[derive(Debug)]
 pub struct Sweep {
-    /// Its name: that of the file unless it gives one.
+    /// Its name: the name of the file unless it gives one.
     pub name: String,
     /// The file.
     pub path: PathBuf,
@@ -49,15 +50,15 @@ pub struct Sweep {
     pub(crate) kept: Kept,
     /// How many runs there are.
     pub runs: u64,
-    /// So many consecutive rows are in a file.
+    /// Number of consecutive rows in a file.
     pub rows_per_file: u64,
-    /// What tells it from other sweeps: of the sweep file and all that it names, and of the version of this program.
+    /// A hash that tells it from other sweeps: of the sweep file, of all files that it names, and of the version of this program.
     pub fingerprint: String,
-    /// What is to be said of the scene.
+    /// Warnings about the scene.
     pub warnings: Vec<String>,
 }
 
-/// Reads a sweep file, and what it names; tries its scene with the numbers of the files.
+/// Reads a sweep file and the files that it names; tries its scene with the numbers of the files.
 ///
 /// # Errors
 /// [`SweepError`] with file, line and key.
@@ -135,7 +136,7 @@ pub fn read_sweep(path: &Path, packages: &PackagePath) -> Result<Sweep, SweepErr
     })
 }
 
-/// What the second says instead of the first.
+/// Overwrites settings by the ones that `instead` has.
 fn replace(settings: &mut SimulationSettings, instead: SimulationSettings) {
     settings.duration = instead.duration.or(settings.duration);
     settings.rate = instead.rate.or(settings.rate);

@@ -33,7 +33,7 @@ pub enum SweepError {
         what: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The reason that the system gives.
         reason: String,
     },
     /// It was asked to end.
@@ -47,7 +47,7 @@ pub enum SweepError {
 }
 
 impl SweepError {
-    /// Whether what was given is wrong, and not what happened then.
+    /// Whether the input is wrong, and not a later operation.
     pub fn is_input(&self) -> bool {
         !matches!(self, SweepError::Disk { .. } | SweepError::Interrupted { .. })
     }

@@ -1,7 +1,7 @@
 //! The folder of a sweep: the rows on the disk, and how new ones are added.
 //!
-//! A row is counted as done when its journal is on the disk. When all rows of a file are there, the file is written in the order of the index, and then
-//! the journal is removed: a kill at any instant leaves one of the two.
+//! A row is counted as done when its journal is on the disk. When all rows of a file are there, the file is written in the order of the index, and
+//! then the journal is removed: a kill at any instant leaves one of the two.
 
 use crate::study::sweep::definition::Sweep;
 use crate::study::sweep::error::SweepError;
@@ -186,13 +186,13 @@ impl Folder {
         Ok(())
     }
 
-    /// Where its complete files are, for people.
+    /// The pattern of its complete files, for people.
     pub fn files(&self) -> String {
         self.path.join(format!("rows-*.{}", self.manifest.format.name())).display().to_string()
     }
 }
 
-/// Makes the folder if there is none, and locks it.
+/// Makes the folder if it does not exist, and locks it.
 pub(super) fn prepare(path: &Path) -> Result<File, SweepError> {
     if path.exists() && !path.is_dir() {
         return Err(SweepError::folder(path, "it is not a folder"));
@@ -202,7 +202,7 @@ pub(super) fn prepare(path: &Path) -> Result<File, SweepError> {
         made.map_err(|error| SweepError::folder(path, error.to_string()))?;
     }
     let lock = path.join(LOCK);
-    // What is in the folder is nobody's business before it is known to be of a sweep.
+    // Files of the folder stay untouched until it is known to belong to a sweep.
     if !lock.exists() && !path.join(MANIFEST).exists() {
         refuse_foreign(path)?;
     }

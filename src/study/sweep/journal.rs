@@ -1,4 +1,4 @@
-//! The rows of a file that is not complete, in the order of their completion, so that none is lost.
+//! The rows of a file that is not complete, in the order of their completion, so that no row is lost.
 //!
 //! ```text
 //!     record:  length of the row (u32), its CRC-32 (u32), the row         little endian
@@ -17,13 +17,13 @@ use std::path::{Path, PathBuf};
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
-    /// What has not been written yet.
+    /// Bytes that have not been written yet.
     pending: Vec<u8>,
     row: Vec<u8>,
 }
 
 impl Journal {
-    /// Opens or makes a journal: the rows of these indices, with so many columns, that it holds.
+    /// Opens or makes a journal: the rows of these indices that it holds, with this number of columns.
     pub fn open(path: &Path, indices: &Range<u64>, columns: usize) -> Result<(Self, Vec<Row>), SweepError> {
         let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
         let mut file = opened.map_err(|error| SweepError::write(path, &error))?;
@@ -109,7 +109,7 @@ mod tests {
             let (_, rows) = Journal::open(&path, &(0..10), 2).unwrap();
             assert_eq!((rows.len(), &rows[kept]), (kept + 1, &row(9)), "cut at {cut}");
         }
-        // A byte that is not what was written ends the reading, too.
+        // A byte that differs from the written one ends the reading, too.
         let mut spoilt = whole.clone();
         spoilt[length + 12] ^= 1;
         std::fs::write(&path, &spoilt).unwrap();

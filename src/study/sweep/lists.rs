@@ -21,7 +21,7 @@ impl List {
 /// Reads a list.
 ///
 /// # Errors
-/// [`SceneError`] with the line, for what is not as many finite numbers as there are key paths.
+/// [`SceneError`] with the line, if a line does not have one finite number for each key path.
 pub(super) fn read_list(text: &str, file: &Path) -> Result<List, SceneError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
     let refuse = |line: usize, reason: String| SceneError {

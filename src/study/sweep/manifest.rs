@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// What says which sweep a folder is of.
+/// The file that says to which sweep a folder belongs.
 pub(super) const MANIFEST: &str = "sweep.json";
 
 /// How rows are written.
@@ -53,7 +53,7 @@ impl Format {
         whole(path, |out| self.put(headings, rows, out))
     }
 
-    /// How many bytes a file of rows has; none where it cannot be written.
+    /// The number of bytes of a file of rows; zero if it cannot be written.
     pub(super) fn size(self, headings: &[Heading], rows: &[Row]) -> usize {
         let mut bytes = Vec::new();
         self.put(headings, rows, &mut bytes).map_or(0, |()| bytes.len())
@@ -86,7 +86,7 @@ impl FromStr for Format {
     }
 }
 
-/// What `sweep.json` says.
+/// The content of `sweep.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Manifest {
     pub catena: String,
@@ -101,7 +101,7 @@ pub(super) struct Manifest {
 }
 
 impl Manifest {
-    /// That of a folder; `None` if there is none.
+    /// The manifest of a folder; `None` if it has no manifest.
     pub fn read(folder: &Path) -> Result<Option<Self>, SweepError> {
         let path = folder.join(MANIFEST);
         match std::fs::read(&path) {

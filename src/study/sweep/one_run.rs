@@ -39,7 +39,7 @@ pub(super) struct Runner<'s> {
     scene: Scene,
     /// The model, if it is the same for all runs: they differ in their starts alone.
     model: Option<Model>,
-    /// What varies, with the numbers of the run before.
+    /// The varied parameters, with the numbers of the run before.
     varied: Vec<(Parameter, f64)>,
     numbers: Vec<f64>,
     /// Columns of the table.
@@ -77,14 +77,14 @@ pub(super) fn headings(sweep: &Sweep) -> Vec<Heading> {
 }
 
 impl<'s> Runner<'s> {
-    /// Of a sweep.
+    /// Makes a runner for a sweep.
     ///
     /// # Errors
     /// [`SweepError::Model`] of the scene with the numbers of its files.
     pub fn new(sweep: &'s Sweep) -> Result<Self, SweepError> {
         let mut scene = sweep.scene.clone();
         for robot in &mut scene.robots {
-            // Nobody writes a log: viewers need what models do not.
+            // Runs of a sweep have no log: only viewers need these parts of the models.
             robot.robot.description.clear();
             robot.robot.source.clear();
             robot.robot.warnings.clear();
@@ -92,7 +92,7 @@ impl<'s> Runner<'s> {
         }
         let varied: Vec<(Parameter, f64)> =
             sweep.variation.columns.iter().map(|column| (column.parameter.clone(), f64::NAN)).collect();
-        // What some loops hold is taken from where the scene starts.
+        // Some loops hold values that are taken from the start of the scene.
         let loops = scene.loops.len() + scene.robots.iter().map(|robot| robot.robot.loops.len()).sum::<usize>();
         let starts_alone = loops == 0 && varied.iter().all(|(parameter, _)| parameter.is_start());
         let model = if starts_alone { Some(Model::from_scene(&scene)?.0) } else { None };
@@ -129,7 +129,7 @@ impl<'s> Runner<'s> {
         }
     }
 
-    /// Makes the run of the numbers at hand, and adds the cells of what it was.
+    /// Makes the run of the numbers at hand, and adds the cells of its results.
     fn run(&mut self, interrupt: &AtomicBool, cells: &mut Vec<Cell>) -> Result<(), Failed> {
         for ((_, varied), number) in self.varied.iter_mut().zip(&self.numbers) {
             *varied = *number;

@@ -1,12 +1,12 @@
 //! Quantities that a sweep can keep of a run: numbers of joints, links and energies by name.
 //!
-//! | name                                                   | numbers                                                                                   |
-//! |--------------------------------------------------------|-------------------------------------------------------------------------------------------|
-//! | `positions`, `velocities`                              | of all joints that move                                                                   |
-//! | `joint.NAME.position`, `joint.NAME.velocity`           | as reports have them [rad, m, and quaternions]                                            |
-//! | `link.NAME.position`, `.orientation`, `.center_of_mass` | of the link frame in the world (m; w, x, y, z)                                           |
-//! | `link.NAME.velocity`, `.angular_velocity`              | of the centre of mass [m/s, rad/s]                                                        |
-//! | `energy`                                               | `energy.kinetic`, `.potential`, `.spring`, `.load`, `.total` (J)                          |
+//! | name                                                    | numbers                                                                |
+//! |---------------------------------------------------------|------------------------------------------------------------------------|
+//! | `positions`, `velocities`                               | of all joints that move                                                |
+//! | `joint.NAME.position`, `joint.NAME.velocity`            | as reports have them [rad, m, and quaternions]                         |
+//! | `link.NAME.position`, `.orientation`, `.center_of_mass` | of the link frame in the world (m; w, x, y, z)                         |
+//! | `link.NAME.velocity`, `.angular_velocity`               | of the centre of mass [m/s, rad/s]                                     |
+//! | `energy`                                                | `energy.kinetic`, `.potential`, `.spring`, `.load`, `.total` (J)       |
 //!
 //! The first word of joints and links may be left out.
 
@@ -44,7 +44,7 @@ enum OfLink {
     AngularVelocity,
 }
 
-/// What is kept of every run.
+/// The kept quantities of every run.
 #[derive(Debug)]
 pub(crate) struct Kept {
     pub(super) end: Vec<Quantity>,
@@ -99,7 +99,7 @@ impl Instant<'_> {
 }
 
 impl Kept {
-    /// What a table says is kept of the runs of a model, sampled at its rate or else at `rate`.
+    /// The quantities that a table keeps of the runs of a model, sampled at its rate or else at `rate`.
     pub(super) fn new(model: &Model, table: &KeepTable, rate: f64, text: &TomlText) -> Result<Self, SceneError> {
         let groups = groups(model);
         let named = |key: &str, names: &[Spanned<String>]| -> Result<Vec<Quantity>, SceneError> {
@@ -150,7 +150,7 @@ impl Kept {
         self.rate().map_or(0.0, |rate| (rate * duration).floor() + 2.0)
     }
 
-    /// About how many numbers a row has, beside so many that vary.
+    /// About how many numbers a row has, beside the varied ones.
     pub(super) fn numbers(&self, varied: usize, duration: f64) -> u64 {
         let curves = if self.curves.is_empty() { 0.0 } else { (1 + self.curves.len()) as f64 * self.samples(duration) };
         (8 + varied + self.end.len() + 4 * self.extremes.len() + EventKind::ALL.len()) as u64 + curves as u64
@@ -243,7 +243,7 @@ fn groups(model: &Model) -> Vec<Group> {
     all
 }
 
-/// The quantities of a name, of one number of it, or what is wrong with it.
+/// The quantities of a name, or of one number of it; or the defect of the name.
 fn find<'g>(groups: &'g [Group], name: &str) -> Result<&'g [Quantity], String> {
     if let Some(found) = groups.iter().find(|group| group.name == name) {
         return Ok(&found.quantities);

@@ -8,9 +8,9 @@
 //!     uniform: a + (b − a) u        log-uniform: a exp(u ln(b/a))        normal: μ + σ √(−2 ln(1 − u₀)) cos(2π u₁)
 //! ```
 //!
-//! Source: G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014 (`mix`); G. E. P. Box, M. E. Muller, A note on
-//! the generation of random normal deviates, Ann. Math. Statist. 29 (1958). Logarithms and cosines are those of the system: on another system the last
-//! digit of log-uniform and normal numbers may differ.
+//! Source: G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014 (`mix`); G. E. P. Box, M. E. Muller, A note
+//! on the generation of random normal deviates, Ann. Math. Statist. 29 (1958). Logarithms and cosines come from the system: on another system the
+//! last digit of log-uniform and normal numbers may differ.
 
 use std::f64::consts::TAU;
 
@@ -25,7 +25,7 @@ pub(crate) enum Law {
     Normal(f64, f64),
 }
 
-/// Where a draw stands.
+/// The place of a draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub seed: u64,

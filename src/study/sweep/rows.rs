@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What is in a column.
+/// The type of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -23,7 +23,7 @@ pub enum Kind {
 pub struct Heading {
     /// Its name.
     pub name: String,
-    /// What is in it.
+    /// The type of its cells.
     pub kind: Kind,
 }
 
@@ -33,10 +33,10 @@ impl Heading {
     }
 }
 
-/// What is in a row of a column.
+/// The content of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing is known.
+    /// The value is not known.
     Nothing,
     /// A number that counts.
     Count(u64),
@@ -50,7 +50,7 @@ pub enum Cell {
     Texts(Vec<String>),
 }
 
-/// A run: what its numbers were, and what is kept of it.
+/// A run: its numbers, and its kept quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Its index in the sweep.
@@ -127,7 +127,7 @@ fn put_text(text: &str, out: &mut Vec<u8>) {
     out.extend(text.as_bytes());
 }
 
-/// What is left to be read.
+/// The bytes that are left to be read.
 struct Bytes<'b>(&'b [u8]);
 
 impl Bytes<'_> {

@@ -1,5 +1,5 @@
-//! Rows as CSV (RFC 4180, lines end with `\n`): names in the first line; numbers with as many digits as tell them from all others; lists as JSON, in which
-//! a number that is none is `null`; nothing where nothing is known.
+//! Rows as CSV (RFC 4180, lines end with `\n`): names in the first line; numbers with as many digits as tell them from all others. Lists are JSON, in
+//! which NaN and infinities are `null`. Unknown values are empty.
 
 use crate::study::sweep::rows::{Cell, Heading, Row};
 use std::io::{self, Write};

@@ -1,7 +1,7 @@
 //! Rows as Parquet: one row group a file, columns of optional values, lists of three levels as the format recommends, compressed with Zstandard.
 //!
-//! Source: Apache Parquet, LogicalTypes (`LIST`) and the levels of Dremel: a list that is absent has the definition level 0, an empty one 1, its values 2; the
-//! first value of a row has the repetition level 0, all others 1.
+//! Source: Apache Parquet, LogicalTypes (`LIST`) and the levels of Dremel: a list that is absent has the definition level 0, an empty one 1, its
+//! values 2; the first value of a row has the repetition level 0, all others 1.
 
 use crate::study::sweep::rows::{Cell, Heading, Kind, Row};
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType, ZstdLevel};

@@ -1,4 +1,4 @@
-//! The tables and keys of a sweep file, as `serde` reads them; `definition.rs` says what they mean.
+//! The tables and keys of a sweep file, as `serde` reads them; `definition.rs` gives their meaning.
 
 use crate::scene::SimulationTable;
 use toml::Spanned;
@@ -48,7 +48,7 @@ pub(super) struct SpacingTable {
     pub count: u64,
 }
 
-/// What is kept of a run.
+/// The kept quantities of a run.
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct KeepTable {
@@ -62,7 +62,7 @@ pub(super) struct KeepTable {
     pub events: EventsKey,
 }
 
-/// What is kept of the events of a run.
+/// The kept events of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum EventsKey {

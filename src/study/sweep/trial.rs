@@ -1,4 +1,4 @@
-//! Estimates the cost of a sweep: a few runs, spread over its indices, are made and timed; nothing is written.
+//! Estimates the cost of a sweep: a few runs, spread over its indices, are made and timed, and no rows are written.
 
 use crate::simulation::parallel::threads::on_one_thread;
 use crate::study::sweep::definition::Sweep;
@@ -12,13 +12,13 @@ use serde::Serialize;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// No run begins after so much time.
+/// No run begins after this time.
 const LONG_ENOUGH: Duration = Duration::from_secs(2);
 
 /// Most runs that are made.
 const MOST: u64 = 1000;
 
-/// What a sweep, or its shard, will take.
+/// The estimated time and space of a sweep, or of its shard.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
     /// Runs of the sweep.
@@ -31,7 +31,7 @@ pub struct Trial {
     pub files: u64,
     /// Runs that were made.
     pub tried: u64,
-    /// Those of them that failed.
+    /// The number of failed ones among them.
     pub failed: u64,
     /// CPU time that each of them took (s).
     pub seconds_per_run: f64,
@@ -49,7 +49,7 @@ impl Trial {
         let runs = range.end - range.start;
         let count = runs.min(MOST);
         let mut runner = Runner::new(sweep)?;
-        // Other work on the machine takes time, but none of the thread's own.
+        // Other work on the machine takes wall-clock time, but no time of the thread.
         let (began, busy) = (Instant::now(), ThreadTime::now());
         let mut rows: Vec<Row> = Vec::new();
         for number in 0..count {
@@ -67,7 +67,7 @@ impl Trial {
         let elapsed = busy.elapsed().as_secs_f64();
         let tried = rows.len() as u64;
         let columns = headings(sweep);
-        // What a file has besides its rows is no part of them.
+        // The bytes of a file without rows are no part of the rows.
         let bytes = |rows: &[Row]| format.size(&columns, rows) as f64;
         let bytes_per_row = match rows.len() {
             0 => 0.0,

@@ -1,4 +1,4 @@
-//! From the index of a run to the numbers that vary.
+//! The varied numbers of a run, from its index.
 //!
 //! Grids and lists multiply; `samples` runs are made at each of their points. The index counts like the digits of a number, the sample last:
 //!
@@ -13,11 +13,11 @@ use crate::study::sweep::random::{Law, Place};
 #[derive(Clone, Debug)]
 pub(crate) struct Column {
     pub parameter: Parameter,
-    /// What the numbers of the sweep file are multiples of.
+    /// The numbers of the sweep file are multiples of this unit.
     pub unit: f64,
 }
 
-/// Where the numbers of some columns come from.
+/// The source of the numbers of some columns.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
     /// A number of a list, the same for all of its columns.
@@ -40,7 +40,7 @@ pub(crate) struct Variation {
 }
 
 impl Source {
-    /// How many numbers or rows there are; `None` of what is drawn.
+    /// The number of values or rows; `None` for random draws.
     fn count(&self) -> Option<u64> {
         match self {
             Source::Grid { values, .. } => Some(values.len() as u64),

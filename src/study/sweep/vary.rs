@@ -1,4 +1,4 @@
-//! From the tables `[[vary]]` of a sweep file to what varies: key paths looked up, ways of varying checked.
+//! The varied parameters, from the tables `[[vary]]` of a sweep file: key paths looked up, ways of varying checked.
 
 use crate::mechanism::ground::words::counted;
 use crate::scene::{Geometry, Parameter, Problem, Scene, SceneError, TomlText, Touching, read_text};
@@ -26,7 +26,7 @@ impl Reader<'_> {
         self.hash.update(bytes);
     }
 
-    /// What the scene and its files say: not where they are, which differs between machines.
+    /// Mixes in the content of the scene and its files, without their paths, which differ between machines.
     pub fn mix_scene(&mut self, scene: &Scene) {
         self.mix(scene.source.as_bytes());
         scene.robots.iter().for_each(|robot| self.mix(robot.robot.source.as_bytes()));
@@ -49,7 +49,7 @@ impl Reader<'_> {
         self.hash.clone().finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
-    /// The error of what is wrong with a key.
+    /// The error of a wrong key.
     pub fn refuse(&self, span: &Range<usize>, key: &str, message: String) -> SceneError {
         self.text.error(span, None, Problem::Toml { key: Some(key.to_string()), message })
     }
@@ -111,7 +111,7 @@ impl Reader<'_> {
             Way::Values(values) => (values.span(), grid(values.get_ref().clone()), values.get_ref().clone()),
             Way::Law(bounds, law) => {
                 check_law(law).map_err(|message| self.refuse(&bounds.span(), "vary", message))?;
-                // Of a normal law, what has no other value is tried; a draw that cannot be is a row that says so.
+                // A normal law has no bounds to try, so its mean is tried. An impossible draw becomes a row that says so.
                 let tried = if let Law::Normal(mean, _) = law { vec![mean] } else { bounds.get_ref().to_vec() };
                 (bounds.span(), drawn(law), tried)
             }

@@ -15,7 +15,7 @@ struct Extremes {
     most: Option<(f64, f64)>,
 }
 
-/// What was seen of a run.
+/// The observations of a run.
 pub(super) struct Watch<'w> {
     model: &'w Model,
     kept: &'w Kept,

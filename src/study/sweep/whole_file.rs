@@ -26,7 +26,7 @@ pub(super) fn whole(
         sync_folder(path)
     };
     written().map_err(|error| {
-        // What is left of it is of no use; if it cannot be removed it is written over the next time.
+        // The rest of the file is of no use; if it cannot be removed, the next write replaces it.
         let _ = std::fs::remove_file(beside);
         SweepError::write(path, &error)
     })

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Rows are put on the disk that often.
 const COMMIT: Duration = Duration::from_millis(500);
 
-/// A thread takes so much work at once, about.
+/// The approximate work that a thread takes at once.
 const AT_ONCE: Duration = Duration::from_millis(5);
 
 /// Most runs that a thread takes at once.
@@ -27,11 +27,11 @@ pub struct Work<'w> {
     pub jobs: usize,
     /// Set from outside to end it; runs that have begun are given up.
     pub interrupt: &'w AtomicBool,
-    /// Is told what is done, whenever there is more.
+    /// Receives the progress after each change.
     pub told: &'w mut dyn FnMut(&Done),
 }
 
-/// What is done.
+/// The progress.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Done {
     /// Runs of the sweep, or of its shard.
@@ -40,7 +40,7 @@ pub struct Done {
     pub done: u64,
     /// Runs that were made by this call.
     pub made: u64,
-    /// Those of them that failed.
+    /// The number of failed ones among them.
     pub failed: u64,
     /// The first of those: index and reason.
     pub first_failure: Option<(u64, String)>,
@@ -50,7 +50,7 @@ pub struct Done {
 struct Queue(Mutex<std::vec::IntoIter<Range<u64>>>, Mutex<Range<u64>>);
 
 impl Queue {
-    /// The next indices, at most so many.
+    /// The next indices, up to this number.
     fn take(&self, most: u64) -> Option<Range<u64>> {
         let mut current = self.1.lock().unwrap_or_else(PoisonError::into_inner);
         while current.is_empty() {
@@ -67,12 +67,12 @@ impl Work<'_> {
     /// Makes all runs that are missing in a folder.
     ///
     /// # Errors
-    /// [`SweepError::Disk`] if rows cannot be written, [`SweepError::Interrupted`]; what was told to be done stays.
+    /// [`SweepError::Disk`] if rows cannot be written, [`SweepError::Interrupted`]; rows reported as done stay.
     pub fn finish(self, sweep: &Sweep, folder: &mut Folder) -> Result<Done, SweepError> {
         let mut done = Done { runs: folder.runs(), done: folder.done(), ..Done::default() };
         (self.told)(&done);
         let queue = Queue(Mutex::new(folder.pending().into_iter()), Mutex::new(0..0));
-        // Ends all threads: asked from outside, or because nobody can write rows any more.
+        // Ends all threads, on request or after rows could not be written.
         let stop = AtomicBool::new(false);
         let runners = (0..self.jobs.max(1)).map(|_| Runner::new(sweep)).collect::<Result<Vec<_>, _>>()?;
         let (sender, receiver) = sync_channel::<Vec<Row>>(4 * runners.len());
@@ -108,7 +108,7 @@ impl Work<'_> {
             };
             let written = written();
             stop.store(true, Ordering::Relaxed);
-            // Threads that wait for room in the channel find that nobody takes anything any more.
+            // Threads that wait for room in the channel find that it has no receiver any more.
             drop(receiver);
             written
         });
@@ -135,7 +135,7 @@ impl Done {
     }
 }
 
-/// Makes runs until there are none, or it shall stop.
+/// Makes runs until the queue is empty, or it shall stop.
 fn make(mut runner: Runner, queue: &Queue, stop: &AtomicBool, sender: &SyncSender<Vec<Row>>) {
     let mut most = 1;
     while let Some(indices) = queue.take(most).filter(|_| !stop.load(Ordering::Relaxed)) {

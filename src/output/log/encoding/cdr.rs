@@ -54,7 +54,7 @@ impl<'b> CdrWriter<'b> {
         self.buffer.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// So many doubles that are fields one after the other, all zero; returns where they begin.
+    /// Adds `count` doubles that are fields one after the other, all zero; returns the place of the first.
     pub(crate) fn row(&mut self, count: usize) -> usize {
         self.align(8);
         let start = self.buffer.len();
@@ -73,7 +73,7 @@ impl<'b> CdrWriter<'b> {
         self.buffer.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A sequence of so many structures of `N` doubles, all zero; returns where they begin.
+    /// Adds a sequence of `count` structures of `N` doubles, all zero; returns the place of the first.
     pub(crate) fn structures<const N: usize>(&mut self, count: usize) -> usize {
         self.unsigned(count as u32);
         // An empty sequence has no element that would need the padding; readers do not skip any.
@@ -91,7 +91,7 @@ impl<'b> CdrWriter<'b> {
         fill(&mut self.buffer[start..], triples.iter().flatten().map(|value| f64::from(*value)));
     }
 
-    /// Where the next field without alignment would be.
+    /// The place of the next field without alignment.
     pub(crate) fn place(&self) -> usize {
         self.buffer.len()
     }

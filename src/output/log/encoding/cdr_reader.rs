@@ -42,7 +42,7 @@ impl<'d> CdrReader<'d> {
         String::from_utf8(text.to_vec()).map_err(|_| "a name is not UTF-8".to_string())
     }
 
-    /// So many doubles that are fields one after the other.
+    /// `N` doubles that are fields one after the other.
     pub(crate) fn numbers<const N: usize>(&mut self) -> Result<[f64; N], String> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -51,7 +51,7 @@ impl<'d> CdrReader<'d> {
         Ok(numbers)
     }
 
-    /// So many numbers of four bytes with a fraction.
+    /// `N` numbers of four bytes with a fraction.
     pub(crate) fn singles<const N: usize>(&mut self) -> Result<[f32; N], String> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {

@@ -1,7 +1,7 @@
 //! The ROS 2 messages of the log, as their schemas define them.
 //!
-//! A `ros2msg` schema is the definition of the message followed by those of the messages it uses, each after a line
-//! of 80 equals signs and a line that names it. With it a reader decodes messages of any package. Source: MCAP format registry
+//! A `ros2msg` schema is the definition of the message, followed by the definitions of the messages it uses. Each of them comes after a line of 80
+//! equals signs and a line that names it. A reader with the schema decodes messages of any package. Source: MCAP format registry
 //! (mcap.dev/spec/registry), "ros2msg"; the packages `common_interfaces`, `geometry2` and `rcl_interfaces` of ROS 2.
 
 /// The definition of a message.
@@ -46,7 +46,7 @@ static TIME: Definition =
 static DURATION: Definition =
     Definition { name: "builtin_interfaces/msg/Duration", fields: "int32 sec\nuint32 nanosec\n", uses: &[] };
 
-/// What messages about an instant begin with.
+/// The beginning of messages about an instant.
 pub(crate) static HEADER: Definition = Definition {
     name: "std_msgs/msg/Header",
     fields: "builtin_interfaces/Time stamp\nstring frame_id\n",
@@ -158,7 +158,7 @@ static MARKER: Definition = Definition {
     uses: &[&HEADER, &POSE, &VECTOR, &COLOR, &DURATION, &POINT, &IMAGE, &UV, &MESH_FILE],
 };
 
-/// What viewers draw: the geometry of the robots, arrows.
+/// The message that viewers draw: the geometry of the robots, arrows.
 pub(crate) static MARKER_ARRAY: Definition = Definition {
     name: "visualization_msgs/msg/MarkerArray",
     fields: "visualization_msgs/Marker[] markers\n",

@@ -4,8 +4,8 @@
 
 use std::collections::BTreeMap;
 
-/// How a topic that never changes is offered: reliably, and to those who come late too (the numbers are those of bags of ROS 2 Humble,
-/// which later versions read as well).
+/// The offer of a topic that never changes: reliable, and for late subscribers too. The numbers are the ones of bags of ROS 2 Humble, which later
+/// versions read as well.
 const LATCHED: &str = "\
 - history: 1
   depth: 1

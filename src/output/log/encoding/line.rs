@@ -6,7 +6,7 @@ use crate::output::log::encoding::severity::Severity;
 /// The topic.
 pub(crate) const TOPIC: &str = "/rosout";
 
-/// The number in the message; lines from that of a warning on are problems.
+/// The number in the message. Problems have the number of a warning or a larger one.
 pub(crate) fn level(severity: Severity) -> u8 {
     match severity {
         Severity::Info => 20,
@@ -23,7 +23,7 @@ pub(crate) fn encode_line(nanoseconds: u64, severity: Severity, text: &str) -> V
     writer.byte(level(severity));
     writer.string("catena");
     writer.string(text);
-    // No file, function and line: the text says what is wrong where.
+    // The line has no file, function and line number: the text names the place of the problem.
     writer.string("");
     writer.string("");
     writer.unsigned(0);

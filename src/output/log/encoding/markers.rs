@@ -26,7 +26,7 @@ pub(crate) const TOPIC: &str = "/visual_markers";
 /// Numbers of markers that a visual or collision shape has for itself.
 pub(crate) const SHAPES: u32 = 1 << 16;
 
-/// What a marker shows.
+/// The shape of a marker.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum MarkerShape {
     Cube,
@@ -51,7 +51,7 @@ impl MarkerShape {
     }
 }
 
-/// The markers of a primitive whose frame is `place`: the place, the scale and the shape of each; none of a mesh.
+/// The markers of a primitive whose frame is `place`: the place, the scale and the shape of each; empty for a mesh.
 pub(crate) fn primitives(geometry: &Geometry, place: &Pose) -> Vec<(Pose, [f64; 3], MarkerShape)> {
     let round = |radius: f64, length: f64| [2.0 * radius, 2.0 * radius, length];
     match geometry {
@@ -102,7 +102,7 @@ pub(crate) fn encode_markers(markers: &[Marker], nanoseconds: u64, out: &mut Vec
     }
 }
 
-/// What every marker begins with.
+/// The beginning of every marker.
 pub(crate) struct Head<'h> {
     /// The frame in which its pose is.
     pub frame: &'h str,
@@ -113,7 +113,7 @@ pub(crate) struct Head<'h> {
     pub nanoseconds: u64,
 }
 
-/// What a marker does and shows: the number of its kind and of its action, whether it follows its frame, place, size and colour.
+/// The body of a marker: the number of its kind and of its action, whether it follows its frame, place, size and colour.
 struct Body {
     kind: u32,
     action: u32,

@@ -16,7 +16,7 @@ pub(crate) struct MeshMarker {
     pub visual: u32,
     /// Red, green, blue, opacity in 0..1.
     pub color: [f32; 4],
-    /// Corners (m), three a triangle, with the scale of the URDF; none of a file.
+    /// Corners (m), three a triangle, with the scale of the URDF; empty for a file.
     pub corners: Vec<[f32; 3]>,
     /// The address of the file; empty for triangles.
     pub address: String,
@@ -25,7 +25,7 @@ pub(crate) struct MeshMarker {
 /// The markers of a `visualization_msgs/msg/MarkerArray` that are meshes.
 ///
 /// # Errors
-/// What is wrong with the message.
+/// The defect of the message.
 pub(crate) fn mesh_markers(data: &[u8]) -> Result<Vec<MeshMarker>, String> {
     let markers = CdrReader::new(data)?.sequence(marker)?;
     Ok(markers.into_iter().flatten().collect())

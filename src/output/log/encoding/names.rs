@@ -2,10 +2,10 @@
 
 use mcap::records::Metadata;
 
-/// With this begins what a log of ours says of the program that wrote it.
+/// The beginning of the library entry of our logs, before the version of the program.
 pub(crate) const LIBRARY: &str = "catena ";
 
-/// What it says.
+/// The whole entry.
 pub(crate) const LIBRARY_VERSION: &str = concat!("catena ", env!("CARGO_PKG_VERSION"));
 
 /// The name of the metadata record that says how a run was made.

@@ -8,15 +8,15 @@ use crate::output::log::encoding::cdr::CdrWriter;
 /// A message of which all but the numbers is the same again and again.
 pub(crate) struct Template {
     encoded: Vec<u8>,
-    /// Where each row of numbers begins.
+    /// The place of the first number of each row.
     rows: Vec<usize>,
 }
 
-/// Where the stamp of a header is that a message begins with.
+/// The place of the stamp in the header at the beginning of a message.
 const STAMP: std::ops::Range<usize> = 4..12;
 
 impl Template {
-    /// A header without a frame, and so many numbers after it.
+    /// A header without a frame, and `count` numbers after it.
     pub(crate) fn numbers(count: usize) -> Self {
         let mut encoded = Vec::new();
         let mut writer = CdrWriter::begin(&mut encoded);

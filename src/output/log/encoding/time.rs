@@ -9,7 +9,7 @@ pub fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
 }
 
-/// The nanoseconds of a log as seconds: divided, because the product with 1e-9 has digits that nobody wrote.
+/// The nanoseconds of a log as seconds: divided, because the product with 1e-9 has digits that were not written.
 pub fn seconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1e9
 }

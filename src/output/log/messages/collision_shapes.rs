@@ -1,7 +1,8 @@
-//! What may touch, as the message of `/collision_shapes`: one `visualization_msgs/msg/MarkerArray` that never changes ([`crate::output::log::encoding::markers`]).
+//! The colliders of a model as the message of `/collision_shapes`: one `visualization_msgs/msg/MarkerArray` that never changes
+//! ([`crate::output::log::encoding::markers`]).
 //!
-//! The shapes are those that the simulation has, each in the frame of its link with the namespace of its link, and obstacles in the world with their
-//! own names. So that looks are seen through them they are translucent: those of links violet, obstacles brown.
+//! The shapes are the ones of the simulation: each shape of a link in the frame of its link with the namespace of its link, and obstacles in the
+//! world with their own names. They are translucent, so that looks are seen through them: shapes of links violet, obstacles brown.
 //!
 //! | shape | marker |
 //! |---|---|
@@ -10,7 +11,7 @@
 //! | mesh of an obstacle | its triangles; with `--meshes link` the address of its file |
 //! | half space | a `CUBE` of 20 m by 20 m by 1 cm below its plane, about the origin of its frame |
 //!
-//! Where nothing can touch, the shapes of links are in a log only if the user names the topic.
+//! In a model without possible contacts, the shapes of links are in a log only if the user names the topic.
 
 use crate::geometry::hull_surface;
 use crate::mechanism::description::contact::{Collider, Shape, Surface};
@@ -39,7 +40,7 @@ const TILE: Vector3<f64> = Vector3::new(20.0, 20.0, 0.01);
 pub(crate) struct CollisionShapes {
     /// Links in their order, then obstacles.
     pub markers: Vec<Marker>,
-    /// What viewers do not see, in sentences.
+    /// Shapes that viewers do not see, in sentences.
     pub warnings: Vec<String>,
     meshes: Meshes,
     world: &'static str,
@@ -48,7 +49,7 @@ pub(crate) struct CollisionShapes {
 }
 
 impl CollisionShapes {
-    /// Those of a model, if the log has the topic and the model any of them.
+    /// The shapes of a model; empty if the log lacks the topic or the model has no colliders.
     pub(crate) fn new(model: &Model, options: &LogOptions) -> Self {
         let mut shapes = CollisionShapes {
             markers: Vec::new(),
@@ -104,14 +105,14 @@ impl CollisionShapes {
             }
             Shape::Box { half } => primitives(&Geometry::Box { size: 2.0 * half }, &place.pose),
             Shape::Hull(_) | Shape::Mesh(_) if self.meshes == Meshes::Link => return,
-            // What has no hull touches nothing.
+            // Points without a hull touch no other shape.
             Shape::Hull(points) => self.triangles(&hull_surface(points).unwrap_or_default(), place.pose),
             Shape::Mesh(surface) => self.triangles(surface, place.pose),
         };
         self.push(&collider.name, &place, pieces);
     }
 
-    /// The triangles of a surface, those that name no vertex left out; nothing beyond the most of a log.
+    /// The triangles of a surface, without the ones that name no vertex; empty beyond the most triangles of a log.
     fn triangles(&mut self, surface: &Surface, pose: Pose) -> Vec<(Pose, [f64; 3], MarkerShape)> {
         let corner =
             |index: &u32| surface.vertices.get(*index as usize).map(|at| [0, 1, 2].map(|axis| at[axis] as f32));
@@ -173,7 +174,7 @@ impl CollisionShapes {
     }
 }
 
-/// Where the shapes of a link or obstacle are.
+/// The place of the shapes of a link or obstacle.
 struct Place {
     frame: String,
     /// The frame of the shape in it.
@@ -182,7 +183,7 @@ struct Place {
 }
 
 impl Place {
-    /// Of a shape of a link, from its place in the body.
+    /// The place of a shape of a link, from its place in the body.
     fn of_link(link: &LinkFrame, in_body: Pose) -> Self {
         Place { frame: link.name.clone(), pose: link.in_body.inverse() * in_body, color: OF_LINKS }
     }

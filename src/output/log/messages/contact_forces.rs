@@ -7,7 +7,7 @@
 //!     s = 0.5 m / (m g)        m the mass of everything that moves, g gravity; 0.01 m/N without gravity
 //! ```
 //!
-//! Arrows of contacts that stick are lighter than those of contacts that slip.
+//! Arrows of contacts that stick are lighter than arrows of contacts that slip.
 
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::model::Model;

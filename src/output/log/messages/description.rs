@@ -23,8 +23,8 @@ use crate::output::log::storage::inputs::sha256;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// For viewers each robot's URDF and the looks of all of them; says what could not be put into the log. With several
-/// robots all names have the robot's before them, as in the transforms. Files go beside the log, if it is one.
+/// Gives viewers each robot's URDF and the looks of all of them; says which parts could not be put into the log. If there are several robots, all
+/// names have the robot's before them, as in the transforms. Files go beside the log, if it is one.
 pub(crate) fn describe(
     sink: &mut dyn MessageSink,
     model: &Model,
@@ -90,7 +90,7 @@ fn without_collisions(description: &str) -> String {
         let head = element.find('>').unwrap_or(element.len());
         let is_empty = element[..head].ends_with('/');
         let end = if is_empty { Some(head + 1) } else { element.find(END).map(|end| end + END.len()) };
-        // What does not end is left as it is.
+        // An element without an end is left as it is.
         let Some(end) = end.filter(|end| *end <= element.len()) else { break };
         text.push_str(before);
         rest = &element[end..];

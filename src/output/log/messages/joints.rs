@@ -9,9 +9,9 @@
 //! | spherical | the rotation                                     | the angular velocity         |
 //! | planar    | in a frame whose z is the axis: x, y, angle about z | their rates               |
 //!
-//! The effort of a joint of one number is what the parent exerts on the child along the axis: zero where nothing drives
-//! the joint, up to rounding. `/reactions` has all of what joints carry, at the origin of the joint's frame on the child
-//! in the axes of the world: what `catena simulate --json` calls `reaction_force` and `reaction_torque`.
+//! The effort of a joint of one number is the effort that the parent exerts on the child along the axis: zero, up to rounding, if the joint is not
+//! driven. `/reactions` has the whole wrench of each joint, at the origin of the joint's frame on the child in the axes of the world: `catena
+//! simulate --json` calls it `reaction_force` and `reaction_torque`.
 
 use crate::lobatto::instants::snapshot::{Row, Snapshots};
 use crate::mechanism::description::joint::JointKind;
@@ -28,7 +28,7 @@ use crate::output::log::storage::file::MessageSink;
 pub(crate) struct JointMessages {
     /// The mechanism and its joints alone.
     model: Model,
-    /// `None` of what is not wanted.
+    /// `None` if the topic is not wanted.
     scalars: Option<ScalarJoints>,
     others: Option<OtherJoints>,
     loads: Option<Loads>,
@@ -42,11 +42,11 @@ struct ScalarJoints {
     bodies: Vec<usize>,
 }
 
-/// What the joints carry.
+/// The wrenches of the joints.
 struct Loads {
     channel: u16,
     template: Template,
-    /// The bodies of all joints that move, save a floating base, which nothing holds.
+    /// The bodies of all joints that move, save a floating base, which no joint holds.
     bodies: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
 //! The messages of `/motors`: the effort of every motor at every sample.
 //!
-//! The effort of a continuous motor follows from the sample. That of a sampled one, which is held between ticks, follows from the
-//! state at the last tick, which is a sample only by chance. It is taken from the cubic polynomial with the positions `q₀, q₁` and
-//! rates `v₀, v₁` of the samples before and after the tick, `h` apart:
+//! The effort of a continuous motor follows from the sample. A sampled motor holds its effort between ticks. That effort follows from the state at
+//! the last tick, which is a sample only by chance. The state is taken from the cubic polynomial with the positions `q₀, q₁` and rates `v₀, v₁` of
+//! the samples before and after the tick, `h` apart:
 //!
 //! ```text
 //!     q(x) = q₀ + x (h v₀ + x (3Δ − 2 h v₀ − h v₁ + x (h v₀ + h v₁ − 2Δ))),   Δ = q₁ − q₀,   x = (t − t₀)/h
@@ -103,7 +103,7 @@ impl Seen {
     }
 }
 
-/// A motor, and what is known of its last tick.
+/// A motor, and the known state at its last tick.
 struct LoggedMotor {
     motor: Motor,
     last: Option<Seen>,

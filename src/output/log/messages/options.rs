@@ -2,7 +2,7 @@
 
 use crate::output::log::messages::topics::Topics;
 
-/// Where the geometry of mesh files is.
+/// The place of the geometry of mesh files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Meshes {
     /// In the log, as triangles; Collada and OBJ files also as GLB files in a folder beside it, which its description names.
@@ -10,18 +10,18 @@ pub enum Meshes {
     Embed,
     /// In the mesh files, whose addresses are in the log.
     Link,
-    /// Nowhere: the log has no `/visual_markers`.
+    /// It is left out: the log has no `/visual_markers`.
     None,
 }
 
-/// What the user chooses about a log.
+/// The options of a log.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LogOptions {
     /// The topics that it has.
     pub topics: Topics,
-    /// Where the geometry of mesh files is.
+    /// The place of the geometry of mesh files.
     pub meshes: Meshes,
-    /// Whether samples are compressed by Zstandard, as what never changes always is, and not only by what they repeat.
+    /// Whether Zstandard compresses samples, and not only their repetitions. Content that never changes is always compressed by Zstandard.
     pub compress: bool,
     /// The time of the log at the start of the run, in nanoseconds since 1970.
     pub start: u64,

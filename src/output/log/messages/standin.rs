@@ -1,4 +1,4 @@
-//! Looks for bodies that have none, so that every robot is visible: the box with the same mass and inertia.
+//! The looks of bodies without visuals, so that every robot is visible: the box with the same mass and inertia.
 //!
 //! A box of mass m with edges a, b, c has the principal moments J₁ = m (b² + c²) / 12 and so on, so that
 //!
@@ -68,8 +68,8 @@ fn standin(link: usize, inertial: &Inertial) -> Standin {
     Standin { link, pose: inertial.origin * turn, size }
 }
 
-/// The description of a robot, whose names begin with `prefix`, with the boxes as visuals of their links; `names` are
-/// those of the links in the robot.
+/// The description of a robot, whose names begin with `prefix`, with the boxes as visuals of their links; `names` are the names of the links in the
+/// robot.
 pub(crate) fn with_standins(
     description: &str,
     prefix: &str,

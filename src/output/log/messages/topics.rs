@@ -1,11 +1,11 @@
 //! Which topics a log has: all of them, or those that the user names.
 //!
-//! Of the shapes of links that touch nothing, a log has `/collision_shapes` only where it is named.
-//! `/rosout`, what is said about the run, is in every log.
+//! If no shape can touch another, a log has `/collision_shapes` of links only when the topic is named. `/rosout`, the lines of text about the run, is
+//! in every log.
 
 use std::str::FromStr;
 
-/// The topics that one can do without; those of robots in a scene have the robot's name before them.
+/// The topics that can be left out; topics of robots in a scene have the robot's name before them.
 const NAMES: [&str; 14] = [
     "robot_description",
     "visual_markers",
@@ -28,7 +28,7 @@ const NAMES: [&str; 14] = [
 pub struct Topics {
     /// Their names without the slash; `None` stands for all.
     chosen: Option<Vec<String>>,
-    /// Those of them that it does not have after all.
+    /// Topics of them that it does not have after all.
     left_out: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ impl Topics {
         Topics { left_out, ..self.clone() }
     }
 
-    /// Whether the log has this topic, which is named with its slash and without that of a robot.
+    /// Whether the log has this topic, which is named with its slash and without the robot's name.
     pub(crate) fn has(&self, topic: &str) -> bool {
         let is_left_out = self.left_out.iter().any(|left_out| left_out == bare(topic));
         !is_left_out && (self.chosen.is_none() || self.names(topic))
@@ -62,7 +62,7 @@ impl Topics {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no topic {name:?}; topics are {}", NAMES.join(", "))]
 pub struct UnknownTopic {
-    /// What was given.
+    /// The given name.
     pub name: String,
 }
 

@@ -25,7 +25,7 @@ const POSE: usize = 7 * 8;
 pub(crate) struct TransformsEncoder {
     /// The message with zeros for all numbers.
     encoded: Vec<u8>,
-    /// Where each frame's stamp and pose are in it.
+    /// The places of each frame's stamp and pose in it.
     places: Vec<(usize, usize)>,
 }
 

@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// What has no material is drawn in this grey.
+/// Visuals without a material are drawn in this grey.
 const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
 
-/// All meshes that are seen in a log together have at most so many triangles, and all that touch.
+/// Most triangles of all meshes of looks in a log together, and of all collision meshes.
 pub(crate) const MOST_TRIANGLES: usize = 2_000_000;
 
-/// What is drawn of all robots.
+/// The drawn geometry of all robots.
 pub(crate) struct Looks {
     /// The markers, link after link.
     pub markers: Vec<Marker>,
@@ -33,12 +33,12 @@ pub(crate) struct Looks {
 }
 
 impl Looks {
-    /// Of no robot yet.
+    /// Looks without a robot.
     pub(crate) fn new(meshes: Meshes) -> Self {
         Looks { markers: Vec::new(), meshes, surfaces: BTreeMap::new(), triangles: 0, missing: Vec::new() }
     }
 
-    /// What viewers may not see: one line for all meshes that are not in the log for the same kind of reason.
+    /// Warnings of missing looks: one line for all meshes that are not in the log for the same kind of reason.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let Some(first) = self.missing.first() else { return Vec::new() };
         match self.missing.len() {
@@ -80,7 +80,7 @@ impl Looks {
     }
 
     fn add_mesh(&mut self, (frame, number): (&str, u32), visual: &Shape, mesh: &MeshFile) {
-        // What was not found is a warning of the robot's already.
+        // A file that was not found is a warning of the robot already.
         let surface = mesh.resolved.as_ref().filter(|_| self.meshes == Meshes::Embed);
         let Some(surface) = surface.and_then(|file| self.surface(file)) else {
             let address = mesh.resolved.as_deref().map_or_else(|| mesh.path.clone(), address);

@@ -32,7 +32,7 @@ pub struct LogLine {
 pub struct LoggedEvent {
     /// When (s).
     pub time: f64,
-    /// What happened.
+    /// The kind of the event.
     pub kind: String,
     /// The joint to which it happened.
     pub what: String,
@@ -47,7 +47,7 @@ pub struct LoggedContact {
     pub a: String,
     /// The obstacle, or another link.
     pub b: String,
-    /// Where they touch, in the world (m).
+    /// The contact point, in the world (m).
     pub position: [f64; 3],
     /// The unit normal from b to a.
     pub normal: [f64; 3],
@@ -88,7 +88,7 @@ pub struct MultiDofStates {
 /// Decodes a `tf2_msgs/msg/TFMessage`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn transforms(data: &[u8]) -> Result<Vec<LinkPose>, String> {
     CdrReader::new(data)?.sequence(|cdr| {
         cdr.header()?;
@@ -101,7 +101,7 @@ pub fn transforms(data: &[u8]) -> Result<Vec<LinkPose>, String> {
 /// Decodes a `rcl_interfaces/msg/Log`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn log_line(data: &[u8]) -> Result<LogLine, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.time()?;
@@ -113,7 +113,7 @@ pub fn log_line(data: &[u8]) -> Result<LogLine, String> {
 /// Decodes a message of numbers with names: `catena_msgs/msg/Energy`, `Constraint`, `Solver`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn named_numbers<const N: usize>(data: &[u8]) -> Result<[f64; N], String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.header()?;
@@ -123,7 +123,7 @@ pub fn named_numbers<const N: usize>(data: &[u8]) -> Result<[f64; N], String> {
 /// Decodes a `catena_msgs/msg/Event`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn event(data: &[u8]) -> Result<LoggedEvent, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.header()?;
@@ -136,7 +136,7 @@ pub fn event(data: &[u8]) -> Result<LoggedEvent, String> {
 /// Decodes a `catena_msgs/msg/Contacts`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn contacts(data: &[u8]) -> Result<Vec<LoggedContact>, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.header()?;
@@ -151,7 +151,7 @@ pub fn contacts(data: &[u8]) -> Result<Vec<LoggedContact>, String> {
 /// Decodes a `sensor_msgs/msg/JointState`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn joint_states(data: &[u8]) -> Result<JointStates, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.header()?;
@@ -173,7 +173,7 @@ pub fn joint_states(data: &[u8]) -> Result<JointStates, String> {
 /// Decodes a `sensor_msgs/msg/MultiDOFJointState`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn multi_dof_states(data: &[u8]) -> Result<MultiDofStates, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.header()?;
@@ -199,7 +199,7 @@ pub fn multi_dof_states(data: &[u8]) -> Result<MultiDofStates, String> {
 /// Decodes a `std_msgs/msg/Float64MultiArray` of one dimension, as logs of earlier versions have them.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn figures(data: &[u8]) -> Result<Vec<f64>, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.sequence(|cdr| {
@@ -214,7 +214,7 @@ pub fn figures(data: &[u8]) -> Result<Vec<f64>, String> {
 /// Decodes a `std_msgs/msg/String`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The defect of the message.
 pub fn string(data: &[u8]) -> Result<String, String> {
     CdrReader::new(data)?.string()
 }

@@ -72,7 +72,7 @@ impl Iterator for Frames {
                     self.has_ended = true;
                     return Some(Err(error));
                 }
-                // A thread that has said nothing of an end has not come to it.
+                // A thread that ends without a last piece has broken off.
                 Err(_) => {
                     self.has_ended = true;
                     let reason = std::io::Error::other("what reads it has broken off");
@@ -97,7 +97,7 @@ impl Visitor for Sender {
         let frames = std::mem::take(&mut self.piece);
         match self.sender.send(Ok(FramePiece { frames, is_last: false, completeness: None })) {
             Ok(()) => ControlFlow::Continue(()),
-            // Nobody wants to see any more.
+            // The receiver of the frames is gone.
             Err(_) => ControlFlow::Break(()),
         }
     }

@@ -1,8 +1,8 @@
 //! A log as a row of frames: everything that is known of one sampled instant.
 //!
-//! The messages of a sample have the same time. Figures of a step belong to its end; a frame has those of the last step
-//! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a
-//! whole one has a message of every topic of [`TOPICS`] that the log has.
+//! The messages of a sample have the same time. Figures of a step belong to its end. A frame has the figures of the last step that ended at or before
+//! it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a whole one has a message of every topic
+//! of [`TOPICS`] that the log has.
 
 use crate::output::log::encoding::line;
 use crate::output::log::encoding::names::LIBRARY;
@@ -26,7 +26,7 @@ pub struct Frame {
     pub joints: JointStates,
     /// The other joints.
     pub multi_dof: MultiDofStates,
-    /// What the joints carry, in the world.
+    /// The wrenches of the joints, in the world.
     pub reactions: MultiDofStates,
     /// The efforts of motors.
     pub motors: JointStates,
@@ -36,7 +36,7 @@ pub struct Frame {
     pub figures: Figures,
 }
 
-/// The figures at the end of a step; `None` where the log has none yet.
+/// The figures at the end of a step; `None` where the log has no such figure yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
     /// Time at the end of the step in nanoseconds.
@@ -50,7 +50,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// What should be the same in all figures of a run (J): the total energy with what was dissipated or lost and without the
+    /// The energy balance, which should be the same in all figures of a run (J): the total energy with all energy dissipated or lost, and without the
     /// work that was put in.
     pub fn balance(&self) -> Option<f64> {
         self.energy.map(|[_, _, total, dissipated, work, friction, impacts]| {
@@ -65,7 +65,7 @@ impl Frame {
         seconds(self.nanoseconds)
     }
 
-    /// Whether it has joints: logs of chosen topics may have none.
+    /// Whether it has joints: logs of chosen topics may lack them.
     pub fn has_joints(&self) -> bool {
         !(self.joints.names.is_empty() && self.multi_dof.names.is_empty())
     }
@@ -86,7 +86,7 @@ fn topic_of(channel: &LogChannel) -> Option<usize> {
     TOPICS.iter().position(|(topic, schemas)| channel.topic == *topic && schemas.contains(&channel.schema.as_str()))
 }
 
-/// What a log has besides frames.
+/// Receives the items of a log besides frames.
 pub trait Visitor {
     /// A sampled instant.
     fn frame(&mut self, _frame: &Frame) -> ControlFlow<()> {
@@ -170,7 +170,7 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
             }
         }
     })?;
-    // What comes before a message that says nothing is as good as ever.
+    // Messages before a damaged one are as good as ever.
     let ended = match builder.problem.take() {
         Some(problem) => {
             let broken_off = Some(format!("{FROM_SOME_PLACE}: {problem}"));
@@ -199,7 +199,7 @@ struct Builder<'v> {
     /// Whether messages may be missing of the frame, whoever wrote the log.
     is_torn: bool,
     visitor: &'v mut dyn Visitor,
-    /// What is wrong with the message at which reading has ended.
+    /// The defect of the message at which reading has ended.
     problem: Option<String>,
 }
 
@@ -252,7 +252,7 @@ impl Builder<'_> {
             // Logs of earlier versions have figures without names.
             ("/energy", "std_msgs/msg/Float64MultiArray") => {
                 let mut energy = decode::figures(data)?;
-                // Those of smooth runs have no friction and no impacts, and the first were of runs in which nothing was exchanged.
+                // Figures of smooth runs have no friction and no impacts. The earliest logs were of runs without any exchange of energy.
                 energy.resize(7, 0.0);
                 let energy = energy.first_chunk().copied();
                 self.figures.get_or_insert_with(new_figures).energy = energy;
@@ -275,7 +275,7 @@ impl Builder<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Shows what is complete: the figures first, because a frame has those of its own time.
+    /// Shows complete items: the figures first, because a frame has the figures of its own time.
     fn flush(&mut self) -> ControlFlow<()> {
         if let Some(figures) = self.figures.take() {
             self.visitor.figures(&figures);

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// A mesh of a link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoggedMesh {
-    /// Where the file was when the log was written, or where a copy for viewers is.
+    /// The place of the file when the log was written, or of a copy for viewers.
     pub file: Option<PathBuf>,
     /// Its triangles, if the log carries them; the scale of the URDF is in them.
     pub parts: Vec<LoggedPart>,
@@ -61,7 +61,7 @@ impl LoggedMeshes {
         self.of_links.get(link)?.get(number)
     }
 
-    /// A damaged message leaves its meshes out: a page without them is better than none.
+    /// A damaged message leaves its meshes out, because a page without them is better than no page.
     fn message(&mut self, channel: &LogChannel, data: &[u8]) {
         if channel.topic.ends_with("/robot_description") {
             self.add_description(&decode::string(data).unwrap_or_default());
@@ -88,9 +88,9 @@ impl LoggedMeshes {
         }
     }
 
-    /// Adds the triangles of markers, or the files that they name, which are those of the URDF and no copies.
+    /// Adds the triangles of markers, or the files that they name, which are the files of the URDF and no copies.
     fn add_markers(&mut self, data: &[u8]) {
-        // Of each link the visual of the last marker, and how many meshes came before it.
+        // For each link the visual of the last marker, and how many meshes came before it.
         let mut last: HashMap<String, (u32, usize)> = HashMap::new();
         for marker in mesh_markers(data).unwrap_or_default() {
             let (visual, number) = last.entry(marker.link.clone()).or_insert((marker.visual, 0));

@@ -60,7 +60,7 @@ fn pose(data: &[u8]) -> Result<LinkPose, String> {
     Ok(pose)
 }
 
-/// The fields 1 to `N` of a message of doubles; what is not there is zero.
+/// The fields 1 to `N` of a message of doubles; a missing field is zero.
 fn doubles<const N: usize>(data: &[u8]) -> Result<[f64; N], String> {
     let mut all = [0.0; N];
     fields(data, |number, content| {
@@ -76,7 +76,7 @@ fn text(bytes: &[u8]) -> Result<String, String> {
     String::from_utf8(bytes.to_vec()).map_err(|_| "a text is not UTF-8".to_string())
 }
 
-/// What is in a field.
+/// The content of a field.
 enum Content<'d> {
     Integer(u64),
     Double(f64),

@@ -17,13 +17,13 @@ use std::path::Path;
 pub struct LogChannel {
     /// Its topic.
     pub topic: String,
-    /// Name of the schema, empty if there is none.
+    /// Name of the schema, empty without one.
     pub schema: String,
     /// How messages are encoded: `cdr`, `protobuf`.
     pub encoding: String,
 }
 
-/// What is in a log, in its order.
+/// An item of a log, in its order.
 pub enum Item<'i> {
     /// The program that wrote it.
     Library(&'i str),
@@ -87,7 +87,7 @@ pub fn read_log(
     })
 }
 
-/// What is wrong with a message of a channel that was not described before.
+/// The defect of a message whose channel was not described before.
 pub(crate) fn no_channel(channel: u16) -> String {
     format!("a message of channel {channel}, which does not exist")
 }
@@ -115,7 +115,7 @@ pub(crate) fn is_unfinished(path: &Path) -> bool {
 /// Whether a log says, somewhere in all that can be read of it, that its run has finished.
 fn says_finished(path: &Path) -> bool {
     let mut finished = false;
-    // What cannot be read says nothing.
+    // An unreadable log tells no outcome.
     let _ = read_log(path, |item| {
         if let Item::Metadata { name: END, entries } = item {
             finished = entries.get(OUTCOME).is_some_and(|outcome| outcome == FINISHED);
@@ -125,7 +125,7 @@ fn says_finished(path: &Path) -> bool {
     finished
 }
 
-/// What the log says about its end, read from the summary; `None` without a summary, `Some(None)` if it says nothing.
+/// The entries of a log about its end, read from the summary; `None` without a summary, `Some(None)` without such entries.
 #[allow(clippy::option_option, reason = "there are three cases")]
 fn last_words(path: &Path) -> Result<Option<Option<BTreeMap<String, String>>>, McapError> {
     let mut file = File::open(path)?;

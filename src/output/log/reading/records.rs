@@ -1,9 +1,9 @@
 //! The records of an MCAP file from its beginning to its end, or to where it was cut off.
 //!
-//! They come one after the other and little of the file is in memory at any time. A chunk is shown only if its
-//! checksum is right; one that cannot be read is passed over, because its length tells where the next record is, and so is any other
-//! record. Where the file ends inside a chunk there is no telling, since the checksum is of all of it: its whole records are shown, and how
-//! many messages that were is said. The checksum of the whole comes last, when everything has been shown.
+//! They come one after the other, and little of the file is in memory at any time. A chunk is shown only if its checksum is right. An unreadable
+//! chunk is passed over, because its length tells where the next record is, and so is any other record. If the file ends inside a chunk, its checksum
+//! cannot be compared, since it covers the whole chunk. The whole records of the chunk are shown then, and the number of their messages is reported.
+//! The checksum of the file comes last, when everything has been shown.
 
 use crate::mechanism::ground::words::counted;
 use crate::output::log::encoding::names::start_of;
@@ -27,7 +27,7 @@ const RECORD_HEADER: usize = 9;
 /// A length beyond this is damaged, and with others there is no overflow.
 const LONGEST_RECORD: usize = usize::MAX >> 8;
 
-/// Where reading has ended for something that cannot be read, though the file goes on.
+/// The end of reading at an unreadable record, though the file goes on.
 pub(crate) const FROM_SOME_PLACE: &str = "from some place on it cannot be read";
 
 /// Chunks that say that there is more in them are not unpacked: there may be as much in memory.
@@ -44,17 +44,17 @@ pub enum ReadError {
     NotALog { path: PathBuf, reason: String },
 }
 
-/// How much of a log there is; nothing is missing of the default.
+/// The readable part of a log; the default is a complete log.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Completeness {
-    /// Whether what is in it is not what was written: chunks are lost, or it cannot be read to its end.
+    /// Whether its content differs from the written one: chunks are lost, or it cannot be read to its end.
     pub damaged: bool,
     /// Chunks that cannot be read although others follow.
     pub lost_chunks: Option<LostChunks>,
     /// Other records that cannot be read although others follow: attachments and metadata.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_records: Option<LostRecords>,
-    /// Where it breaks off, if it does: the run was killed, it is still being written, or the rest cannot be read.
+    /// The place at which it breaks off, if it does: the run was killed, it is still being written, or the rest cannot be read.
     pub broken_off: Option<String>,
 }
 
@@ -67,7 +67,7 @@ pub struct LostChunks {
     pub after: f64,
     /// Time of the first message after the last of them (s).
     pub before: Option<f64>,
-    /// What is wrong with the first.
+    /// The defect of the first.
     pub reason: String,
 }
 
@@ -76,7 +76,7 @@ pub struct LostChunks {
 pub struct LostRecords {
     /// How many.
     pub count: usize,
-    /// What is wrong with the first.
+    /// The defect of the first.
     pub reason: String,
 }
 
@@ -92,7 +92,7 @@ impl Completeness {
         self.missing().is_none()
     }
 
-    /// What is missing, in words, if something is.
+    /// The missing parts, in words, if it is incomplete.
     pub fn missing(&self) -> Option<String> {
         let lost = self.lost_chunks.as_ref().map(ToString::to_string);
         let records = self.lost_records.as_ref().map(ToString::to_string);
@@ -114,7 +114,7 @@ impl fmt::Display for LostChunks {
     }
 }
 
-/// What there is in a file.
+/// An item of a file.
 pub(crate) enum Found<'f> {
     /// A record that can be read.
     Record(Record<'f>),
@@ -122,13 +122,13 @@ pub(crate) enum Found<'f> {
     LostChunk(&'f str),
 }
 
-/// Goes on with what follows, breaks off, or says what is wrong with this record.
+/// The answer of a visitor: it goes on, breaks off, or names the defect of this record.
 pub(crate) type Seen = Result<ControlFlow<()>, String>;
 
 type Visit<'v> = dyn FnMut(Found<'_>) -> Seen + 'v;
 
-/// Shows what is in a file to `visit`, the records in chunks too, until it breaks off, the file ends, or it cannot be read any
-/// further; `None` if it was broken off.
+/// Shows the content of a file to `visit`, the records in chunks too, until it breaks off, the file ends, or it cannot be read any further; `None` if
+/// it was broken off.
 ///
 /// # Errors
 /// [`ReadError`] if it is no such file.
@@ -165,7 +165,7 @@ pub(crate) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
     while let Some(event) = reader.next_event() {
         let flow = match event {
             Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                // What a damaged length asks for is not allocated in advance.
+                // The length of a damaged record is not allocated in advance.
                 let block = reader.insert(wanted.clamp(1 << 12, BLOCK));
                 let count = file.read(block).map_err(io_error)?;
                 recent.extend_from_slice(&block[..count]);
@@ -183,7 +183,7 @@ pub(crate) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
             Ok(LinearReadEvent::Record { opcode, data }) => {
                 shown += RECORD_HEADER + data.len();
                 match parse_record(opcode, data) {
-                    // Nobody asks for the index of a chunk, so that one that is damaged does no harm.
+                    // The index of a chunk is not used, so a damaged one does no harm.
                     _ if opcode == op::MESSAGE_INDEX => Ok(ControlFlow::Continue(())),
                     Ok(record) => timed(Found::Record(record)),
                     Err(error) => {
@@ -204,7 +204,7 @@ pub(crate) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
                 broken_off = Some(format!("it ends in the middle, after {bytes} bytes{lacking}"));
                 break;
             }
-            // What is lost is said already.
+            // The lost parts are reported already.
             Err(McapError::BadDataCrc { .. }) if lost.is_some() || lost_records.is_some() => break,
             Err(error) if seen => {
                 damaged = true;
@@ -240,8 +240,8 @@ fn show(opcode: u8, data: &[u8], visit: &mut Visit<'_>) -> Seen {
     visit(Found::Record(parse_record(opcode, data).map_err(|error| error.to_string())?))
 }
 
-/// Shows the records inside a chunk of this length, of which there are these bytes; those of a whole chunk if its checksum
-/// is right.
+/// Shows the records inside a chunk of this length, of which these bytes were read. The records of a whole chunk are shown only if its checksum is
+/// right.
 fn chunk(length: u64, data: &[u8], is_whole: bool, visit: &mut Visit<'_>) -> Seen {
     let options = LinearReaderOptions::default().with_skip_start_magic(true).with_skip_end_magic(true);
     let options = options.with_prevalidate_chunk_crcs(is_whole).with_record_length_limit(LARGEST_CHUNK);
@@ -265,8 +265,8 @@ fn chunk(length: u64, data: &[u8], is_whole: bool, visit: &mut Visit<'_>) -> See
     Ok(ControlFlow::Continue(()))
 }
 
-/// Shows the whole records of a chunk that begins with `bytes`, if they are of a chunk. Returns how many messages they
-/// have, or nothing if that was broken off.
+/// Shows the whole records of a chunk that begins with `bytes`, if they are of a chunk. Returns how many messages they have, or `None` if that was
+/// broken off.
 fn torn_chunk(bytes: &[u8], visit: &mut Visit<'_>) -> Option<u64> {
     let mut messages = 0;
     if let Some((&[op::CHUNK, ref length @ ..], data)) = bytes.split_first_chunk::<RECORD_HEADER>() {

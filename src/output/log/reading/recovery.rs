@@ -29,8 +29,8 @@ pub const RECOVERY: &str = "recovery";
 /// See [`RECOVERY`].
 pub const MISSING: &str = "missing";
 
-/// Writes everything of a log, as far as it can be read, as a complete one, which says what it lacks ([`RECOVERY`]); returns how many
-/// messages that were.
+/// Writes everything of a log, as far as it can be read, as a complete one, which names its missing parts ([`RECOVERY`]); returns the number of its
+/// messages.
 ///
 /// # Errors
 /// [`RecoveryError`].
@@ -62,14 +62,14 @@ pub fn recover(log: &Path, out: &mut (impl Write + Seek)) -> Result<u64, Recover
 
 struct Copy<W: Write + Seek> {
     writer: Writer<W>,
-    /// The identifiers in the copy by those in the log.
+    /// The identifiers in the copy by the identifiers in the log.
     schemas: HashMap<u16, u16>,
     channels: HashMap<u16, u16>,
     messages: u64,
 }
 
 impl<W: Write + Seek> Copy<W> {
-    /// Copies a record, or says what is wrong with it.
+    /// Copies a record, or names its defect.
     fn record(&mut self, record: Record<'_>) -> Result<Result<(), String>, McapError> {
         match record {
             Record::Schema { header, data } => {

@@ -1,8 +1,8 @@
 //! Encodes and writes the log on a separate thread, so that the simulation does not wait for encoding or for the disk.
 //!
-//! The simulation puts samples into a piece that both threads know, as positions and velocities; the thread takes the piece when
-//! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If it is too large, the simulation
-//! waits too. What the file becomes does not depend on when pieces were taken.
+//! The simulation puts samples into a piece that both threads know, as positions and velocities. The thread takes the piece when it is large, or a
+//! tenth of a second has passed, without regard to the simulation. If it is too large, the simulation waits too. The content of the file does not
+//! depend on when pieces were taken.
 
 use crate::output::log::encoding::ending::Ending;
 use crate::output::log::recording::encoder::SampleEncoder;
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// The thread is woken when there is a large piece, and looks by itself this often, so that a killed run leaves little unsaid.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Once the run is interrupted, a pipe or device that takes nothing for so long is not waited for any more.
+/// Once the run is interrupted, the wait for a pipe or device that takes no bytes ends after this time.
 const GRACE: Duration = Duration::from_secs(1);
 
 /// A log file that is written by another thread.
@@ -26,7 +26,7 @@ pub(crate) struct BackgroundFile {
     path: PathBuf,
     current: PathBuf,
     is_beside: bool,
-    /// What says that the run is interrupted, of a pipe or device, whose reader may never read again.
+    /// The flag of an interrupted run, for a pipe or device, whose reader may never read again.
     interrupted: Option<Arc<AtomicBool>>,
     is_regular: bool,
     shared: Arc<Shared>,
@@ -106,7 +106,7 @@ impl BackgroundFile {
         LogError::Blocked { path: self.path.clone() }
     }
 
-    /// Where the file is while it is written.
+    /// The place of the file while it is written.
     pub(crate) fn current(&self) -> &Path {
         &self.current
     }
@@ -214,7 +214,7 @@ fn went_on(shared: &Shared) {
     shared.rounds.fetch_add(1, Ordering::Relaxed);
 }
 
-/// However the thread ends, nothing waits for it afterwards.
+/// However the thread ends, no other thread waits for it afterwards.
 struct Gone<'s>(&'s Shared);
 
 impl Drop for Gone<'_> {

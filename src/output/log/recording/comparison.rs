@@ -1,6 +1,6 @@
-//! Compares the messages of a run with those of a log, bit for bit.
+//! Compares the messages of a run with the messages of a log, bit for bit.
 //!
-//! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
+//! A thread reads the log. Messages that do not depend on the run (descriptions, lines of text) are passed over on both sides.
 
 use crate::output::log::encoding::definitions::Definition;
 use crate::output::log::encoding::durability::Durability;
@@ -25,7 +25,7 @@ fn is_compared(topic: &str) -> bool {
     !(topic.ends_with("robot_description") || [MARKERS, SHAPES, LINES, "/scene", "/log"].contains(&topic))
 }
 
-/// The first message of a run that is not that of the log.
+/// The first message of a run that differs from the log.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Difference {
     /// They say different things.
@@ -102,11 +102,11 @@ impl Comparison {
                 if piece.len() < PIECE || sender.send(Ok(std::mem::take(&mut piece))).is_ok() {
                     ControlFlow::Continue(())
                 } else {
-                    // Nobody wants to know any more.
+                    // The receiver of the messages is gone.
                     ControlFlow::Break(())
                 }
             });
-            // What comes before the damage is compared all the same.
+            // The messages before the damage are compared all the same.
             if !piece.is_empty() {
                 let _ = sender.send(Ok(piece));
             }
@@ -153,7 +153,7 @@ impl Comparison {
                 Ok(Ok(piece)) if piece.is_empty() => self.has_ended = true,
                 Ok(Ok(piece)) => self.expected = piece.into_iter(),
                 Ok(Err(reason)) => return Err(Difference::Unreadable { time: self.compared.time, reason }),
-                // A thread that has said nothing of an end has not come to it.
+                // A thread that ends without a last piece has broken off.
                 Err(_) => {
                     let reason = "what reads it has broken off".to_string();
                     return Err(Difference::Unreadable { time: self.compared.time, reason });
@@ -162,7 +162,7 @@ impl Comparison {
         }
     }
 
-    /// Compares what is in the piece.
+    /// Compares the content of the piece.
     ///
     /// # Errors
     /// The first [`Difference`], also if it was found before.

@@ -1,7 +1,7 @@
 //! Makes messages of samples (the table of [`crate::output::log`]).
 //!
 //! Everything that does not change is prepared once: names, message layouts, buffers. Samples are looked at several at once
-//! ([`crate::instant::exerting::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
+//! ([`crate::instant::exerting::snapshots`]). The content of a message does not depend on the samples that its own was looked at with.
 
 use crate::instant::exerting::snapshots::View;
 use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshots};
@@ -73,7 +73,7 @@ impl SampleEncoder {
         })
     }
 
-    /// Adds an encoded line of text, at so many nanoseconds of the run.
+    /// Adds an encoded line of text, at this number of nanoseconds of the run.
     pub(crate) fn line(&self, sink: &mut dyn MessageSink, nanoseconds: u64, line: &[u8]) -> Result<(), LogError> {
         sink.message(self.lines, self.start + nanoseconds, line).map(drop)
     }
@@ -165,8 +165,8 @@ mod tests {
         }
     }
 
-    /// Samples of every joint moving at a pace of its own, loops torn, with the figures of a step and a line before each. Nothing is
-    /// simulated for them, so that the unit tests are built without the kernels of all vectors.
+    /// Samples of every joint moving at a pace of its own, loops torn, with the figures of a step and a line before each. They are made without a
+    /// simulation, so that the unit tests are built without the kernels of all vectors.
     fn samples(model: &Model, mut state: State) -> Piece {
         const INTERVAL: f64 = 0.01;
         let mechanism = &model.mechanism;

@@ -21,7 +21,7 @@ pub(crate) struct Order {
 }
 
 impl Order {
-    /// The order of a run with so many stages.
+    /// The order of a run with this number of stages.
     pub(crate) fn new(stages: f64) -> Self {
         Order {
             stages,
@@ -33,7 +33,7 @@ impl Order {
         }
     }
 
-    /// The time of what was added last, in nanoseconds.
+    /// The time of the last addition, in nanoseconds.
     pub(crate) fn last_time(&self) -> u64 {
         self.last_time
     }
@@ -111,7 +111,7 @@ mod tests {
     use crate::mechanism::motion::event::EventKind;
     use crate::mechanism::motion::integrator::StepOutcome;
 
-    /// What a piece has, in its order: samples, figures and events with their times in milliseconds.
+    /// The content of a piece, in its order: samples, figures and events with their times in milliseconds.
     fn listed(piece: &Piece) -> Vec<String> {
         let mut all = Vec::new();
         let mut between = piece.between.iter().peekable();

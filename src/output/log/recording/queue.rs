@@ -11,20 +11,20 @@ const LARGE: usize = 1 << 16;
 /// Bytes of one that is too large.
 const TOO_LARGE: usize = 1 << 19;
 
-/// Samples, and what is logged between them.
+/// Samples, and the figures and events logged between them.
 #[derive(Default)]
 pub(crate) struct Piece {
     /// Times of the samples (s), their positions and their velocities, one after the other.
     pub times: Vec<f64>,
     pub positions: Vec<f64>,
     pub velocities: Vec<f64>,
-    /// What comes before the sample of this number, or after the last.
+    /// The items before the sample of this number, or after the last.
     pub between: Vec<(usize, Between)>,
     /// How many events are among that.
     events: usize,
 }
 
-/// What is logged between samples.
+/// An item logged between samples.
 pub(crate) enum Between {
     /// The figures of a step, at a time in nanoseconds.
     Figures(u64, Figures),
@@ -44,7 +44,7 @@ impl Piece {
         self.velocities.extend_from_slice(velocity);
     }
 
-    /// Adds what comes before the next sample.
+    /// Adds an item before the next sample.
     pub(crate) fn push_between(&mut self, what: Between) {
         self.between.push((self.times.len(), what));
     }
@@ -60,7 +60,7 @@ impl Piece {
         self.size() >= LARGE && self.times.len() >= INSTANTS
     }
 
-    /// Whether nothing more should be added before it is taken. The messages of an arm are twenty times as large.
+    /// Whether it must be taken before more is added. The messages of an arm are twenty times as large.
     pub(crate) fn is_too_large(&self) -> bool {
         self.size() > TOO_LARGE && self.times.len() > 4 * INSTANTS
     }

@@ -42,7 +42,7 @@ pub struct Recorder {
     contacts: Option<Vec<ContactPoint>>,
 }
 
-/// Where samples go.
+/// The destination of samples.
 enum Sink {
     File(BackgroundFile),
     Comparison(Box<Compare>),
@@ -71,9 +71,8 @@ impl Compare {
 }
 
 impl Recorder {
-    /// Creates the log of a run whose output is `path`, and writes what is known before the first sample; `simulation`
-    /// says how the run is made, and has the hash of the main input and the start of the log added. A pipe or device gets samples as they
-    /// come, for good.
+    /// Creates the log of a run whose output is `path`, and writes everything known before the first sample. `simulation` says how the run is made;
+    /// the hash of the main input and the start of the log are added to it. A pipe or device gets samples as they come, for good.
     ///
     /// # Errors
     /// [`LogError`] when the file cannot be created or written.
@@ -115,7 +114,7 @@ impl Recorder {
         attach_inputs(&mut file, &inputs)?;
         let beside = file.is_regular().then_some(path);
         let encoder = prepare(&mut file, model, options, beside)?;
-        // What never changes is safe in the file before the run begins.
+        // The constant part is safe in the file before the run begins.
         file.begin(may_begin_again)?;
         let file = BackgroundFile::new(path, file, encoder)?;
         let (sink, order) = (Sink::File(file), Order::new(stages));
@@ -127,7 +126,7 @@ impl Recorder {
         Recorder { sink, order, start, before, begun: false, accuracy, contacts: may_touch(model) }
     }
 
-    /// Waits no more for an output that is no file, and of which nothing is read, once this says that the run is interrupted.
+    /// Once `interrupted` says that the run is interrupted, it waits no longer for an output that is no file and is not read.
     pub fn heed(&mut self, interrupted: &Arc<AtomicBool>) {
         if let Sink::File(file) = &mut self.sink {
             file.heed(interrupted.clone());
@@ -156,7 +155,7 @@ impl Recorder {
         }
     }
 
-    /// Lets `add` add to what will be logged; returns whether the sink has something to say.
+    /// Lets `add` add items to the log; returns whether the sink has a message.
     fn add(sink: &mut Sink, add: impl FnOnce(&mut Piece)) -> bool {
         match sink {
             Sink::File(file) => file.add(add),
@@ -181,7 +180,7 @@ impl Recorder {
         Self::add(&mut self.sink, |piece| piece.push_between(Between::Line(time, line)));
     }
 
-    /// Where the log is while it is written, if that is beside its output, which must stay until the run has finished.
+    /// The place of the log while it is written, if it is beside its output, which must stay until the run has finished.
     pub fn beside(&self) -> Option<&Path> {
         match &self.sink {
             Sink::File(file) => file.is_beside().then(|| file.current()),
@@ -207,7 +206,7 @@ impl Recorder {
         match self.sink {
             Sink::File(_) => (Compared::default(), Ok(())),
             Sink::Comparison(mut compare) => {
-                // What differs is said at the end.
+                // Differences are reported at the end.
                 let _ = compare.settle();
                 compare.comparison.finish()
             }
@@ -270,7 +269,7 @@ impl Observer for Recorder {
     }
 }
 
-/// Where to put the contacts of samples, where shapes may touch.
+/// Room for the contacts of samples, if shapes may touch.
 fn may_touch(model: &Model) -> Option<Vec<ContactPoint>> {
     (!model.mechanism.nonsmooth.pairs.is_empty()).then(Vec::new)
 }

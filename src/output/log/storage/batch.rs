@@ -11,14 +11,14 @@ pub(crate) const RECORD_HEADER: usize = 1 + 8;
 /// Bytes of a message record before its data.
 pub(crate) const MESSAGE_DATA: usize = RECORD_HEADER + 2 + 4 + 8 + 8;
 
-/// Where a message is.
+/// The place of a message.
 #[derive(Clone, Copy)]
 pub(crate) struct Entry {
     /// The channel, as [`crate::output::log::storage::file::MessageSink::channel`] gave it.
     pub channel: u16,
     /// Log time and publish time in nanoseconds.
     pub time: u64,
-    /// Where its record is among the records.
+    /// The place of its record among the records.
     pub offset: usize,
     /// Length of the record.
     pub length: usize,
@@ -88,7 +88,7 @@ impl Batch {
         self.records.len()
     }
 
-    /// That with one message more.
+    /// The size with one message more.
     pub(crate) fn size_with(&self, data: &[u8]) -> usize {
         self.size() + MESSAGE_DATA + data.len()
     }

@@ -1,10 +1,9 @@
 //! Compressed chunks: records packed by Zstandard, or samples by what repeats in them.
 //!
-//! What never changes, descriptions and geometry, is packed by Zstandard: it is written once and may be most of the log. For samples that
-//! would cost as much as everything else about them (doc/decisions/020-log-container.md), so it is done on request only. By default [`Repetitions`] packs
-//! them, which costs hardly more than the bytes that it saves.
-//! Equal meshes of one robot may be megabytes apart. So large chunks that never change are searched for matches from end to end, which costs
-//! some megabytes of tables and would not pay for small ones.
+//! Zstandard packs the constant parts, descriptions and geometry: they are written once and may be most of the log. Packing samples with it would
+//! cost as much as everything else about them (doc/decisions/020-log-container.md), so it is done on request only. [`Repetitions`] packs them by
+//! default, which costs hardly more than the bytes that it saves. Equal meshes of one robot may be megabytes apart. So large chunks that never change
+//! are searched for matches from end to end, which costs some megabytes of tables and would not pay for small ones.
 
 use crate::output::log::storage::batch::Batch;
 use crate::output::log::storage::repetition;
@@ -23,19 +22,19 @@ const LEVEL: i32 = 1;
 /// Bytes of a large chunk.
 const LARGE: usize = 1 << 20;
 
-/// Matches in large chunks are looked for so many bytes back (a power of two); decoders accept no more by default.
+/// Farthest match in large chunks, as a power of two in bytes; decoders accept no more by default.
 const WINDOW: u32 = 27;
 
 /// How the records of chunks are packed.
 pub(crate) enum Packing {
-    /// By Zstandard.
+    /// Packed by Zstandard.
     Searched(Packer),
-    /// By what repeats in messages of the same channel.
+    /// Packed by the repetitions in messages of the same channel.
     Repeated(Repetitions),
 }
 
 impl Packing {
-    /// By Zstandard, or by what repeats.
+    /// Packing by Zstandard, or by repetitions.
     pub(crate) fn new(searched: bool) -> io::Result<Self> {
         Ok(if searched { Packing::Searched(Packer::new()?) } else { Packing::Repeated(Repetitions::default()) })
     }
@@ -56,7 +55,7 @@ pub(crate) struct Packer {
 }
 
 impl Packer {
-    /// Of chunks of any size.
+    /// A packer for chunks of any size.
     fn new() -> io::Result<Self> {
         Ok(Packer { compressor: Compressor::new(LEVEL)?, packed: Vec::new() })
     }

@@ -6,14 +6,13 @@
 //!     footer  magic
 //! ```
 //!
-//! What is in a record, the `mcap` crate encodes; this is their order, offsets, counts and checksums. The first chunk begins with
-//! all schemas and channels. The profile is `ros2`: all messages are CDR, and channels say in their metadata how they are offered, as
-//! those of bags do.
+//! The `mcap` crate encodes the content of records. This file decides their order, offsets, counts and checksums. The first chunk begins with all
+//! schemas and channels. The profile is `ros2`: all messages are CDR, and channels say in their metadata how they are offered, as channels of bags
+//! do.
 //!
-//! The crate's own writer takes a message in seven pieces, each through three layers with a checksum in two of them, which is a third
-//! of what a sample costs and cannot be given a chunk that is encoded already; that is why it is not used (doc/decisions/020-log-container.md). Its
-//! readers, and those of Python, hold what is written here against the format in `tests/program/log_readback/`. Source: MCAP format
-//! specification (mcap.dev/spec).
+//! The crate's own writer takes a message in seven pieces, each through three layers with a checksum in two of them. This costs a third of a sample,
+//! and it cannot take a chunk that is encoded already. Because of this it is not used (doc/decisions/020-log-container.md). Its readers, and the
+//! readers of Python, compare these files with the format in `tests/program/log_readback/`. Source: MCAP format specification (mcap.dev/spec).
 
 use crate::output::log::encoding::definitions::Definition;
 use crate::output::log::encoding::durability::Durability;
@@ -33,10 +32,10 @@ use std::io::Cursor;
 const SCHEMA_ENCODING: &str = "ros2msg";
 const MESSAGE_ENCODING: &str = "cdr";
 
-/// What readers may expect: topics, types and encodings of ROS 2.
+/// The profile that readers may expect: topics, types and encodings of ROS 2.
 const PROFILE: &str = "ros2";
 
-/// Adds a record of this content and what follows it; returns the length of the record.
+/// Adds a record of this content, and `rest` after it; returns the length of the record.
 fn record<R>(out: &mut Vec<u8>, opcode: u8, content: &R, rest: &[&[u8]]) -> BinResult<u64>
 where
     R: for<'a> BinWrite<Args<'a> = ()>,
@@ -61,9 +60,9 @@ fn set_length(record: &mut [u8], length: u64) {
 /// An MCAP file as far as it has been encoded.
 #[derive(Clone)]
 pub(crate) struct Container {
-    /// What has not been taken yet.
+    /// Bytes that have not been taken yet.
     out: Vec<u8>,
-    /// Length of what has been taken.
+    /// Length of the bytes that have been taken.
     taken: u64,
     checksum: Hasher,
     schema_numbers: BTreeMap<&'static str, u16>,
@@ -110,18 +109,18 @@ impl Container {
         written
     }
 
-    /// Length of what has been taken.
+    /// Length of the bytes that have been taken.
     pub(crate) fn length(&self) -> u64 {
         self.taken
     }
 
-    /// Where in the file the next record will be.
+    /// The place of the next record in the file.
     fn position(&self) -> u64 {
         self.taken + self.out.len() as u64
     }
 
-    /// Adds a channel for messages of this definition. `None` if there are more channels than the format can tell apart. What has to
-    /// be in a chunk about it goes into `batch`.
+    /// Adds a channel for messages of this definition. `None` if there are more channels than the format can tell apart. Its records for a chunk go
+    /// into `batch`.
     pub(crate) fn channel(
         &mut self,
         topic: &str,
@@ -214,7 +213,7 @@ impl Container {
         statistics.chunk_count += 1;
     }
 
-    /// Adds the indexes of the messages that were counted behind their chunk, and that of the chunk to the summary.
+    /// Adds the indexes of the counted messages behind their chunk, and the index of the chunk to the summary.
     fn index(&mut self, chunk: &mut Vec<u8>, times: (u64, u64), header: ChunkHeader) -> BinResult<()> {
         let chunk_length = chunk.len() as u64;
         let mut message_index_offsets = BTreeMap::new();
@@ -237,7 +236,7 @@ impl Container {
         record(&mut self.chunk_indexes, op::CHUNK_INDEX, &index, &[]).map(drop)
     }
 
-    /// Adds what comes after the last chunk and metadata.
+    /// Adds the records after the last chunk and metadata.
     pub(crate) fn finish(&mut self) -> BinResult<()> {
         let mut checksum = self.checksum.clone();
         checksum.update(&self.out);

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 /// Why the log could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The file could not be created; nothing was changed.
+    /// The file could not be created, and is unchanged.
     #[error("cannot create {}: {reason}", path.display())]
     Create { path: PathBuf, reason: io::Error },
-    /// Another run is writing the file; nothing was changed.
+    /// Another run is writing the file, which is unchanged.
     #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
     Busy { path: PathBuf },
     /// The run was interrupted while it waited for a reader of the pipe or device.

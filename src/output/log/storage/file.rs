@@ -1,9 +1,8 @@
 //! The MCAP file under the log: batches of messages, and a file that is readable whenever the process is killed.
 //!
-//! Messages are collected in memory and written as one chunk ([`Container`]) whenever the next would not fit into [`CHUNK_SIZE`]. Where
-//! chunks end depends on the messages alone, which makes equal runs give equal files. A run that is slow would then leave
-//! little behind when it is killed; so twice a second what is new in the batch that is still open is written as a
-//! provisional chunk, until the batch is complete and its chunk takes their place ([`Tail`]):
+//! Messages are collected in memory and written as one chunk ([`Container`]) whenever the next would not fit into [`CHUNK_SIZE`]. The ends of chunks
+//! depend on the messages alone, so equal runs give equal files. A slow run would then leave little behind when it is killed. So twice a second the
+//! new messages of the open batch are written as a provisional chunk. When the batch is complete, its chunk takes their place ([`Tail`]):
 //!
 //! ```text
 //!     magic  header  metadata  attachment | chunk | chunk | … | chunk | provisional chunks       a running simulation
@@ -12,9 +11,9 @@
 //!
 //! Chunks are compressed ([`Packing`]), provisional ones are not.
 //!
-//! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. Of a run that may begin again
-//! they get what never changes, and all the rest when the run has ended ([`crate::output::log::storage::spool`]). When a write fails because the disk is full,
-//! what is whole is kept and closed with an end that needs no summary.
+//! Only regular files have such a provisional end; pipes and devices get final bytes only. If the run may begin again, they get the constant part,
+//! and the rest when the run has ended ([`crate::output::log::storage::spool`]). When a write fails because the disk is full, the whole part is kept
+//! and closed with an end that needs no summary.
 
 use crate::output::log::encoding::definitions::Definition;
 use crate::output::log::encoding::durability::Durability;
@@ -55,7 +54,7 @@ pub(crate) struct LogFile {
     head: Option<Box<Container>>,
     /// How the chunks that come now are packed.
     packing: Packing,
-    /// Whether those of samples will be packed by Zstandard.
+    /// Whether chunks of samples will be packed by Zstandard.
     compress: bool,
     /// The messages that are in no final chunk yet.
     batch: Batch,
@@ -104,7 +103,7 @@ impl LogFile {
         self.is_regular
     }
 
-    /// Where the file is now.
+    /// The place of the file now.
     pub(crate) fn current(&self) -> &Path {
         self.output.current()
     }
@@ -114,8 +113,8 @@ impl LogFile {
         self.output.protects()
     }
 
-    /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay. `may_begin_again`: a pipe
-    /// or device gets no more until the end.
+    /// Ends the constant part: writes it, and lets the file take its place unless a finished log there must stay. `may_begin_again`: a pipe or device
+    /// gets no more until the end.
     pub(crate) fn begin(&mut self, may_begin_again: bool) -> Result<(), LogError> {
         self.close_batch()?;
         if may_begin_again && !self.is_regular {
@@ -127,8 +126,8 @@ impl LogFile {
         self.output.settle(false).map_err(|reason| self.cannot_write(reason))
     }
 
-    /// Cuts off everything since [`LogFile::begin`]: the run restarts. Pipes and devices that were not told then keep what they have, and get all of
-    /// it again.
+    /// Cuts off everything since [`LogFile::begin`]: the run restarts. Pipes and devices that were not told then keep their bytes, and get all of
+    /// them again.
     pub(crate) fn begin_again(&mut self) -> Result<(), LogError> {
         self.batch.clear();
         self.provisional = 0;
@@ -153,7 +152,7 @@ impl LogFile {
         attached.map_err(|error| cannot_encode(&self.path, error))
     }
 
-    /// Writes what has been collected as a final chunk, through to the operating system.
+    /// Writes the collected messages as a final chunk, through to the operating system.
     fn close_batch(&mut self) -> Result<(), LogError> {
         self.move_to_file()?;
         let chunk = self.container.chunk(&self.batch, &mut self.packing, &mut self.buffer);
@@ -204,8 +203,8 @@ impl LogFile {
         Ok(())
     }
 
-    /// Completes the file: everything collected, how the run ended, the summary, and nothing provisional after it; then
-    /// lets it take its place. Returns where it is. `went_on` is told whenever a pipe or device has taken something that was held back.
+    /// Completes the file: everything collected, how the run ended, and the summary, without a provisional part after it; then lets it take its
+    /// place. Returns its path. `went_on` is called whenever a pipe or device has taken bytes that were held back.
     ///
     /// # Errors
     /// [`LogError::Write`], as for every message.
@@ -219,7 +218,7 @@ impl LogFile {
         self.container.finish().map_err(|error| cannot_encode(&self.path, error))?;
         self.move_to_file()?;
         self.release(went_on)?;
-        // A short run ends within the second that may be lost, unless it replaces what must not be lost.
+        // A short run ends within the second that may be lost, unless it replaces a finished log.
         let finished = ending.outcome == Outcome::Finished;
         let is_due = self.saved.elapsed() >= PROVISIONAL_INTERVAL || self.output.protects();
         let synced = if is_due { self.tail.sync() } else { Ok(()) };
@@ -227,12 +226,12 @@ impl LogFile {
         Ok(self.current().to_path_buf())
     }
 
-    /// Hands on what was held back.
+    /// Hands on the bytes that were held back.
     pub(crate) fn release(&mut self, went_on: &dyn Fn()) -> Result<(), LogError> {
         self.tail.place().release(went_on).map_err(|reason| self.cannot_write(reason))
     }
 
-    /// After an error: keeps what is whole in the file, or was held back, and completes it as well as that goes.
+    /// After an error: keeps the whole part of the file, or the bytes that were held back, and completes it as well as possible.
     pub(crate) fn salvage(&mut self, went_on: &dyn Fn()) {
         if !self.is_regular && !self.tail.place().holds() {
             return;

@@ -29,7 +29,7 @@ pub(crate) struct Input<'m> {
     pub hash: String,
 }
 
-/// What was read, the main input first.
+/// The files that were read, the main input first.
 pub(crate) fn inputs(model: &Model) -> Vec<Input<'_>> {
     let scene = model.scene.iter().map(|scene| (String::new(), &*scene.path, &*scene.text, "application/toml"));
     let robots =
@@ -66,7 +66,7 @@ fn unique(name: String, taken: &[Input]) -> String {
     [name.clone()].into_iter().chain(numbered).find(is_free).unwrap_or(name)
 }
 
-/// Attaches what was read.
+/// Attaches the files that were read.
 pub(crate) fn attach_inputs(file: &mut LogFile, inputs: &[Input]) -> Result<(), LogError> {
     let mut entries = BTreeMap::new();
     for Input { name, relative, media_type, bytes, hash } in inputs {

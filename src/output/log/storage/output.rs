@@ -1,4 +1,4 @@
-//! Where a log lies on disk while it is written: the result of a finished run is never lost to one that fails.
+//! The place of a log on disk while it is written: a run that fails never destroys the result of a finished run.
 //!
 //! A run writes to a neighbour of its output, `NAME.unfinished.mcap`, which becomes the output by renaming:
 //!
@@ -6,7 +6,7 @@
 //! |---------------------------------|-------------------------------------------------------|------------------------|
 //! | nothing                         | when all that is known before the first step is in it | the output is what there is of the run |
 //! | a log of catena without an end, or that says it did not finish | the same               | the same               |
-//! | anything else: a finished log, another file | when the run has finished                 | the output is as it was, the run's log is the neighbour |
+//! | anything else: a finished log, another file | when the run has finished                 | the output stays, the run's log is the neighbour |
 //! | a pipe or device                | it is written directly; samples at the end of the run if that may begin again | |
 //!
 //! A file that is being written is locked, so that a second run does not write into it and readers know that there
@@ -20,16 +20,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// So many links point to each other at most before they are taken for a circle.
+/// Most links that point to each other before they are taken for a circle.
 const LINKS: usize = 40;
 
 /// The place of a log that is being written.
 pub(crate) struct Output {
-    /// Where the user wants it.
+    /// The place that the user wants.
     wanted: PathBuf,
-    /// Where it is.
+    /// The present place.
     current: PathBuf,
-    /// Whether what is at the wanted place must stay until the run has finished.
+    /// Whether the file at the wanted place must stay until the run has finished.
     protects: bool,
 }
 
@@ -50,7 +50,7 @@ impl Output {
     /// The same; `None` if another run has moved its log to the output meanwhile, so that all has to be looked at again.
     fn try_create(path: &Path) -> Result<Option<(Self, File, bool)>, LogError> {
         let refuse = |path: &Path, reason| LogError::Create { path: path.to_path_buf(), reason };
-        // A link stays a link: what it points to is replaced.
+        // A link stays a link, and its target is replaced.
         let wanted = behind_links(path);
         let is_special = std::fs::metadata(&wanted).is_ok_and(|metadata| !metadata.is_file());
         if is_special {
@@ -75,7 +75,7 @@ impl Output {
         if !is_at(&file, &current) || is_locked(&wanted) {
             return Ok(None);
         }
-        // What is empty is not cut: ext4 would then write the whole log out while it is closed, as if it replaced another.
+        // An empty file is not cut: ext4 would then write the whole log out while it is closed, as if it replaced another.
         if file.metadata().map_or(true, |metadata| metadata.len() > 0) {
             file.set_len(0).map_err(|reason| refuse(&current, reason))?;
         }
@@ -98,13 +98,13 @@ impl Output {
         Ok(())
     }
 
-    /// Where the file is.
+    /// The present place of the file.
     pub(crate) fn current(&self) -> &Path {
         &self.current
     }
 }
 
-/// What a path points to, also where that is not there yet: a link is followed as far as links go.
+/// The target of a path, also if it does not exist yet: a link is followed as far as links go.
 fn behind_links(path: &Path) -> PathBuf {
     let mut place = path.to_path_buf();
     for _ in 0..LINKS {
@@ -134,7 +134,7 @@ pub fn neighbour(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Locks a file; `false` if a run is writing it. Where files cannot be locked, there is no protection.
+/// Locks a file; `false` if a run is writing it. On file systems without locks there is no protection.
 fn lock(file: &File) -> bool {
     // Those who only ask whether a file is locked hold it for an instant.
     for _ in 0..5 {
@@ -146,7 +146,7 @@ fn lock(file: &File) -> bool {
     false
 }
 
-/// Whether the open file is still what has this name.
+/// Whether the open file still has this name.
 fn is_at(file: &File, path: &Path) -> bool {
     match (file.metadata(), std::fs::metadata(path)) {
         (Ok(open), Ok(named)) => identity(&open) == identity(&named),
@@ -160,13 +160,13 @@ fn identity(metadata: &Metadata) -> impl PartialEq {
     (metadata.dev(), metadata.ino())
 }
 
-/// Of a file that nobody writes to, as far as the standard library tells: when it was last written, and its length.
+/// The identity of a file without a writer, as far as the standard library tells: the time of its last write, and its length.
 #[cfg(not(unix))]
 fn identity(metadata: &Metadata) -> impl PartialEq {
     (metadata.modified().ok(), metadata.len())
 }
 
-/// Whether a run is writing this file; where files cannot be locked, nothing is known to be written.
+/// Whether a run is writing this file; `false` on file systems without locks.
 pub fn is_locked(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }

@@ -1,7 +1,7 @@
 //! The end of a log on disk: changed so that at every moment, even in the middle of a write, all of it can be read.
 //!
-//! A log in progress is a final part, to which chunks are only ever added, and after it a provisional part: messages
-//! whose final chunk is not full yet, written every so often in small chunks of their own, one after the other.
+//! A log in progress is a final part, to which chunks are only ever added, and after it a provisional part: messages whose final chunk is not full
+//! yet. They are written twice a second in small chunks of their own, one after the other.
 //!
 //! ```text
 //!     final part | p₁ p₂ … p_n                                      provisional chunks, added at the end
@@ -31,7 +31,7 @@ const HEADER: u64 = 9;
 /// The first opcode of the private range.
 const PRIVATE: u8 = 0x80;
 
-/// By so many bytes the record that readers shall not get past is longer than the file.
+/// Bytes by which the record that readers shall not get past is longer than the file.
 const BEYOND: u64 = 1 << 24;
 
 /// DataEnd without checksum, Footer without summary, magic: what makes a file complete when there is room for no more.
@@ -45,7 +45,7 @@ const SHORT_END: [u8; 50] = [
 pub(crate) trait Place {
     /// Writes all bytes at an offset.
     fn write_at(&mut self, bytes: &[u8], offset: u64) -> io::Result<()>;
-    /// Cuts off what is behind a length.
+    /// Cuts off everything behind a length.
     fn truncate(&mut self, length: u64) -> io::Result<()>;
     /// Waits until everything is safe from a power failure.
     fn sync(&mut self) -> io::Result<()>;
@@ -133,7 +133,7 @@ impl<P: Place> Tail<P> {
         self.place.sync()?;
         self.place.write_at(&private_header(copy - self.end - HEADER), self.end)?;
         self.place.sync()?;
-        // From here on the file is whole up to the end of the copy.
+        // The file is now whole up to the end of the copy.
         self.provisional = copy + length - self.end;
         let to_the_end = private_header(copy - self.end - HEADER);
         self.place.write_at(&[&bytes[HEADER as usize..], &to_the_end].concat(), self.end + HEADER)?;
@@ -163,7 +163,7 @@ impl<P: Place> Tail<P> {
         self.place.truncate(length)
     }
 
-    /// Where what is whole in the file ends.
+    /// The end of the whole part of the file.
     pub(crate) fn whole(&self) -> u64 {
         self.end + self.provisional
     }
@@ -174,7 +174,7 @@ impl<P: Place> Tail<P> {
         self.place.truncate(self.whole())
     }
 
-    /// Ends the file behind what is whole in it, after a write that failed: a complete log, but without a summary.
+    /// Ends the file behind its whole part, after a write that failed: a complete log, but without a summary.
     pub(crate) fn end_short(&mut self) -> io::Result<()> {
         let whole = self.end + self.provisional;
         self.place.truncate(whole)?;
@@ -227,7 +227,7 @@ mod tests {
         file[offset..offset + bytes.len()].copy_from_slice(bytes);
     }
 
-    /// The bytes of a log with one channel, and those of chunks with the messages of the ranges.
+    /// The bytes of a log with one channel, and of chunks with the messages of the ranges.
     fn parts(chunks: &[std::ops::Range<u64>]) -> (Vec<u8>, Vec<Vec<u8>>) {
         let mut writer = WriteOptions::new()
             .chunk_size(None)
@@ -269,7 +269,7 @@ mod tests {
         stream.map_while(Result::ok).map(|message| message.log_time).collect()
     }
 
-    /// Three provisional chunks, the last of which also has what nobody has saved before; then the final one.
+    /// Three provisional chunks, the last of which also has messages that were not saved before; then the final one.
     #[test]
     fn wherever_a_write_is_cut_short_no_message_that_was_saved_is_lost_or_read_twice() {
         // The final chunk may be smaller than the provisional ones together, and larger.

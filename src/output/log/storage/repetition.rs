@@ -1,8 +1,8 @@
 //! Chunks of samples packed as LZ4, with matches that are known instead of searched for.
 //!
-//! A message differs from the one before it on its channel in its numbers only. So each message is compared, eight bytes at a time, with
-//! that one; what is equal becomes a match of LZ4 at their distance, and the rest literals. This finds the names and constants of a log,
-//! which are about half of it, in one pass without tables. A general compressor costs as much as everything else about a sample.
+//! A message differs from the one before it on its channel in its numbers only. So each message is compared with it, eight bytes at a time. Equal
+//! bytes become a match of LZ4 at their distance, and the rest literals. This finds the names and constants of a log, which are about half of it, in
+//! one pass without tables. A general compressor costs as much as everything else about a sample.
 //!
 //! ```text
 //!     frame     magic  descriptor | length of a block  block | … | end mark (4 zero bytes)
@@ -26,16 +26,16 @@ const FRAME: [u8; 7] = [0x04, 0x22, 0x4d, 0x18, 0x40, 0x60, 0x96];
 /// Longer chunks are one long message and stay as they are. It leaves room for a block that becomes longer than its records.
 const LONGEST: usize = 1 << 18;
 
-/// A block ends with the message that makes it so long.
+/// A block ends with the message that gives it this length.
 const BLOCK: usize = 1 << 14;
 
 /// Farthest match.
 const FARTHEST: usize = u16::MAX as usize;
 
-/// Matches end so many bytes before the end of the block, or earlier.
+/// Least distance of the end of a match from the end of the block, in bytes.
 const LAST_LITERALS: usize = 12;
 
-/// Shortest match of the format, and what is compared at once, of which at least one is equal in each match here.
+/// Shortest match of the format, and the bytes that are compared at once, of which at least one is equal in each match here.
 const SHORTEST: usize = 4;
 const WORD: usize = 8;
 
@@ -45,7 +45,7 @@ const ENCAPSULATION: usize = 4;
 /// Packs chunks; keeps its memory.
 #[derive(Default)]
 pub(crate) struct Repetitions {
-    /// Of each channel where its last message begins, and its length.
+    /// For each channel the beginning of its last message, and its length.
     last: Vec<(usize, usize)>,
     packed: Vec<u8>,
 }
@@ -99,7 +99,7 @@ struct Block<'b> {
     /// The records up to its end.
     records: &'b [u8],
     out: &'b mut Vec<u8>,
-    /// So many bytes of the records are in it, or in blocks before.
+    /// Bytes of the records that are in it, or in blocks before.
     written: usize,
 }
 
@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use std::io::Read;
 
-    /// What a reader of the format makes of the frame of a batch, and the length of the frame; `None` if the batch is not packed.
+    /// The bytes that a reader of the format makes of the frame of a batch, and the length of the frame; `None` if the batch is not packed.
     fn unpacked(batch: &Batch) -> Option<(Vec<u8>, usize)> {
         let mut repetitions = Repetitions::default();
         let frame = repetitions.pack(batch)?;
@@ -220,13 +220,13 @@ mod tests {
                 }
             }
         }
-        // Not those of which there is one a channel, or in which most bytes change.
+        // Batches with one message a channel, or in which most bytes change, are not packed.
         assert!(packed > 40, "{packed} were packed");
     }
 
     #[test]
     fn what_repeats_is_written_once_and_what_does_not_stays_as_it_is() {
-        // Ten messages of 5000 bytes of which none changes. The first of each channel, a shorter one and the one after it have no match.
+        // Ten equal messages of 5000 bytes. The first of each channel, a shorter one and the one after it have no match.
         let (_, frame) = unpacked(&messages(10, 5000, u64::MAX)).expect("packed");
         assert!(frame < 5 * 5000, "{frame} bytes");
         assert!(unpacked(&messages(1, 5000, 2)).is_none(), "one message has none before it");

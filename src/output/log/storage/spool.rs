@@ -1,10 +1,10 @@
-//! Bytes that may still change, before they go into a pipe or device: those of a run that may begin again until its end.
+//! Bytes that may still change, before they go into a pipe or device: if the run may begin again, all bytes until its end.
 //!
 //! ```text
 //!     run ─▶ spool: in memory up to 8 MiB, then an unnamed temporary file ─▶ at the end of the run ─▶ pipe
 //! ```
 //!
-//! The temporary file has a name for the instant in which it is made. So nothing is left of it however the process ends.
+//! The temporary file has a name for the instant in which it is made. So it disappears however the process ends.
 
 use crate::output::log::storage::place::{FilePlace, Place};
 use std::fs::{File, OpenOptions};
@@ -12,7 +12,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// More than so many bytes go to the temporary file.
+/// Most bytes in memory; the temporary file takes the rest.
 const MOST_IN_MEMORY: u64 = 8 << 20;
 
 /// Bytes that are handed on at once: less than a pipe takes.
@@ -54,7 +54,7 @@ impl Place for Spool {
         self.file.as_mut().map_or(Ok(()), |file| file.truncate(length))
     }
 
-    /// A power failure loses what nobody has seen.
+    /// A power failure loses bytes that no reader has seen.
     fn sync(&mut self) -> io::Result<()> {
         Ok(())
     }
@@ -78,10 +78,10 @@ impl Spool {
     }
 }
 
-/// Where the bytes of a log go: into its file, pipe or device, or into a spool until the run has ended.
+/// The destination of the bytes of a log: its file, pipe or device, or a spool until the run has ended.
 pub(crate) struct LogPlace {
     file: FilePlace,
-    /// How much is in the pipe for good, and what comes after it.
+    /// The length that is in the pipe for good, and the bytes after it.
     held: Option<(u64, Spool)>,
 }
 
@@ -100,7 +100,7 @@ impl LogPlace {
         self.held.is_some()
     }
 
-    /// Hands on what was held back, and holds nothing back from now on. `went_on` is told of every piece that was taken.
+    /// Hands on the bytes that were held back, and stops holding them back. `went_on` is called after every piece that was taken.
     pub(crate) fn release(&mut self, went_on: &dyn Fn()) -> io::Result<()> {
         let Some((mut at, spool)) = self.held.take() else { return Ok(()) };
         spool.pour(|piece| {

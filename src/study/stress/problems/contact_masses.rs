@@ -7,7 +7,7 @@ use crate::study::stress::problem::{Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, box_inertia, on_floor, put};
 use nalgebra::Vector3;
 
-/// Mass of the ball over that of the box.
+/// Mass of the ball over the mass of the box.
 const RATIOS: [f64; 5] = [1.0, 1e2, 1e4, 1e6, 1e8];
 /// Edge lengths of the box, and the radius of the ball (m).
 const SIZE: Vector3<f64> = Vector3::new(2.0, 1.0, 0.2);

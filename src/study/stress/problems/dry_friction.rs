@@ -27,7 +27,7 @@ pub fn problem() -> Problem {
 fn build(place: usize) -> Result<Case, MechanismError> {
     let bodies = chain(2, 0.5, 0.05, 1.0, Vector3::x(), [Vector3::y(), Vector3::y()]);
     let mut mechanism = Mechanism::new("dry_friction", GRAVITY, bodies)?;
-    // What the joints have to carry at the start: weight times lever arms.
+    // The loads of the joints at the start: weight times lever arms.
     let weight = -GRAVITY.z;
     for (body, load) in [(0, weight * (0.25 + 0.75)), (1, weight * 0.25)] {
         let coordinate = only_coordinate(&mechanism, body);

@@ -1,4 +1,4 @@
-//! Inertias that are nearly nothing, nothing, or those of no body.
+//! Inertias that are nearly zero, zero, or impossible for a body.
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
@@ -6,7 +6,7 @@ use crate::study::stress::problem::{Case, Problem, Truth, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
 use nalgebra::Vector3;
 
-/// Moment about the link's own axis over that about the others. A body has at most 2; the last is none at all.
+/// Moment about the link's own axis over the moment about the others. A body has at most 2; the last inertia is zero.
 const RATIOS: [f64; 10] = [1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 3.0, 10.0, 100.0, 0.0];
 
 /// The problem.

@@ -1,4 +1,4 @@
-//! Light bodies in couplings: a coupler and loop members that weigh next to nothing, and a light leader of heavy followers.
+//! Light bodies in couplings: a coupler and loop members of negligible mass, and a light leader of heavy followers.
 
 use crate::mechanism::description::closure::{Coordinate, Mimic};
 use crate::mechanism::description::joint::{Joint, JointKind};

@@ -1,4 +1,4 @@
-//! A damper so hard that it all but locks what it is attached to.
+//! A damper that is hard enough to almost lock its joint.
 
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::forces::PointSpring;
