@@ -17,6 +17,7 @@
 //! Nothing here knows about simulation: a [`Robot`] is the URDF with every number finite, every reference resolved
 //! and every link on one tree. Parts of the file that are not used are listed in [`Robot::warnings`].
 
+mod body;
 mod bounded;
 pub mod contact_settings;
 pub mod coupling;
@@ -32,6 +33,7 @@ mod urdf_reading;
 mod warning;
 pub(crate) mod world;
 
+pub use body::{SceneBody, Weight};
 pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
 };

@@ -171,6 +171,16 @@ impl UrdfJointKind {
         }
     }
 
+    /// Whether number `index` of a position or velocity of the joint, as users give it, is an angle or its rate.
+    pub(crate) fn is_angle(self, index: usize) -> bool {
+        match self {
+            UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Spherical => true,
+            UrdfJointKind::Prismatic | UrdfJointKind::Fixed => false,
+            UrdfJointKind::Planar => index == 2,
+            UrdfJointKind::Floating => index >= 3,
+        }
+    }
+
     /// Whether the axis of the joint means something.
     pub fn has_axis(self) -> bool {
         !matches!(self, UrdfJointKind::Fixed | UrdfJointKind::Floating | UrdfJointKind::Spherical)

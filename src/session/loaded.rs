@@ -165,12 +165,10 @@ impl Loaded {
         wanted.positions.extend_from_slice(positions);
         wanted.velocities.extend_from_slice(velocities);
         if let Some(velocity) = base_velocity {
-            let count = self.model.robots.len();
-            if count > 1 {
-                return Err(Error::SeveralBases(count));
-            }
+            let only = self.model.only_robot().ok_or(Error::SeveralBases(self.model.robots.len()))?;
             // The velocity of the base is the velocity of its joint.
-            let base = self.model.joints.iter().find(|joint| joint.is_base).ok_or(ModelError::BaseDoesNotFloat)?;
+            let base = self.model.joints.iter().find(|joint| joint.is_base && joint.robot == only);
+            let base = base.ok_or(ModelError::BaseDoesNotFloat)?;
             if velocities.iter().any(|(name, _)| *name == base.name) {
                 return Err(Error::BaseVelocityTwice(base.name.clone()));
             }

@@ -127,8 +127,10 @@ impl World {
         if let Some(gravity) = self.gravity {
             scene.gravity = Some(Vector3::from(gravity));
         }
-        match scene.robots.as_mut_slice() {
-            [only] => {
+        let count = scene.robots.iter().filter(|robot| robot.body.is_none()).count();
+        let mut robots = scene.robots.iter_mut().filter(|robot| count == 0 || robot.body.is_none());
+        match (robots.next(), robots.next()) {
+            (Some(only), None) => {
                 if let Some(base) = self.base {
                     only.floating = base == Base::Floating;
                     // A base that is fixed loses its velocity.
@@ -136,9 +138,9 @@ impl World {
                 }
                 only.pose = self.base_pose.map_or(only.pose, pose);
             }
-            several => {
+            _ => {
                 if self.base.is_some() || self.base_pose.is_some() {
-                    return Err(Error::SeveralRobots { file: scene.path.clone(), count: several.len() });
+                    return Err(Error::SeveralRobots { file: scene.path.clone(), count: scene.robots.len() });
                 }
             }
         }

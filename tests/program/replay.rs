@@ -22,6 +22,23 @@ fn a_log_alone_is_enough_to_make_the_run_again_bit_for_bit() {
 }
 
 #[test]
+fn bodies_and_copies_are_replayed_from_the_one_file_of_all_copies() {
+    let folder = folder("copies");
+    let scene = "[[robot]]\nname = \"arm\"\nurdf = \"pendulum.urdf\"\ncount = 3\nspacing = [0, 1, 0]\n\
+        [[robot]]\nname = \"other\"\nurdf = \"pendulum.urdf\"\npose = { position = [2, 0, 0] }\n\
+        [[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\ncount = 2\nspacing = [0, 0, 0.5]\n\
+        pose = { position = [9, 0, 1] }\n[[obstacle]]\nname = \"ground\"\nshape = { type = \"half_space\" }\n";
+    std::fs::write(folder.join("copies.toml"), scene).expect("written");
+    std::fs::write(folder.join("pendulum.urdf"), common::command::PENDULUM).expect("written");
+    let output = run(&folder, &["simulate", "copies.toml", "--duration", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    std::fs::remove_file(folder.join("pendulum.urdf")).expect("removed");
+    let output = run(&folder, &["replay", "copies.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("identical"), "{}", text(&output.stdout));
+}
+
+#[test]
 fn a_floating_robot_and_its_base_velocity_are_replayed() {
     let folder = folder("floating");
     let motion = ["--base", "floating", "--base-velocity", "1,0,2,0.1,0.2,0.3", "--duration", "1"];

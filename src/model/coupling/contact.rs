@@ -91,7 +91,7 @@ impl Model {
                 }
                 let pose = frame.in_body * given.origin;
                 let names = [link.name.as_str(), frame.name.as_str()];
-                let shapes = reader.shapes((number, &placed.robot), names, (shape + 1, given), choice)?;
+                let shapes = reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice)?;
                 let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
                 colliders.extend(shapes.into_iter().map(collider));
             }

@@ -97,6 +97,9 @@ impl Model {
         warnings.extend(dropped.iter().map(|&(head, joint)| build.massless_warning(head, joint)));
         let robots = vec![PlacedRobot {
             name: robot.name.clone(),
+            prefix: String::new(),
+            is_body: false,
+            is_copy: false,
             links: 0..robot.links.len(),
             joints: 0..joints.len(),
             base_pose: options.base_pose,

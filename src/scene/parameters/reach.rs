@@ -2,11 +2,12 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::scene::body::Weight;
 use crate::scene::contact_settings::Obstacle;
 use crate::scene::coupling::{JointReference, LoadKind, Point, SpringPlace};
 use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
 use crate::scene::joint_settings::{LimitChoice, SceneJoint};
-use crate::scene::parameters::place::{MotorNumber, Place, ShapeNumber, SpringNumber};
+use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::slot::Slot;
 use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, UrdfJoint};
 use nalgebra::Matrix3;
@@ -24,6 +25,13 @@ impl Place {
             Place::BaseVelocity { robot, number } => {
                 let robot = scene.robots.get_mut(*robot)?;
                 Number(robot.velocity.get_or_insert(([0.0; 6], robot.line)).0.get_mut(*number)?)
+            }
+            Place::Body { robot, what } => {
+                let body = scene.robots.get_mut(*robot)?.body.as_mut()?;
+                match (what, &mut body.weight) {
+                    (BodyNumber::Weight, Weight::Density(number) | Weight::Mass(number)) => Number(number),
+                    (BodyNumber::Shape(what), _) => Number(of_geometry(&mut body.shape, *what)?),
+                }
             }
             Place::Position { robot, joint, number, count } => {
                 let robot = scene.robots.get_mut(*robot)?;
@@ -202,9 +210,16 @@ fn entry_of(scene: &mut Scene, motor: usize, entry: usize) -> Option<&mut (f64, 
 
 /// A number of a collision shape of a link.
 fn of_collision(shape: &mut LinkShape, what: ShapeNumber) -> Option<Slot<'_>> {
-    Some(Slot::Number(match (what, &mut shape.geometry) {
-        (ShapeNumber::Position(axis), _) => shape.origin.translation.vector.get_mut(axis)?,
-        (ShapeNumber::Turn(angle), _) => shape.rpy.get_mut(angle)?,
+    Some(Slot::Number(match what {
+        ShapeNumber::Position(axis) => shape.origin.translation.vector.get_mut(axis)?,
+        ShapeNumber::Turn(angle) => shape.rpy.get_mut(angle)?,
+        of_geometry_alone => of_geometry(&mut shape.geometry, of_geometry_alone)?,
+    }))
+}
+
+/// A number of a geometry.
+fn of_geometry(geometry: &mut Geometry, what: ShapeNumber) -> Option<&mut f64> {
+    Some(match (what, geometry) {
         (
             ShapeNumber::Radius,
             Geometry::Sphere { radius } | Geometry::Cylinder { radius, .. } | Geometry::Capsule { radius, .. },
@@ -213,7 +228,7 @@ fn of_collision(shape: &mut LinkShape, what: ShapeNumber) -> Option<Slot<'_>> {
         (ShapeNumber::Size(axis), Geometry::Box { size }) => size.get_mut(axis)?,
         (ShapeNumber::Scale(axis), Geometry::Mesh(mesh)) => mesh.scale.get_mut(axis)?,
         _ => return None,
-    }))
+    })
 }
 
 /// A number of the shape of an obstacle.

@@ -41,6 +41,10 @@ impl Place {
             | Place::Restitution(of)
             | Place::Friction(of)
             | Place::Damping(of) => of_joint(scene, of.robot, &of.joint),
+            Place::Body { robot, .. } => {
+                let robot = &scene.robots[*robot];
+                here(robot.line, Element::Body(robot.name.clone()))
+            }
             Place::BasePosition { robot, .. } | Place::BaseTurn { robot, .. } | Place::BaseVelocity { robot, .. } => {
                 let robot = &scene.robots[*robot];
                 here(robot.line, Element::Robot(robot.name.clone()))

@@ -103,7 +103,7 @@ impl CouplingReader<'_> {
     }
 
     /// A shape, its frame in that of the obstacle, and the mesh it was read from.
-    fn shape(
+    pub fn shape(
         &self,
         table: Spanned<ShapeTable>,
         owner: &Element,

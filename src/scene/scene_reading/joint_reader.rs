@@ -5,8 +5,10 @@ use crate::scene::coupling::{JointReference, SceneLoop};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
-use crate::scene::scene_reading::joint_schema::{JointTable, MotorKind, MotorTable};
+use crate::scene::scene_reading::joint_schema::{JointTable, LimitKey, MotorKind, MotorTable};
 use crate::scene::scene_reading::scene_files::SceneFiles;
+use crate::scene::scene_reading::scene_numbers::Quantity;
+use std::ops::Range;
 use toml::Spanned;
 
 impl CouplingReader<'_> {
@@ -50,7 +52,15 @@ impl CouplingReader<'_> {
                 }
                 (MotorKind::Effort, None, None) => MotorLaw::Effort,
             };
-            let (target, given) = self.target(&table.target, table.interpolation.into(), &owner, files, read)?;
+            let value = |given: Quantity, span: &Range<usize>| match table.kind {
+                MotorKind::Effort => given.value(false, false).map_err(|reason| {
+                    let problem = Problem::JointNumber { joint: joint.joint.clone(), reason };
+                    self.text.error(span, Some(owner.clone()), problem)
+                }),
+                kind => self.joint_number(&joint, given, kind == MotorKind::Velocity, span, &owner),
+            };
+            let (target, given) =
+                self.target(&table.target, &value, table.interpolation.into(), &owner, files, read)?;
             motors.push(SceneMotor {
                 joint,
                 on,
@@ -81,7 +91,12 @@ impl CouplingReader<'_> {
             if limit.is_none() && restitution.is_none() && friction.is_none() && damping.is_none() {
                 return refuse(table_span, "give its limit, restitution, friction or damping");
             }
-            let limit = limit.map(|limit| limit.0);
+            let number = |given: Quantity| self.joint_number(&joint, given, false, &name.span(), &owner);
+            let limit = match limit {
+                None => None,
+                Some(LimitKey::Unlimited) => Some(LimitChoice::Unlimited),
+                Some(LimitKey::Range([lower, upper])) => Some(LimitChoice::Range(number(lower.0)?, number(upper.0)?)),
+            };
             if let (Some(LimitChoice::Unlimited), Some(restitution)) = (limit, &restitution) {
                 return refuse(restitution.span(), "a joint without limits has no restitution");
             }

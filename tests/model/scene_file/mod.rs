@@ -1,5 +1,6 @@
 //! Claims about scene files: what they may say, what they may not, and where the command line has the last word.
 
+mod bodies;
 mod built;
 mod command_line;
 mod contact;
