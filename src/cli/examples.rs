@@ -57,7 +57,7 @@ Example:
 mod tests {
     use super::*;
     use crate::cli::CommandLine;
-    use crate::cli::arguments::contact_args::with_heights;
+    use crate::cli::arguments::contact_args::with_values;
     use clap::Parser;
     use std::ffi::OsString;
 
@@ -69,7 +69,7 @@ mod tests {
             let command = line.trim_start().split("  ").next().unwrap_or_default();
             let command = command.split(" > ").next().unwrap_or_default();
             let words = command.split(' ').map(OsString::from);
-            let parsed = CommandLine::try_parse_from(with_heights(words));
+            let parsed = CommandLine::try_parse_from(with_values(words));
             assert!(parsed.is_ok(), "{command}: {}", parsed.err().map_or_else(String::new, |error| error.to_string()));
         }
     }

@@ -26,6 +26,7 @@ pub mod error;
 pub mod joint_settings;
 mod numbers;
 pub mod parameters;
+pub(crate) mod pattern;
 pub mod robot;
 mod scene_reading;
 mod text;

@@ -217,6 +217,12 @@ pub struct UrdfJoint {
 }
 
 impl UrdfJoint {
+    /// Whether a motor can drive it for itself: it turns about or slides along an axis, and follows no other joint.
+    pub fn can_be_driven(&self) -> bool {
+        use UrdfJointKind::{Continuous, Prismatic, Revolute};
+        self.mimic.is_none() && matches!(self.kind, Revolute | Continuous | Prismatic)
+    }
+
     /// The limits [rad or m] between which the URDF keeps a joint of one freedom, if it says so; those of a continuous joint are not read.
     pub fn own_limits(&self) -> Option<(f64, f64)> {
         self.limit.filter(|_| self.kind != UrdfJointKind::Continuous).and_then(|limit| limit.range())

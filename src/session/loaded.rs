@@ -10,6 +10,7 @@ use crate::model::{Model, ModelError, Start};
 use crate::output::report::{Numbers, joint_reports};
 use crate::scene::{SimulationSettings, Warning};
 use crate::session::error::Error;
+use crate::session::held_start::motors_from;
 use std::sync::Arc;
 
 /// A loaded model, its start, and the run settings of its file.
@@ -55,6 +56,9 @@ impl Loaded {
     ) -> Result<State, Error> {
         let Assembled { state, counted, warnings } = self.assembled(positions, velocities, base_velocity)?;
         self.counted = counted;
+        if let Some(motors) = motors_from(&self.model, &state) {
+            self.model.mechanism.nonsmooth.motors = motors;
+        }
         self.model.warnings.extend(warnings);
         Ok(state)
     }

@@ -1,6 +1,7 @@
 //! A model in the library: read from a file once, run many times.
 
 use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
@@ -8,6 +9,7 @@ use crate::output::report::{pair_count, pair_name};
 use crate::scene::{Scene, Touching, Warning};
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
+use crate::session::held_start::Hold;
 use crate::session::loaded::Loaded;
 use crate::session::world::World;
 use nalgebra::{Rotation3, Translation3};
@@ -93,6 +95,13 @@ impl Loader {
     #[must_use]
     pub fn package(mut self, name: &str, folder: impl Into<PathBuf>) -> Self {
         self.world.packages.push((name.to_string(), folder.into()));
+        self
+    }
+
+    /// Holds all joints without motors of their own where a run starts.
+    #[must_use]
+    pub fn hold(mut self, hold: Hold) -> Self {
+        self.world.hold = Some(hold);
         self
     }
 
@@ -244,6 +253,13 @@ impl Model {
     #[doc(hidden)]
     pub fn loaded(&self) -> &Loaded {
         &self.shared.loaded
+    }
+
+    /// The same model with other motors.
+    pub(crate) fn driven_by(&self, motors: Vec<Motor>) -> Self {
+        let mut shared = Shared::clone(&self.shared);
+        shared.loaded.model.mechanism.nonsmooth.motors = motors;
+        Model { shared: Arc::new(shared) }
     }
 
     /// The same model with more warnings, if there are any.

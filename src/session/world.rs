@@ -8,6 +8,7 @@ use crate::scene::{
     ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_scene, read_urdf,
 };
 use crate::session::error::Error;
+use crate::session::held_start::Hold;
 use crate::session::loaded::Loaded;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ pub struct World {
     pub floor: Option<f64>,
     /// Which collision shapes may touch.
     pub contact: Option<Touching>,
+    /// Motors that hold all joints without motors of their own where the run starts.
+    pub hold: Option<Hold>,
     /// Numbers to set, by their key paths ([`crate::scene::Scene::parameters`]).
     pub set: Vec<(String, f64)>,
     /// Names of ROS packages and their folders.
@@ -85,7 +88,7 @@ impl World {
     /// A robot that cannot be simulated.
     pub fn place_robot(&self, robot: Robot) -> Result<Loaded, Error> {
         self.check()?;
-        if !self.set.is_empty() {
+        if !self.set.is_empty() || self.hold.is_some() {
             return self.place_only(Scene::of_robot(robot));
         }
         let defaults = ModelOptions::default();
@@ -123,6 +126,9 @@ impl World {
     /// A scene that cannot be simulated, and options for one robot where there are several.
     pub fn place_scene(&self, mut scene: Scene) -> Result<Loaded, Error> {
         self.check()?;
+        if let Some(hold) = self.hold {
+            hold.add_to(&mut scene);
+        }
         self.set_numbers(&mut scene)?;
         if let Some(gravity) = self.gravity {
             scene.gravity = Some(Vector3::from(gravity));
@@ -156,6 +162,10 @@ impl World {
         let gravity = self.gravity.iter().flatten().map(|&value| ("gravity", value));
         let pose = self.base_pose.iter().flatten().map(|&value| ("base pose", value));
         let floor = self.floor.iter().map(|&value| ("floor", value));
+        let gains = self.hold.iter().flat_map(|hold| hold.kp.into_iter().chain(hold.kd)).map(|gain| ("hold", gain));
+        if let Some((option, value)) = gains.clone().find(|(_, gain)| !gain.is_finite() || *gain < 0.0) {
+            return Err(Error::Option { option, value, wanted: "give a gain that is finite and not negative" });
+        }
         match gravity.chain(pose).chain(floor).find(|(_, value)| !value.is_finite()) {
             Some((option, value)) => Err(Error::Option { option, value, wanted: "give a finite number" }),
             None => Ok(()),

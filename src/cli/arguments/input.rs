@@ -7,7 +7,7 @@ use crate::cli::arguments::numbers::numbers;
 use catena::mechanism::description::rules::Rule;
 use catena::model::{Base, Left};
 use catena::scene::Scene;
-use catena::session::{Loaded, World};
+use catena::session::{Hold, Loaded, World};
 use std::path::{Path, PathBuf};
 
 /// The robot or scene, and where it stands.
@@ -47,6 +47,11 @@ pub struct WorldArgs {
 
     #[command(flatten)]
     pub contact: ContactArgs,
+
+    /// Hold all joints without motors of their own where they start, by motors with these gains [N m/rad and N m s/rad, or N/m and N s/m];
+    /// without gains by critically damped ones of 10 Hz
+    #[arg(long, value_name = "kp=KP,kd=KD", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = gains)]
+    pub hold: Option<Hold>,
 
     /// Set a number of the scene or robot by its key path, as `link7.mass=2.5` (repeatable); `catena model INPUT --parameters` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = one_number)]
@@ -105,6 +110,7 @@ impl WorldArgs {
             contact: self.contact.contact,
             packages: self.package.clone(),
             set: self.set.clone(),
+            hold: self.hold,
         }
     }
 }
@@ -116,6 +122,25 @@ impl BaseChoice {
             BaseChoice::Floating => Base::Floating,
         }
     }
+}
+
+/// `kp=KP,kd=KD`, one of them, or neither.
+fn gains(text: &str) -> Result<Hold, String> {
+    let mut hold = Hold::default();
+    for gain in text.split(',').filter(|gain| !gain.is_empty()) {
+        let refuse = || format!("{gain:?} is none of kp=NUMBER and kd=NUMBER");
+        let (name, number) = gain.split_once('=').ok_or_else(refuse)?;
+        let number: f64 = number.trim().parse().map_err(|_| refuse())?;
+        if !number.is_finite() || number < 0.0 {
+            return Err(format!("{name} is {number}; give a number that is finite and not negative"));
+        }
+        match name.trim() {
+            "kp" => hold.kp = Some(number),
+            "kd" => hold.kd = Some(number),
+            _ => return Err(refuse()),
+        }
+    }
+    Ok(hold)
 }
 
 /// `KEY=VALUE`. Which values a key takes is asked where it is known.

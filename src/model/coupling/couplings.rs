@@ -48,11 +48,11 @@ impl Model {
         let damping = springs_dampers..forces.joint_dampers.len();
         let mimics = builder.urdf_mimics(&mut warnings)?;
         let limits = builder.limits(&mut warnings);
-        let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor));
+        let (motors, at_start) = builder.motors()?;
         let nonsmooth = Nonsmooth {
             limits: limits.clone(),
             friction: builder.friction(&mut warnings),
-            motors: motors.collect::<Result<_, _>>()?,
+            motors,
             speeds: builder.speeds(),
             ..Nonsmooth::default()
         };
@@ -62,6 +62,7 @@ impl Model {
         self.mechanism.nonsmooth = nonsmooth;
         self.mechanism.forces = forces;
         self.damping = damping;
+        self.at_start = at_start;
         self.warnings.extend(warnings);
         Ok(())
     }

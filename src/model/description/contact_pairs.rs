@@ -5,6 +5,7 @@
 
 use crate::mechanism::description::contact::{Collider, ContactPair};
 use crate::model::description::contact_reach::ContactReach;
+use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, MeshSource, Obstacle, PairRule, Touching};
 
 /// Why two shapes never touch.
@@ -168,43 +169,4 @@ fn manner(settings: &ContactSettings, obstacle: Option<&Obstacle>, a: &str, b: &
 /// Whether a rule names two shapes, in either order.
 fn names(rule: &PairRule, a: &str, b: &str) -> bool {
     (matches(&rule.a, a) && matches(&rule.b, b)) || (matches(&rule.a, b) && matches(&rule.b, a))
-}
-
-/// Whether a pattern, in which `*` stands for any text, is a name.
-pub(crate) fn matches(pattern: &str, name: &str) -> bool {
-    let mut parts = pattern.split('*');
-    let Some(mut rest) = name.strip_prefix(parts.next().unwrap_or_default()) else { return false };
-    let Some(last) = parts.next_back() else { return rest.is_empty() };
-    for part in parts {
-        match rest.find(part) {
-            Some(at) => rest = &rest[at + part.len()..],
-            None => return false,
-        }
-    }
-    rest.ends_with(last)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::matches;
-
-    #[test]
-    fn a_star_stands_for_any_text_and_everything_else_for_itself() {
-        for (pattern, name) in [
-            ("*", ""),
-            ("*", "a"),
-            ("foot*", "foot"),
-            ("foot*", "foot_left"),
-            ("*/foot", "a/foot"),
-            ("a*b*c", "a__bb_c"),
-            ("a", "a"),
-        ] {
-            assert!(matches(pattern, name), "{pattern} {name}");
-        }
-        for (pattern, name) in
-            [("foot*", "afoot"), ("a", "ab"), ("*a", "ab"), ("a*a", "a"), ("a*b*c", "acb"), ("", "a")]
-        {
-            assert!(!matches(pattern, name), "{pattern} {name}");
-        }
-    }
 }

@@ -11,6 +11,7 @@
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::model::description::at_start::AtStart;
 use crate::model::description::contact_pairs::ContactRecord;
 use crate::scene::{Geometry, Robot, UrdfJointKind, Warning, warning_lines};
 use nalgebra::{Matrix3, Vector3};
@@ -38,6 +39,8 @@ pub struct Model {
     pub tables: Vec<SourceFile>,
     /// Which of the mechanism's joint dampers are the damping of the joints themselves; the others belong to springs.
     pub damping: Range<usize>,
+    /// The motors whose targets are where a run starts.
+    pub at_start: Vec<AtStart>,
     /// What became of shapes that may touch.
     pub contact: ContactRecord,
 }

@@ -115,6 +115,7 @@ impl Model {
             scene: None,
             tables: Vec::new(),
             damping: 0..0,
+            at_start: Vec::new(),
             contact: Default::default(),
         })
     }

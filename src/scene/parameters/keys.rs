@@ -206,13 +206,13 @@ impl Keys {
             let mut put = |name: &str, range, what| {
                 self.put("motor", &format!("{}.{name}", one.on), range, Place::Motor { motor, what })
             };
-            if matches!(one.law, MotorLaw::Position { .. }) {
+            if one.frequency.is_none() && matches!(one.law, MotorLaw::Position { .. }) {
                 put("kp", Range::NotNegative, MotorNumber::Kp);
             }
-            if matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
+            if one.frequency.is_none() && matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
                 put("kd", Range::NotNegative, MotorNumber::Kd);
             }
-            if one.table.is_none() {
+            if one.table.is_none() && !one.at_start {
                 put("target", Range::Finite, MotorNumber::Target);
             }
             put("max_effort", Range::Bound, MotorNumber::MaxEffort);

@@ -10,7 +10,7 @@ use toml::Spanned;
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MotorTable {
-    pub joint: Spanned<String>,
+    pub joint: OneOrMore,
     pub kind: MotorKind,
     pub target: Spanned<TargetKey>,
     #[serde(default)]
@@ -48,9 +48,59 @@ pub(crate) struct JointTable {
     pub damping: Option<NotNegative>,
 }
 
-/// A target: a number, entries `[time, value]` with their places in the file, or the name of a CSV file.
+/// A name or a list of names, each with its place.
+pub(crate) struct OneOrMore(pub Vec<Spanned<String>>);
+
+impl<'de> Deserialize<'de> for OneOrMore {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let whole = Spanned::<Names>::deserialize(deserializer)?;
+        let span = whole.span();
+        Ok(OneOrMore(match whole.into_inner() {
+            Names::One(name) => vec![Spanned::new(span, name)],
+            Names::Several(names) => names,
+        }))
+    }
+}
+
+/// The same before the place of one name is known.
+enum Names {
+    One(String),
+    Several(Vec<Spanned<String>>),
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NameOrList;
+        impl<'de> Visitor<'de> for NameOrList {
+            type Value = Names;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("the name of a joint or a list of names")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Names, E> {
+                Ok(Names::One(name.to_string()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Names, A::Error> {
+                let mut names = Vec::new();
+                while let Some(name) = list.next_element()? {
+                    names.push(name);
+                }
+                if names.is_empty() {
+                    return Err(A::Error::custom("the list is empty; give at least one joint"));
+                }
+                Ok(Names::Several(names))
+            }
+        }
+        deserializer.deserialize_any(NameOrList)
+    }
+}
+
+/// A target: a number, `"start"`, entries `[time, value]` with their places in the file, or the name of a CSV file.
 pub(crate) enum TargetKey {
     Number(Quantity),
+    Start,
     Entries(Vec<Spanned<Vec<Quantity>>>),
     File(String),
 }
@@ -82,7 +132,9 @@ impl<'de> Deserialize<'de> for TargetKey {
             type Value = TargetKey;
 
             fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
-                out.write_str("a number, a list of [time, value], or the name of a CSV file of time,value")
+                out.write_str(
+                    "a number, a list of [time, value], or the name of a CSV file of time,value; or \"start\"",
+                )
             }
 
             fn visit_f64<E: Error>(self, number: f64) -> Result<TargetKey, E> {
@@ -94,6 +146,9 @@ impl<'de> Deserialize<'de> for TargetKey {
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<TargetKey, E> {
+                if text == "start" {
+                    return Ok(TargetKey::Start);
+                }
                 let number = Quantity::parse(text).map(TargetKey::Number);
                 Ok(number.unwrap_or_else(|_| TargetKey::File(text.to_string())))
             }

@@ -26,6 +26,7 @@ impl CouplingReader<'_> {
         let span = key.span();
         let (entries, file): (Vec<Entry>, PathBuf) = match key.get_ref() {
             TargetKey::Number(given) => return Ok((Target::constant(value(*given, &span)?), None)),
+            TargetKey::Start => return Ok((Target::constant(0.0), None)),
             TargetKey::Entries(entries) => (self.entries(entries, value, owner)?, self.text.file.to_path_buf()),
             TargetKey::File(name) => {
                 let path = self.text.file.parent().unwrap_or(Path::new("")).join(name);

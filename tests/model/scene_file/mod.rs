@@ -6,6 +6,7 @@ mod command_line;
 mod contact;
 mod contact_errors;
 mod errors;
+mod holding;
 mod joint_errors;
 mod joints;
 
