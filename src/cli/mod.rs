@@ -16,6 +16,7 @@ mod examples;
 mod inspect;
 mod inspect_files;
 mod inspect_follow;
+mod logged_state;
 mod model;
 mod page_files;
 mod recorded;

@@ -21,6 +21,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// The text of the file.
     pub source: String,
+    /// Whether it is a robot alone, without a scene file.
+    pub is_robot: bool,
     /// Acceleration of gravity in the world [m/s²], if given.
     pub gravity: Option<Vector3<f64>>,
     /// The robots, then the bodies: at least one.
@@ -53,6 +55,7 @@ impl Scene {
             name: robot.name.clone(),
             path: robot.path.clone(),
             source: format!("[[robot]]\nurdf = {file:?}\n"),
+            is_robot: true,
             gravity: None,
             loops: Vec::new(),
             springs: Vec::new(),

@@ -90,11 +90,20 @@ pub enum Problem {
     #[error("is not well-formed XML: {0}")]
     Xml(String),
     /// XML, but not a URDF.
-    #[error("the outermost element is <{0}>; a URDF has <robot>")]
+    #[error("the outermost element is <{0}>; a URDF has <robot>, a model of MuJoCo <mujoco>")]
     NotRobot(String),
     /// A xacro source instead of its result.
     #[error("{0} is xacro, which must be expanded first: `xacro FILE.xacro > FILE.urdf`")]
     Xacro(String),
+    /// A xacro source, and no program to expand it.
+    #[error(
+        "it is xacro, and the program `xacro`, which expands it, was not found: install it (`pip install xacro`), or expand the file where it is \
+         installed (`xacro FILE.xacro > FILE.urdf`)"
+    )]
+    NoXacro,
+    /// A xacro source that its program does not expand.
+    #[error("the program `xacro` cannot expand it: {0}")]
+    XacroFailed(String),
     /// No links.
     #[error("the robot has no links")]
     NoLinks,
@@ -144,6 +153,9 @@ pub enum Problem {
     /// Not TOML, or not the tables and keys of a scene.
     #[error("{}{message}", key.as_ref().map_or(String::new(), |key| format!("{key}: ")))]
     Toml { key: Option<String>, message: String },
+    /// A model of MuJoCo without joints.
+    #[error("no body of the model has a joint, so that nothing moves")]
+    NothingMoves,
     /// A scene without robots and bodies.
     #[error("the scene has no [[robot]] and no [[body]]")]
     NoRobots,

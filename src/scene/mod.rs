@@ -23,7 +23,10 @@ pub mod contact_settings;
 pub mod coupling;
 mod description;
 pub mod error;
+mod input_reading;
 pub mod joint_settings;
+#[cfg(feature = "scene")]
+mod mjcf_reading;
 mod numbers;
 pub mod parameters;
 pub(crate) mod pattern;
@@ -44,11 +47,12 @@ pub use coupling::{
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub use error::{Element, Problem, SceneError};
 pub(crate) use error::{listed, quoted};
+pub use input_reading::input::{Format, read_input};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
 pub use parameters::Parameter;
 pub use robot::{
-    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop, UrdfLoopEnd,
+    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, Surface, UrdfJoint,
+    UrdfJointKind, UrdfLoop, UrdfLoopEnd,
 };
 #[cfg(not(feature = "scene"))]
 pub use scene_reading::no_scene_file::read_scene;

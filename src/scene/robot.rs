@@ -60,8 +60,19 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// What touches.
     pub collisions: Vec<Shape>,
+    /// Coefficients of contact of all its collision shapes, where a file says them.
+    pub surface: Surface,
     /// Line of the `<link>` element.
     pub line: usize,
+}
+
+/// What a file says of the surface of a link.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Coulomb's coefficient of friction μ ≥ 0.
+    pub friction: Option<f64>,
+    /// Restitution of impacts, 0 to 1.
+    pub restitution: Option<f64>,
 }
 
 /// Mass and inertia of a link.

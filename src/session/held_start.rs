@@ -60,7 +60,7 @@ impl Hold {
     }
 }
 
-/// The motors of a run from this state, if they differ from those of the model.
+/// The motors of a run from this state, if they differ from the motors of the model.
 pub(crate) fn motors_from(model: &Model, start: &State) -> Option<Vec<Motor>> {
     if model.at_start.is_empty() {
         return None;

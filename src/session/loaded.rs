@@ -54,13 +54,27 @@ impl Loaded {
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, Error> {
-        let Assembled { state, counted, warnings } = self.assembled(positions, velocities, base_velocity)?;
+        let assembled = self.assembled(positions, velocities, base_velocity)?;
+        Ok(self.begun(assembled))
+    }
+
+    /// A given state as the start, moved to satisfy limits, loops and mimic relations. Changes become warnings of the model.
+    ///
+    /// # Errors
+    /// As of [`Loaded::assembled`].
+    pub fn settled_from(&mut self, state: State) -> Result<State, Error> {
+        let assembled = self.settled(state, &Start::default())?;
+        Ok(self.begun(assembled))
+    }
+
+    /// Takes what a start says into the model.
+    fn begun(&mut self, Assembled { state, counted, warnings }: Assembled) -> State {
         self.counted = counted;
         if let Some(motors) = motors_from(&self.model, &state) {
             self.model.mechanism.nonsmooth.motors = motors;
         }
         self.model.warnings.extend(warnings);
-        Ok(state)
+        state
     }
 
     /// The start, moved to satisfy limits, loops and mimic relations, and warnings about the changes.

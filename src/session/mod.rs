@@ -55,4 +55,4 @@ pub use recording::{Recording, SharedRecording};
 pub use rollout::{Rollout, Trajectories};
 pub use simulation::{JointValue, Simulation};
 #[doc(hidden)]
-pub use world::{World, is_scene};
+pub use world::World;

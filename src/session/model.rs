@@ -105,6 +105,13 @@ impl Loader {
         self
     }
 
+    /// Starts a model of MuJoCo with one of its keyframes.
+    #[must_use]
+    pub fn keyframe(mut self, name: &str) -> Self {
+        self.world.keyframe = Some(name.to_string());
+        self
+    }
+
     /// Sets a number by its key path ([`Model::with_params`]).
     #[must_use]
     pub fn set(mut self, key: &str, number: f64) -> Self {
@@ -151,7 +158,7 @@ impl Model {
         let mut world = self.world().clone();
         world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
         let scene = self.scene()?;
-        let loaded = world.place_read(self.path(), Scene::clone(&scene))?;
+        let loaded = world.place_read(Scene::clone(&scene))?;
         let mut model = Model::of_loaded(loaded, self.path().to_path_buf(), world);
         if let Some(shared) = Arc::get_mut(&mut model.shared) {
             shared.scene = scene.into();

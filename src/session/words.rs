@@ -21,7 +21,7 @@ pub(crate) fn words(
     positions: &[(String, Vec<f64>)],
     velocities: &[(String, Vec<f64>)],
 ) -> Vec<String> {
-    let World { base, base_pose, gravity, without, floor, contact, packages, set, hold } = world;
+    let World { base, base_pose, gravity, without, floor, contact, packages, set, hold, keyframe } = world;
     let mut words = vec!["simulate".to_string(), input.display().to_string()];
     let mut say = |option: &str, value: String| words.push(format!("--{option}={value}"));
     if let Some(base) = base {
@@ -33,6 +33,7 @@ pub(crate) fn words(
     floor.iter().for_each(|height| say("floor", height.to_string()));
     contact.iter().for_each(|touching| say("contact", touching.name().to_string()));
     packages.iter().for_each(|(name, folder)| say("package", format!("{name}={}", folder.display())));
+    keyframe.iter().for_each(|name| say("keyframe", name.clone()));
     let mut held = None;
     if let Some(hold) = hold {
         let gains = [("kp", hold.kp), ("kd", hold.kd)];

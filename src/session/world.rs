@@ -5,7 +5,7 @@
 use crate::mechanism::description::joint::Pose;
 use crate::model::{Base, Left, Model, ModelOptions, Start};
 use crate::scene::{
-    ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_scene, read_urdf,
+    ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_input,
 };
 use crate::session::error::Error;
 use crate::session::held_start::Hold;
@@ -30,15 +30,12 @@ pub struct World {
     pub contact: Option<Touching>,
     /// Motors that hold all joints without motors of their own where the run starts.
     pub hold: Option<Hold>,
+    /// The keyframe of a model of MuJoCo with which it starts.
+    pub keyframe: Option<String>,
     /// Numbers to set, by their key paths ([`crate::scene::Scene::parameters`]).
     pub set: Vec<(String, f64)>,
     /// Names of ROS packages and their folders.
     pub packages: Vec<(String, PathBuf)>,
-}
-
-/// Whether an input of this name is a scene file; all others are URDFs.
-pub fn is_scene(input: &Path) -> bool {
-    input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 impl World {
@@ -47,12 +44,13 @@ impl World {
     /// # Errors
     /// An invalid file; the error names file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> Result<Loaded, Error> {
-        let packages = self.packages()?;
-        if is_scene(input) {
-            self.place_scene(read_scene(input, &packages)?)
-        } else {
-            self.place_robot(read_urdf(input, &packages)?)
+        let mut scene = self.scene(input)?;
+        if scene.is_robot
+            && let Some(only) = scene.robots.pop()
+        {
+            return self.place_robot(only.robot);
         }
+        self.place_scene(scene)
     }
 
     /// Reads a scene, or a robot as a scene with one robot, so that its numbers have key paths. The numbers are those of the file.
@@ -60,8 +58,7 @@ impl World {
     /// # Errors
     /// An invalid file; the error names file, line, and link, joint or key.
     pub fn scene(&self, input: &Path) -> Result<Scene, Error> {
-        let packages = self.packages()?;
-        Ok(if is_scene(input) { read_scene(input, &packages)? } else { Scene::of_robot(read_urdf(input, &packages)?) })
+        Ok(read_input(input, self.keyframe.as_deref(), &self.packages()?)?)
     }
 
     fn packages(&self) -> Result<PackagePath, Error> {
@@ -108,8 +105,8 @@ impl World {
     ///
     /// # Errors
     /// As of [`World::load`].
-    pub(crate) fn place_read(&self, input: &Path, scene: Scene) -> Result<Loaded, Error> {
-        if is_scene(input) { self.place_scene(scene) } else { self.place_only(scene) }
+    pub(crate) fn place_read(&self, scene: Scene) -> Result<Loaded, Error> {
+        if scene.is_robot { self.place_only(scene) } else { self.place_scene(scene) }
     }
 
     /// Reduces the only robot of a scene to a model.

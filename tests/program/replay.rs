@@ -39,6 +39,21 @@ fn bodies_and_copies_are_replayed_from_the_one_file_of_all_copies() {
 }
 
 #[test]
+fn a_model_of_mujoco_is_replayed_without_its_file() {
+    let folder = folder("mjcf");
+    let model = "<mujoco><worldbody><geom type='plane' size='1 1 1'/><body name='cube' pos='0 0 1' euler='10 20 30'><freejoint/>\
+        <geom type='box' size='.1 .1 .1'/></body><body name='arm' pos='2 0 1'><joint/><geom size='.1' pos='.5 0 0'/></body></worldbody>\
+        <keyframe><key name='up' qpos='0 0 2 1 0 0 0 0.5'/></keyframe></mujoco>";
+    std::fs::write(folder.join("cube.xml"), model).expect("written");
+    let output = run(&folder, &["simulate", "cube.xml", "--keyframe", "up", "--duration", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    std::fs::remove_file(folder.join("cube.xml")).expect("removed");
+    let output = run(&folder, &["replay", "cube.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("identical"), "{}", text(&output.stdout));
+}
+
+#[test]
 fn a_floating_robot_and_its_base_velocity_are_replayed() {
     let folder = folder("floating");
     let motion = ["--base", "floating", "--base-velocity", "1,0,2,0.1,0.2,0.3", "--duration", "1"];

@@ -1,4 +1,4 @@
-//! Motors that hold their joints where a run starts, as a model has them: what they aim at is known when the start is.
+//! Motors that hold their joints where a run starts, as a model has them. Their targets are known when the start is.
 
 /// A motor whose target is the position of its joint at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 use crate::mechanism::description::contact::{Collider, ContactPair};
 use crate::model::description::contact_reach::ContactReach;
 use crate::scene::pattern::matches;
-use crate::scene::{ContactSettings, MeshSource, Obstacle, PairRule, Touching};
+use crate::scene::{ContactSettings, MeshSource, PairRule, Surface, Touching};
 
 /// Why two shapes never touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +75,7 @@ pub(crate) fn contact_pairs(
     settings: &ContactSettings,
     colliders: &[Collider],
     owners: &[Owner],
+    surfaces: &[Surface],
     reach: &ContactReach,
 ) -> (Vec<ContactPair>, Vec<LeftOutPair>) {
     let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
@@ -83,11 +84,9 @@ pub(crate) fn contact_pairs(
             if never_asked(settings.touching, [owners[a], owners[b]]).is_some() {
                 continue;
             }
-            let obstacle = match owners[b] {
-                Owner::Obstacle(obstacle) => Some(&settings.obstacles[obstacle]),
-                Owner::Robot(_) => None,
-            };
-            let Manner { friction, restitution, ignored } = manner(settings, obstacle, &one.name, &other.name);
+            let is_obstacle = matches!(owners[b], Owner::Obstacle(_));
+            let Manner { friction, restitution, ignored } =
+                manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
             let because = match ignored {
                 _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
@@ -151,11 +150,17 @@ struct Manner {
     ignored: Option<usize>,
 }
 
-fn manner(settings: &ContactSettings, obstacle: Option<&Obstacle>, a: &str, b: &str) -> Manner {
-    let of_obstacle = |of: fn(&Obstacle) -> Option<f64>| obstacle.and_then(of);
+/// Of two links the smaller coefficient that is said, of a link and an obstacle that of the obstacle, if both are said.
+fn manner(settings: &ContactSettings, surfaces: [Surface; 2], is_obstacle: bool, [a, b]: [&str; 2]) -> Manner {
+    let of_both = |[of_a, of_b]: [Option<f64>; 2], otherwise| match (of_a, of_b) {
+        (Some(_), Some(of_obstacle)) if is_obstacle && !settings.larger => of_obstacle,
+        (Some(one), Some(other)) if settings.larger => f64::max(one, other),
+        (Some(one), Some(other)) => f64::min(one, other),
+        (one, other) => one.or(other).unwrap_or(otherwise),
+    };
     let mut manner = Manner {
-        friction: of_obstacle(|obstacle| obstacle.friction).unwrap_or(settings.friction),
-        restitution: of_obstacle(|obstacle| obstacle.restitution).unwrap_or(settings.restitution),
+        friction: of_both(surfaces.map(|surface| surface.friction), settings.friction),
+        restitution: of_both(surfaces.map(|surface| surface.restitution), settings.restitution),
         ignored: None,
     };
     for rule in settings.rules.iter().filter(|rule| names(rule, a, b)) {

@@ -118,6 +118,8 @@ impl Keys {
         let called = |what: &str| format!("{}.{what}", of.name);
         let (head, shape) = ("body", &called("shape"));
         let place = |what| Place::Body { robot, what };
+        self.put(head, &called("friction"), Range::Friction, Place::LinkFriction { robot, link: 0 });
+        self.put(head, &called("restitution"), Range::Fraction, Place::LinkRestitution { robot, link: 0 });
         let weight = if let Weight::Density(_) = body.weight { "density" } else { "mass" };
         self.put(head, &called(weight), Range::Positive, place(BodyNumber::Weight));
         let of_shape = |what| place(BodyNumber::Shape(what));
@@ -133,6 +135,12 @@ impl Keys {
         for (link, one) in of.robot.links.iter().enumerate() {
             let name = called(of, &one.name);
             self.put("link", &format!("{name}.mass"), Range::NotNegative, Place::Mass { robot, link });
+            if !one.collisions.is_empty() {
+                let friction = Place::LinkFriction { robot, link };
+                self.put("link", &format!("{name}.friction"), Range::Friction, friction);
+                let restitution = Place::LinkRestitution { robot, link };
+                self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
+            }
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
             for (moment, row, column) in MOMENTS {

@@ -40,6 +40,14 @@ pub(crate) enum Place {
         robot: usize,
         link: usize,
     },
+    LinkFriction {
+        robot: usize,
+        link: usize,
+    },
+    LinkRestitution {
+        robot: usize,
+        link: usize,
+    },
     CenterOfMass {
         robot: usize,
         link: usize,

@@ -9,7 +9,7 @@ use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
 use crate::scene::joint_settings::{LimitChoice, SceneJoint};
 use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::slot::Slot;
-use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, UrdfJoint};
+use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, Surface, UrdfJoint};
 use nalgebra::Matrix3;
 
 impl Place {
@@ -41,6 +41,8 @@ impl Place {
                 let robot = scene.robots.get_mut(*robot)?;
                 Number(values(&mut robot.velocities, joint, *count, robot.line)?.get_mut(*number)?)
             }
+            Place::LinkFriction { robot, link } => Optional(&mut surface(scene, *robot, *link)?.friction),
+            Place::LinkRestitution { robot, link } => Optional(&mut surface(scene, *robot, *link)?.restitution),
             Place::Mass { robot, link } => Number(&mut inertial(scene, *robot, *link)?.mass),
             Place::CenterOfMass { robot, link, axis } => {
                 Number(inertial(scene, *robot, *link)?.origin.translation.vector.get_mut(*axis)?)
@@ -191,6 +193,15 @@ fn inertial(scene: &mut Scene, robot: usize, link: usize) -> Option<&mut Inertia
         inertia: Matrix3::zeros(),
         line,
     }))
+}
+
+/// The surface of a link; of a body, what it is made from.
+fn surface(scene: &mut Scene, robot: usize, link: usize) -> Option<&mut Surface> {
+    let placed = scene.robots.get_mut(robot)?;
+    match &mut placed.body {
+        Some(body) => Some(&mut body.surface),
+        None => Some(&mut placed.robot.links.get_mut(link)?.surface),
+    }
 }
 
 /// A joint of a URDF.

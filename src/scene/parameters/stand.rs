@@ -13,6 +13,8 @@ impl Place {
             Place::Mass { robot, link }
             | Place::CenterOfMass { robot, link, .. }
             | Place::InertiaTurn { robot, link, .. }
+            | Place::LinkFriction { robot, link }
+            | Place::LinkRestitution { robot, link }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
                 let link = &robot.links[*link];

@@ -1,4 +1,4 @@
-//! From a table `[[body]]` to robots of one link: its shape, its weight, its copies.
+//! Reads a table `[[body]]` as robots of one link: its shape, its weight, its copies.
 
 use crate::mechanism::description::contact::Shape;
 use crate::scene::body::{SceneBody, Weight};
@@ -6,12 +6,12 @@ use crate::scene::contact_settings::Obstacle;
 use crate::scene::description::SceneRobot;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::turn;
-use crate::scene::robot::{Geometry, Pose};
+use crate::scene::robot::{Geometry, Pose, Surface};
+use crate::scene::scene_reading::base_velocity::base_velocity;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::contact_schema::ShapeKind;
 use crate::scene::scene_reading::copies::{CopyKeys, copies};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
-use crate::scene::scene_reading::scene_file::base_velocity;
 use crate::scene::scene_reading::scene_files::SceneFiles;
 use crate::scene::scene_reading::scene_numbers::Fraction;
 use crate::scene::scene_reading::scene_schema::vector;
@@ -68,7 +68,11 @@ impl CouplingReader<'_> {
                 }
             },
         };
-        let body = SceneBody { shape, weight, color };
+        let surface = Surface {
+            friction: table.friction.map(|friction| friction.0),
+            restitution: table.restitution.map(|restitution| restitution.0),
+        };
+        let body = SceneBody { shape, weight, color, surface };
         let line = self.text.line(&span);
         let rpy = table.pose.rpy.map(|angle| angle.0);
         let keys = CopyKeys { count: &table.count, grid: &table.grid, spacing: &table.spacing };

@@ -1,8 +1,7 @@
 //! The table `[[body]]` of a scene file, as `serde` reads it.
 
 use crate::scene::scene_reading::contact_schema::ShapeTable;
-use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, PoseTable, Positive};
-use crate::scene::scene_reading::scene_schema::VelocityTable;
+use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, Friction, PoseTable, Positive, VelocityTable};
 use toml::Spanned;
 
 #[derive(serde::Deserialize)]
@@ -12,6 +11,8 @@ pub(crate) struct BodyTable {
     pub shape: Spanned<ShapeTable>,
     pub density: Option<Spanned<Positive>>,
     pub mass: Option<Spanned<Positive>>,
+    pub friction: Option<Friction>,
+    pub restitution: Option<Fraction>,
     pub color: Option<Spanned<Vec<Fraction>>>,
     #[serde(default)]
     pub pose: PoseTable,

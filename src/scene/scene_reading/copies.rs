@@ -20,7 +20,7 @@ pub(crate) struct CopyKeys<'k> {
     pub spacing: &'k Option<Spanned<[Finite; 3]>>,
 }
 
-/// What comes after the name of a copy, and its displacement (m); one without a number where the keys are not there.
+/// The number after the name of each copy, and its displacement (m). Without the keys there is one copy and no number.
 ///
 /// # Errors
 /// [`SceneError`] for keys that exclude each other or of which one is missing, and for no or too many copies.

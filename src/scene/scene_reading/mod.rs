@@ -1,6 +1,8 @@
 //! Scene files: text, tables with known keys, readers that resolve their names, [`Scene`](crate::scene::description::Scene).
 
 #[cfg(feature = "scene")]
+pub(crate) mod base_velocity;
+#[cfg(feature = "scene")]
 pub(crate) mod body_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod body_schema;

@@ -4,7 +4,7 @@
 //! |--------------|-----------------------------------------------------------------------------------------------|
 //! | `scene`      | `name`, `gravity` (world, m/s²)                                                               |
 //! | `robot`      | `name`, `urdf`, `base`, `pose`, `velocity`, `positions`, `velocities`, `count` or `grid`, `spacing` |
-//! | `body`       | `name`, `shape`, `density` or `mass`, `color`, `pose`, `velocity`, `count` or `grid`, `spacing`  |
+//! | `body`       | `name`, `shape`, `density` or `mass`, `color`, `friction`, `restitution`, `pose`, `velocity`, `count` or `grid`, `spacing` |
 //! | `loop`       | `name`, `type`, `a` and `b` (each `link`, `position`, `axis` in the link frame), `length`       |
 //! | `spring`     | `name`, `stiffness`, `damping`; between points `a`, `b`, `rest_length`; in a `joint` `rest`      |
 //! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
@@ -12,23 +12,25 @@
 //! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
 //! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
 //! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
-//! | `link`       | `name`, `collision`                                                                           |
+//! | `link`       | `name`, `shape`, `collision`, `friction`, `restitution`                                                                           |
 //! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
 //!
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
 
+use crate::scene::coupling::LinkReference;
 use crate::scene::description::{JointValues, Scene, SceneRobot, SimulationSettings};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::turn;
 use crate::scene::robot::{Pose, Robot};
+use crate::scene::scene_reading::base_velocity::base_velocity;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::copies::{CopyKeys, copies};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
 use crate::scene::scene_reading::scene_files::{FilesOnDisk, SceneFiles};
 use crate::scene::scene_reading::scene_numbers::STAGES;
 use crate::scene::scene_reading::scene_schema::{
-    BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, VelocityTable, vector,
+    BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, vector,
 };
 use crate::scene::scene_reading::toml_text::TomlText;
 use crate::scene::text::read_text;
@@ -66,12 +68,20 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let joints = reader.joints(file.joint, &loops)?;
     let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
+    for said in &contact.links {
+        if let LinkReference::Link { robot, link } = said.link {
+            let surface = &mut robots[robot].robot.links[link].surface;
+            surface.friction = said.surface.friction.or(surface.friction);
+            surface.restitution = said.surface.restitution.or(surface.restitution);
+        }
+    }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
     let (name, gravity) = file.scene.map_or((None, None), |scene| (scene.name, scene.gravity));
     Ok(Scene {
         name: name.filter(|name| !name.trim().is_empty()).unwrap_or_else(stem),
         path: path.to_path_buf(),
         source: source.to_string(),
+        is_robot: false,
         gravity: gravity.map(|g| vector(&g)),
         robots,
         loops,
@@ -200,13 +210,6 @@ fn robot(
         });
     }
     Ok(all)
-}
-
-/// The velocity of a base (linear, angular) [m/s, rad/s], and its line.
-pub(crate) fn base_velocity(text: &TomlText, velocity: &Spanned<VelocityTable>) -> ([f64; 6], usize) {
-    let [vx, vy, vz] = velocity.get_ref().linear.map(|number| number.0);
-    let [wx, wy, wz] = velocity.get_ref().angular.map(|number| number.0);
-    ([vx, vy, vz, wx, wy, wz], text.line(&velocity.span()))
 }
 
 /// What the numbers of a robot's joints need.

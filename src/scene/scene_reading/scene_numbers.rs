@@ -2,6 +2,7 @@
 //!
 //! Angles and rates of angles may be written in degrees, as `"30 deg"` and `"30 deg/s"`.
 
+use crate::scene::numbers::check_friction;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::fmt;
 
@@ -18,13 +19,10 @@ pub(crate) struct Finite(pub f64);
 #[serde(try_from = "f64")]
 pub(crate) struct NotNegative(pub f64);
 
-/// A friction coefficient: not negative, and at most [`MOST_FRICTION`].
+/// A friction coefficient: not negative, and at most [`crate::scene::numbers::MOST_FRICTION`].
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(try_from = "f64")]
 pub(crate) struct Friction(pub f64);
-
-/// The law of a cone that is nearly a half space is solved to fewer digits: with 1e5 one instant in some is not exact.
-const MOST_FRICTION: f64 = 1e4;
 
 /// A finite number greater than zero.
 #[derive(Clone, Copy, serde::Deserialize)]
@@ -37,6 +35,14 @@ pub(crate) struct Positive(pub f64);
 pub(crate) struct PoseTable {
     pub position: [Finite; 3],
     pub rpy: [Angle; 3],
+}
+
+/// Velocity of a frame in the world [m/s, rad/s].
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct VelocityTable {
+    pub linear: [Finite; 3],
+    pub angular: [AngleRate; 3],
 }
 
 /// An angle (rad).
@@ -173,10 +179,7 @@ impl TryFrom<f64> for NotNegative {
 impl TryFrom<f64> for Friction {
     type Error = String;
     fn try_from(number: f64) -> Result<Self, String> {
-        match NotNegative::try_from(number)?.0 {
-            number if number <= MOST_FRICTION => Ok(Friction(number)),
-            number => Err(format!("{number:e} must be at most {MOST_FRICTION:e}; with 10 next to nothing slips")),
-        }
+        check_friction(number).map(|()| Friction(number))
     }
 }
 

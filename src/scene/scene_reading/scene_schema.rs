@@ -4,7 +4,7 @@ use crate::scene::robot::LoopType;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::contact_schema::{ContactTable, LinkTable, ObstacleTable};
 use crate::scene::scene_reading::joint_schema::{JointTable, MotorTable};
-use crate::scene::scene_reading::scene_numbers::{AngleRate, Finite, NotNegative, PoseTable, Positive, Quantity};
+use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive, Quantity, VelocityTable};
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 use std::collections::BTreeMap;
@@ -69,13 +69,6 @@ pub(crate) enum BaseKey {
     #[default]
     Fixed,
     Floating,
-}
-
-#[derive(Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct VelocityTable {
-    pub linear: [Finite; 3],
-    pub angular: [AngleRate; 3],
 }
 
 #[derive(serde::Deserialize)]

@@ -1,9 +1,9 @@
-//! A `[[body]]` is the robot of one link that a URDF would describe; copies and degrees are what they would be written out.
+//! A `[[body]]` is the robot of one link that a URDF would describe; copies and degrees are the same as written out.
 
 use super::{ONE, build, folder, read, refusal};
 use catena::mechanism::motion::kinematics::body_states;
 use catena::model::Model;
-use catena::scene::{Geometry, SceneBody, Weight};
+use catena::scene::{Geometry, SceneBody, Surface, Weight};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -30,7 +30,7 @@ fn by_discs(radius_at: impl Fn(f64) -> f64, half_height: f64, density: f64) -> [
 fn mass_and_moments_are_those_of_the_matter_in_the_shape() {
     let density = 700.0;
     let (r, l) = (0.3, 0.8);
-    let body = |shape| SceneBody { shape, weight: Weight::Density(density), color: None };
+    let body = |shape| SceneBody { shape, weight: Weight::Density(density), color: None, surface: Surface::default() };
     let cap = |z: f64| (r * r - (z.abs() - 0.5 * l).max(0.0).powi(2)).max(0.0).sqrt();
     let ball = |z: f64| (r * r - z * z).max(0.0).sqrt();
     let round = [

@@ -21,7 +21,7 @@ fn a_pattern_and_a_list_drive_the_joints_that_they_name_one_by_one() {
     let one_by_one: String =
         ["hinge", "slide", "wheel", "thumb"].map(|joint| motor(&format!("{joint:?}"), &drive)).concat();
     let long = mechanism(&read(&folder, &format!("{LIMBED}{one_by_one}")).unwrap());
-    // "finger" follows another joint, "cap" moves no mass, the others have several freedoms or none.
+    // "finger" follows another joint, "cap" moves no mass, the others have several freedoms, or are fixed.
     for short in [
         motor("\"*\"", &drive),
         motor("[\"hinge\", \"slide\", \"wheel\", \"thumb\"]", &drive),
@@ -30,7 +30,7 @@ fn a_pattern_and_a_list_drive_the_joints_that_they_name_one_by_one() {
     ] {
         assert_eq!(mechanism(&read(&folder, &format!("{LIMBED}{short}")).unwrap()), long, "{short}");
     }
-    // What names a joint goes before a pattern, also before one that comes first.
+    // The name of a joint goes before a pattern, also before a pattern that comes first.
     let own = motor("\"wheel\"", "kind = \"effort\"\ntarget = 3\n");
     let (model, ..) = build(&folder, &format!("{LIMBED}{}{own}", motor("\"*\"", &drive)));
     let laws: Vec<MotorLaw> = model.mechanism.nonsmooth.motors.iter().map(|motor| motor.law).collect();

@@ -9,6 +9,7 @@ mod errors;
 mod holding;
 mod joint_errors;
 mod joints;
+mod surfaces;
 
 use crate::common::command;
 use catena::mechanism::motion::state::State;
