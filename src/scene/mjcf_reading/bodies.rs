@@ -11,6 +11,9 @@ use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
+/// A body in another: its pose there, and the class of its elements.
+type Inner = (Element, Pose, Option<String>);
+
 /// Elements of a body that say nothing of its motion.
 const SILENT: [&str; 4] = ["camera", "light", "site", "plugin"];
 
@@ -132,7 +135,7 @@ impl Reader<'_> {
         }
         let mut link = Link { name: name.to_string(), mass: None, geoms: Vec::new(), line: body.line };
         let mut parts = Vec::new();
-        let mut bodies = Vec::new();
+        let mut bodies: Vec<Inner> = Vec::new();
         let inertial =
             self.contents(body, &Pose::identity(), class, (name, at), (&mut link, &mut parts), &mut bodies)?;
         link.mass = match (self.inertia_from_geoms, inertial) {
@@ -148,7 +151,6 @@ impl Reader<'_> {
     }
 
     /// Reads the contents of a body or of a frame of it at `frame`: geoms into the link, bodies into the list; returns its inertia.
-    #[allow(clippy::type_complexity)]
     fn contents(
         &mut self,
         part: &Element,
@@ -156,7 +158,7 @@ impl Reader<'_> {
         class: Option<&str>,
         body: (&str, &Pose),
         (link, parts): (&mut Link, &mut Vec<MassOf>),
-        bodies: &mut Vec<(Element, Pose, Option<String>)>,
+        bodies: &mut Vec<Inner>,
     ) -> Result<Option<MassOf>, SceneError> {
         let mut inertial = None;
         for child in &part.children {

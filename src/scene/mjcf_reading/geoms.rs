@@ -4,7 +4,7 @@ use crate::meshes::collision_surface;
 use crate::scene::body::{SceneBody, Weight};
 use crate::scene::bounded::read_bounded;
 use crate::scene::error::SceneError;
-use crate::scene::mjcf_reading::mass::{Inside, MassOf, of_triangles};
+use crate::scene::mjcf_reading::mass::{Inside, MassOf, Solid, of_triangles};
 use crate::scene::mjcf_reading::parts::{Form, Geom};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
@@ -135,7 +135,7 @@ impl Reader<'_> {
         }
         match form {
             Form::Solid(Geometry::Mesh(mesh)) => {
-                let Some((volume, center, inertia)) = self.solid(geom, mesh)? else { return Ok(None) };
+                let Some(Solid { volume, center, inertia }) = self.solid(geom, mesh)? else { return Ok(None) };
                 let mass = scaled(volume);
                 let at = Pose::from_parts(Translation3::from(center), Rotation3::identity());
                 Ok(Some(MassOf { mass, frame: pose * at, inertia: mass / volume * inertia }))
@@ -150,11 +150,7 @@ impl Reader<'_> {
     }
 
     /// Volume, centre and inertia of unit density of a mesh; `None` with a warning for a mesh that is not found or not closed.
-    fn solid(
-        &mut self,
-        geom: &Element,
-        mesh: &MeshFile,
-    ) -> Result<Option<(f64, Vector3<f64>, Matrix3<f64>)>, SceneError> {
+    fn solid(&mut self, geom: &Element, mesh: &MeshFile) -> Result<Option<Solid>, SceneError> {
         let path = self.folder.join(&mesh.path);
         let surface = read_bounded(&path).map_err(|error| error.to_string()).and_then(|bytes| {
             collision_surface(Path::new(&mesh.path), &bytes, &mesh.scale).map_err(|error| error.to_string())

@@ -28,11 +28,19 @@ pub(crate) enum Inside {
     Legacy,
 }
 
-/// The volume (m³), centre (m) and inertia of unit density about it of the solid inside triangles; `None` if it is empty.
-pub(crate) fn of_triangles(
-    triangles: &[[Vector3<f64>; 3]],
-    inside: Inside,
-) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
+/// A solid of unit density.
+#[derive(Clone, Debug)]
+pub(crate) struct Solid {
+    /// m³.
+    pub volume: f64,
+    /// m.
+    pub center: Vector3<f64>,
+    /// About the centre, for a density of 1 kg/m³ [kg m²].
+    pub inertia: Matrix3<f64>,
+}
+
+/// The solid inside triangles; `None` if it is empty.
+pub(crate) fn of_triangles(triangles: &[[Vector3<f64>; 3]], inside: Inside) -> Option<Solid> {
     let sixths = |corners: [Vector3<f64>; 3]| {
         let determinant = corners[0].dot(&corners[1].cross(&corners[2]));
         if inside == Inside::Legacy { determinant.abs() } else { determinant }
@@ -64,7 +72,8 @@ pub(crate) fn of_triangles(
     }
     // A surface inside out has everything with the other sign.
     let sign = volume.signum();
-    Some((volume.abs(), center, sign * (Matrix3::identity() * second.trace() - second)))
+    let inertia = sign * (Matrix3::identity() * second.trace() - second);
+    Some(Solid { volume: volume.abs(), center, inertia })
 }
 
 /// Several rigid masses as one; `None` without mass.

@@ -67,6 +67,9 @@ impl Reader<'_> {
     fn read(&mut self, root: &Element, keyframe: Option<&str>) -> Result<(), SceneError> {
         for option in root.all("option") {
             self.gravity = option.vector("gravity")?.unwrap_or(self.gravity);
+            for flag in option.all("flag") {
+                self.flags(flag);
+            }
             for medium in ["wind", "density", "viscosity"] {
                 if option.list(medium, 1, 3)?.is_some_and(|numbers| numbers.iter().any(|number| *number != 0.0)) {
                     self.not_simulated(option, format!("{medium} of the medium around is not simulated"));
@@ -141,6 +144,22 @@ impl Reader<'_> {
             return Err(SceneError { file: self.path.to_path_buf(), line: Some(root.line), element: None, problem });
         }
         Ok(())
+    }
+
+    /// What the file switches off.
+    fn flags(&mut self, flag: &Element) {
+        for (name, value) in flag.attributes.iter().filter(|(_, value)| value == "disable") {
+            match name.as_str() {
+                "contact" => self.touches = false,
+                "gravity" => self.gravity = Vector3::zeros(),
+                "limit" | "frictionloss" | "equality" | "actuation" | "constraint" | "passive" | "spring"
+                | "damper" => {
+                    self.odd(flag, format!("{name}={value:?} is not read; --without leaves parts out"));
+                }
+                // Of the solver of MuJoCo.
+                _ => {}
+            }
+        }
     }
 
     /// Scales all masses and inertias to a total mass (kg).

@@ -48,6 +48,8 @@ pub(crate) struct Reader<'r> {
     pub positions: Vec<(usize, String, Vec<f64>)>,
     pub velocities: Vec<(usize, String, Vec<f64>)>,
     pub excluded: Vec<(String, String)>,
+    /// Whether anything touches.
+    pub touches: bool,
     /// Mass of bodies that do not move (kg).
     pub fixed_mass: f64,
     /// How many bodies there were.
@@ -102,6 +104,7 @@ impl<'r> Reader<'r> {
             positions: Vec::new(),
             velocities: Vec::new(),
             excluded: Vec::new(),
+            touches: true,
             fixed_mass: 0.0,
             bodies: 0,
             masks: false,

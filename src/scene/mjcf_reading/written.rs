@@ -134,7 +134,11 @@ impl Reader<'_> {
     /// Obstacles, surfaces of links and pairs.
     fn write_contact(&self, text: &mut String) {
         let several = self.trees.len() > 1;
-        let pairs = if several { "all" } else { "environment" };
+        let pairs = match (self.touches, several) {
+            (false, _) => "none",
+            (true, true) => "all",
+            (true, false) => "environment",
+        };
         let _ = writeln!(text, "\n[contact]\npairs = \"{pairs}\"\ncombine = \"larger\"");
         for (a, b) in &self.excluded {
             let _ = writeln!(text, "\n[[contact.pair]]\na = {}\nb = {}\nignore = true", quoted(a), quoted(b));

@@ -12,12 +12,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
+/// Reads a value of a target, whose place is for messages.
+pub(crate) type ReadValue<'v> = dyn Fn(Quantity, &Range<usize>) -> Result<f64, SceneError> + 'v;
+
 impl CouplingReader<'_> {
     /// The target of a motor, whose numbers `value` reads, and the table that gives it if it is no number; its CSV file, if it has one, joins `tables`.
     pub fn target(
         &self,
         key: &Spanned<TargetKey>,
-        value: &dyn Fn(Quantity, &Range<usize>) -> Result<f64, SceneError>,
+        value: &ReadValue,
         interpolation: Interpolation,
         owner: &Element,
         files: &mut dyn SceneFiles,
@@ -63,7 +66,7 @@ impl CouplingReader<'_> {
     fn entries(
         &self,
         list: &[Spanned<Vec<Quantity>>],
-        value: &dyn Fn(Quantity, &Range<usize>) -> Result<f64, SceneError>,
+        value: &ReadValue,
         owner: &Element,
     ) -> Result<Vec<Entry>, SceneError> {
         let entry = |entry: &Spanned<Vec<Quantity>>| match entry.get_ref().as_slice() {

@@ -15,6 +15,7 @@ use crate::scene::robot::Link;
 use crate::scene::text::XmlText;
 use crate::scene::warning::{Warning, WarningGroup};
 use roxmltree::Node;
+use std::collections::BTreeMap;
 
 /// Elements of `<gazebo>` that say friction.
 const OF_GAZEBO: [&str; 3] = ["mu", "mu1", "mu2"];
@@ -38,51 +39,40 @@ pub(crate) fn take_friction(xml: &XmlText, root: Node, links: &mut [Link]) -> Ve
     let odd = |node: Node, link: &str, message: String| {
         Warning::odd(&xml.file, Some(xml.line(node)), Some(Element::Link(link.to_string())), message)
     };
+    // A link may be said twice: by itself, and by a reference to it.
+    let mut said: BTreeMap<usize, Vec<Node>> = BTreeMap::new();
     for node in root.children().filter(Node::is_element) {
-        let (link, said) = match node.tag_name().name() {
-            "gazebo" => match node.attribute("reference") {
-                Some(link) => (link, within(node, &OF_GAZEBO)),
-                None => continue,
-            },
-            "link" => {
-                let mut said: Vec<Node> = within(node, &["contact_coefficients"]);
-                said.extend(within(node, &["lateral_friction"]));
-                (node.attribute("name").unwrap_or_default(), said)
-            }
+        let (link, all) = match node.tag_name().name() {
+            "gazebo" => (node.attribute("reference"), within(node, &OF_GAZEBO)),
+            "link" => (node.attribute("name"), within(node, &["contact_coefficients", "lateral_friction"])),
             _ => continue,
         };
-        if said.is_empty() {
-            continue;
+        // A reference to a joint says something else.
+        if let Some(index) = links.iter().position(|own| Some(own.name.as_str()) == link) {
+            said.entry(index).or_default().extend(all);
         }
-        let Some(index) = links.iter().position(|own| own.name == link) else {
-            // A reference to a joint says something else.
-            continue;
-        };
-        let mut least: Option<f64> = None;
-        for one in &said {
+    }
+    for (index, all) in said {
+        let link = &mut links[index];
+        let mut read: Vec<f64> = Vec::with_capacity(all.len());
+        for one in &all {
             match coefficient(*one) {
-                Ok(Some(friction)) => {
-                    if least.is_some_and(|other| other != friction) {
-                        let message = "its friction differs by direction or shape; the smallest is used".to_string();
-                        warnings.push(odd(*one, link, message));
-                    }
-                    least = Some(least.map_or(friction, |other| other.min(friction)));
-                }
-                Ok(None) => {}
+                Ok(friction) => read.extend(friction),
                 Err(reason) => {
                     let name = shown(one.tag_name().name());
-                    warnings.push(odd(
-                        *one,
-                        link,
-                        format!("its friction in <{name}> is not read: {reason}; {INSTEAD}"),
-                    ));
+                    let message = format!("its friction in <{name}> is not read: {reason}; {INSTEAD}");
+                    warnings.push(odd(*one, &link.name, message));
                 }
             }
         }
-        if let Some(friction) = least {
-            links[index].surface.friction = Some(friction);
-            taken.push((link.to_string(), friction, xml.line(node)));
+        let Some(least) = read.iter().copied().reduce(f64::min) else { continue };
+        if read.iter().any(|friction| *friction != least) {
+            let message =
+                "its friction differs by direction, shape or place in the file; the smallest is used".to_string();
+            warnings.push(odd(all[0], &link.name, message));
         }
+        link.surface.friction = Some(least);
+        taken.push((link.name.clone(), least, xml.line(all[0])));
     }
     if let Some((_, _, line)) = taken.first() {
         let mut named: Vec<String> =

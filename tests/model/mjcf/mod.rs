@@ -2,7 +2,7 @@
 
 use crate::common::command;
 use catena::mechanism::description::nonsmooth::MotorLaw;
-use catena::scene::{PackagePath, Scene, SceneError, WarningGroup, read_input};
+use catena::scene::{PackagePath, Scene, SceneError, Touching, WarningGroup, read_input};
 use catena::session::{Model, Simulation};
 use std::path::{Path, PathBuf};
 
@@ -140,6 +140,10 @@ fn free_bodies_loops_excluded_pairs_and_followers_become_those_of_a_scene() {
     let rules: Vec<_> =
         scene.contact.rules.iter().map(|rule| (rule.a.as_str(), rule.b.as_str(), rule.ignore)).collect();
     assert_eq!(rules, [("cube/cube", "arm/rod", Some(true))]);
+    assert_eq!(scene.contact.touching, Touching::All);
+    let off = text.replace("<worldbody>", "<option><flag contact='disable' gravity='disable'/></option><worldbody>");
+    let scene = read("mjcf_flags", &off).expect("a scene");
+    assert_eq!((scene.contact.touching, scene.gravity), (Touching::None, Some(nalgebra::Vector3::zeros())));
 }
 
 #[test]

@@ -25,8 +25,8 @@ fn friction_is_taken_from_gazebo_contact_coefficients_and_bullet_and_said_in_one
             ),
             3,
         ),
-        (LINK.replace("</collision>", "<contact_coefficients mu='0.7' kp='1' kd='2'/></collision>"), 1),
-        (LINK.replace("</link>", "<contact><lateral_friction value='0.7'/></contact></link>"), 1),
+        (LINK.replace("</collision>", "<contact_coefficients mu='0.7' kp='1' kd='2'/></collision>"), 2),
+        (LINK.replace("</link>", "<contact><lateral_friction value='0.7'/></contact></link>"), 2),
     ] {
         let robot = read(&say);
         assert_eq!(robot.links[0].surface.friction, Some(0.7), "{say}");
@@ -45,6 +45,14 @@ fn two_directions_have_the_smaller_friction_and_what_is_no_number_names_what_set
     let odd = lines(&robot, WarningGroup::Odd);
     assert!(odd.len() == 1 && odd[0].contains("differs by direction"), "{odd:?}");
     assert_eq!(lines(&robot, WarningGroup::Ignored), ["r.urdf:3: ignored: <gazebo>"]);
+    // A link that says one coefficient itself, and has another by reference.
+    let own = LINK.replace("</collision>", "<contact_coefficients mu='1'/></collision>");
+    let robot = read(&format!("{own}<gazebo reference='foot'><mu1>0.8</mu1></gazebo>"));
+    assert_eq!(robot.links[0].surface.friction, Some(0.8));
+    assert_eq!(
+        lines(&robot, WarningGroup::Taken),
+        ["r.urdf:2: friction of 1 link is taken from the file: 0.8 for \"foot\""]
+    );
     for wrong in ["-1", "slippery", "1e9", ""] {
         let robot = read(&format!("{LINK}<gazebo reference='foot'><mu1>{wrong}</mu1></gazebo>"));
         assert_eq!(robot.links[0].surface.friction, None);
