@@ -4,6 +4,9 @@ pub const SIMULATE: &str = "\
 Examples:
   catena simulate robots/arm7.urdf                                    ten seconds to 1e-6 m; the log is arm7.mcap
   catena simulate robot.urdf --base floating --base-pose 0,0,1,0,0,0 --floor    drop it on a floor
+  catena simulate robot.urdf --hold                                   motors hold it where it starts
+  catena simulate model.xml --keyframe home --floor                   a model of MuJoCo
+  catena simulate robot.urdf --from run.mcap@2.5                      go on where another run was at 2.5 s
   catena simulate robot.urdf --duration 3 --tolerance 1e-9 --report run.html    a page of the run, too
   catena simulate scene.toml --stages 3 --step 0.001 --no-log --json  fixed steps, the report as JSON";
 
@@ -57,7 +60,7 @@ Example:
 mod tests {
     use super::*;
     use crate::cli::CommandLine;
-    use crate::cli::arguments::contact_args::with_heights;
+    use crate::cli::arguments::contact_args::with_values;
     use clap::Parser;
     use std::ffi::OsString;
 
@@ -69,7 +72,7 @@ mod tests {
             let command = line.trim_start().split("  ").next().unwrap_or_default();
             let command = command.split(" > ").next().unwrap_or_default();
             let words = command.split(' ').map(OsString::from);
-            let parsed = CommandLine::try_parse_from(with_heights(words));
+            let parsed = CommandLine::try_parse_from(with_values(words));
             assert!(parsed.is_ok(), "{command}: {}", parsed.err().map_or_else(String::new, |error| error.to_string()));
         }
     }

@@ -5,6 +5,7 @@
 
 use crate::cli::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
 use crate::cli::inspect_follow::follow;
+use crate::cli::logged_state::{coordinates_of, nearest_frame, state_of};
 use crate::cli::recorded::Recorded;
 use crate::cli::terminal::printing::{Failure, print, print_json, warn};
 use anyhow::anyhow;
@@ -15,15 +16,13 @@ use catena::output::inspection::curves::curves;
 use catena::output::inspection::events::LoggedEvents;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::reading::decode::LoggedContact;
-use catena::output::log::reading::frames::{Frame, Visitor, visit};
+use catena::output::log::reading::frames::Frame;
 use catena::output::log::seconds;
-use catena::output::page::BARE;
 use catena::output::report::{JointReport, LinkReport, LoopReport, Numbers, as_object, carried_reports, link_reports};
 use clap::Args;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// The options of `catena inspect`.
@@ -167,30 +166,8 @@ struct Violation {
     velocity: f64,
 }
 
-/// Finds the frame nearest to a time.
-struct Nearest {
-    time: f64,
-    found: Option<Frame>,
-}
-
-impl Visitor for Nearest {
-    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
-        let distance = |frame: &Frame| (frame.time() - self.time).abs();
-        // Up to the time every frame is nearer than those before, also where it is so far off that their distances round to the same.
-        let is_past = frame.time() > self.time;
-        if is_past && self.found.as_ref().is_some_and(|found| distance(found) <= distance(frame)) {
-            return ControlFlow::Break(());
-        }
-        self.found = Some(frame.clone());
-        ControlFlow::Continue(())
-    }
-}
-
 fn show_instant(log: &Path, time: f64, json: bool) -> Result<(), Failure> {
-    let mut nearest = Nearest { time, found: None };
-    visit(log, &mut nearest).map_err(Failure::input)?;
-    let empty = || Failure::input(anyhow!("{}: there are no samples in it", log.display()));
-    let frame = nearest.found.ok_or_else(empty)?;
+    let frame = nearest_frame(log, time).map_err(Failure::input)?.0;
     let recorded = Recorded::open(log).map_err(Failure::input)?;
     let instant = instant(log, &frame, &recorded).map_err(Failure::input)?;
     if json { print_json(&instant) } else { print(words(&instant)) }
@@ -199,23 +176,8 @@ fn show_instant(log: &Path, time: f64, json: bool) -> Result<(), Failure> {
 /// Poses, joint coordinates and reactions as they are in the log; the rest follows from them.
 fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<LoggedInstant> {
     let model = &recorded.loaded.model;
-    let mut joints: HashMap<&str, (Vec<f64>, Vec<f64>)> = HashMap::new();
-    let scalar = &frame.joints;
-    for ((name, &position), &velocity) in scalar.names.iter().zip(&scalar.positions).zip(&scalar.velocities) {
-        joints.insert(name, (vec![position], vec![velocity]));
-    }
-    let others = &frame.multi_dof;
-    for ((name, transform), twist) in others.names.iter().zip(&others.transforms).zip(&others.twists) {
-        if let Some(coordinates) = model.coordinates_of_transform(name, transform, twist) {
-            joints.insert(name, coordinates);
-        }
-    }
-    let coordinates = |name: &str| joints.get(name).map(|(q, w)| (q.as_slice(), w.as_slice()));
-    let other_model = || {
-        let why = if frame.has_joints() { "its samples are not of the model it carries" } else { BARE };
-        anyhow!("{}: {why}", log.display())
-    };
-    let state = model.state_of_report(frame.time(), coordinates).ok_or_else(other_model)?;
+    let joints = coordinates_of(model, frame);
+    let state = state_of(log, model, frame, frame.time())?;
     let mut links = link_reports(model, &state);
     let poses: HashMap<&str, _> = frame.links.iter().map(|pose| (pose.link.as_str(), pose)).collect();
     for (name, link) in &mut links {

@@ -16,6 +16,7 @@ mod examples;
 mod inspect;
 mod inspect_files;
 mod inspect_follow;
+mod logged_state;
 mod model;
 mod page_files;
 mod recorded;
@@ -30,7 +31,7 @@ mod terminal;
 
 pub use report::page_of_log;
 
-use crate::cli::arguments::contact_args::with_heights;
+use crate::cli::arguments::contact_args::with_values;
 use crate::cli::terminal::printing::complain;
 use crate::cli::terminal::signals::outlive_large_files;
 use catena::session::Origin;
@@ -101,7 +102,7 @@ pub fn main() -> ExitCode {
 /// Does what a command line says, which begins with the name of the program; returns the exit code. Once in a process.
 pub fn main_of(words: Vec<OsString>) -> u8 {
     let words = WORDS.get_or_init(|| words);
-    let command_line = match CommandLine::try_parse_from(with_heights(words.iter().cloned())) {
+    let command_line = match CommandLine::try_parse_from(with_values(words.iter().cloned())) {
         Ok(command_line) => command_line,
         Err(error) => return usage(&error),
     };
@@ -157,7 +158,7 @@ fn in_one_line(error: &clap::Error) -> String {
 /// What is wrong with them.
 pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Arguments> {
     let words = std::iter::once("catena").chain(arguments.iter().map(String::as_str));
-    let parsed = CommandLine::try_parse_from(with_heights(words.map(OsString::from)))
+    let parsed = CommandLine::try_parse_from(with_values(words.map(OsString::from)))
         .map_err(|error| anyhow::anyhow!(in_one_line(&error)))?;
     match parsed.verb {
         Verb::Simulate(arguments) => Ok(*arguments),

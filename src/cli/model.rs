@@ -61,6 +61,7 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
             loaded.unassembled_state().map_err(Failure::input)?
         }
     };
+    args.input.refuse_warnings(&loaded.model).map_err(Failure::input)?;
     let kept = &args.input.keep[..];
     let (redundancy, plan) = counts(&loaded, &state, kept);
     let model = &loaded.model;

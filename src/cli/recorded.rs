@@ -9,8 +9,8 @@ use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
 use catena::output::log::reading::reader::{Item, read_log};
 use catena::output::log::{INPUTS, START, sha256};
-use catena::scene::{Geometry, Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
-use catena::session::{Loaded, is_scene};
+use catena::scene::{Format, Geometry, Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
+use catena::session::Loaded;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -68,7 +68,7 @@ impl Recorded {
 
 /// What the text of the main input says, and the files it names.
 fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> anyhow::Result<Loaded> {
-    if !is_scene(path) {
+    if Format::of(path, text) != Format::Scene {
         return Ok(world.world().place_robot(files.with_meshes(robot_without_meshes(text, path)?))?);
     }
     Ok(world.world().place_scene(scene_from_text(text, path, &mut files)?)?)

@@ -7,6 +7,7 @@ use crate::cli::arguments::input::InputArgs;
 use crate::cli::arguments::log_options::LogArgs;
 use crate::cli::arguments::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::check::end_with_half_the_step;
+use crate::cli::logged_state::{LogInstant, start_of};
 use crate::cli::origin;
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::terminal::printing::{Failure, print, print_json};
@@ -18,6 +19,7 @@ use catena::model::Model;
 use catena::output::log::LogOptions;
 use catena::output::page::MESH_LIMIT;
 use catena::output::report::SpeedWatch;
+use catena::scene::Warning;
 use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Settled, check_log, check_place};
 use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
@@ -47,6 +49,10 @@ pub struct Arguments {
     /// Initial velocity of a joint [rad/s, m/s]; as many numbers as the joint has degrees of freedom (repeatable)
     #[arg(long, help_heading = START, value_name = "JOINT=VALUE")]
     velocity: Vec<Assignment>,
+
+    /// Start from the sample of a log that is nearest to the time T [s] of its run, and go on at that time; LOG@end is its last
+    #[arg(long, help_heading = START, value_name = "LOG@T", conflicts_with_all = ["position", "velocity", "base_velocity"])]
+    from: Option<LogInstant>,
 
     /// Simulated time [s] [default: 10]
     #[arg(long, help_heading = STEPS, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
@@ -129,7 +135,19 @@ impl Setup {
     /// What is wrong with the start, or cannot be simulated.
     pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
         let (positions, velocities) = (pairs(&arguments.position), pairs(&arguments.velocity));
-        let state = loaded.initial_state(&positions, &velocities, arguments.base_velocity)?;
+        let state = match &arguments.from {
+            None => loaded.initial_state(&positions, &velocities, arguments.base_velocity)?,
+            Some(from) => {
+                let (state, is_there) = start_of(from, &loaded.model)?;
+                if !is_there {
+                    let message =
+                        format!("the log has no sample at {} s; the run starts at {} s", from.time, state.time);
+                    loaded.model.warnings.push(Warning::odd(&from.log, None, None, message));
+                }
+                loaded.settled_from(state)?
+            }
+        };
+        arguments.input.refuse_warnings(&loaded.model)?;
         let settled = arguments.asked().settle(&loaded.simulation)?;
         Ok(Setup { state, settled, log: arguments.log.options() })
     }
@@ -186,7 +204,10 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let account = Account::open(model, &state, settled);
     let made = Simulation::at_once(mechanism, state, counted.clone(), options);
     let mut simulation = made.map_err(Error::from)?;
-    let origin = origin();
+    let mut origin = origin();
+    if let Some(from) = &arguments.from {
+        origin.driven = Some(format!("it went on from the log {}", from.log.display()));
+    }
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {
         Some(path) => {
@@ -230,8 +251,10 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         (false, true) => Ok(()),
         (false, false) => print(&report),
     };
+    let before = model.warning_lines().count();
+    let strict = arguments.input.refuse(report.warnings.iter().skip(before).cloned()).map_err(Failure::run);
     // What became of the run is more than what became of its report.
-    Ok(Ran { log: report.log, ended: ended.map_err(Failure::from).and(printed) })
+    Ok(Ran { log: report.log, ended: ended.map_err(Failure::from).and(printed).and(strict) })
 }
 
 /// The page of a run is made from its log: that must be a file, and another one.
@@ -255,8 +278,9 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
     let output = match &arguments.output {
         Some(output) => output.clone(),
         None => {
-            let stem = input.file_stem().with_context(|| format!("{} is not a file", input.display()))?;
-            PathBuf::from(format!("{}.mcap", stem.to_string_lossy()))
+            let stem =
+                input.file_stem().with_context(|| format!("{} is not a file", input.display()))?.to_string_lossy();
+            PathBuf::from(format!("{}.mcap", if stem == "-" { "stdin" } else { &stem }))
         }
     };
     check_place(&output)?;

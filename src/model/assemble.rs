@@ -1,7 +1,7 @@
 //! From a [`Scene`] to one [`Model`]: its robots side by side, then what couples them.
 //!
 //! The bodies of each robot follow those of the robot before it, all with the world as their root. With several robots
-//! every name of a link, joint or body is `robot/name`; with one they stay plain.
+//! every name of a link, joint or body is `robot/name`; with one they stay plain. A `[[body]]` has a link and a joint of its name.
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -31,14 +31,16 @@ impl Model {
     /// load cannot be.
     pub fn from_scene(scene: &Scene) -> Result<(Self, Start), ModelError> {
         let gravity = scene.gravity.unwrap_or(ModelOptions::default().gravity);
-        let several = scene.robots.len() > 1;
         let mut parts = Vec::with_capacity(scene.robots.len());
         for robot in &scene.robots {
             let base = if robot.floating { Base::Floating } else { Base::Fixed };
             let options = ModelOptions { base, base_pose: robot.pose, gravity };
             let mut part = Model::of_robot(robot.robot.clone(), &options)?;
-            part.robots[0].name.clone_from(&robot.name);
-            parts.push(if several { part.prefixed(&format!("{}/", robot.name)) } else { part });
+            let placed = &mut part.robots[0];
+            (placed.is_body, placed.is_copy) = (robot.body.is_some(), robot.copy);
+            placed.name.clone_from(&robot.name);
+            placed.prefix.clone_from(&robot.prefix);
+            parts.push(if robot.body.is_some() { part.base_called(&robot.name) } else { part.prefixed(&robot.prefix) });
         }
         let mut model = Model::side_by_side(&scene.name, gravity, parts)?;
         model.scene = Some(SourceFile { path: scene.path.clone(), text: scene.source.clone() });
@@ -53,8 +55,21 @@ impl Model {
         Ok((model, start))
     }
 
+    /// Calls the joint of the base of a body `name`.
+    fn base_called(mut self, name: &str) -> Self {
+        for record in self.joints.iter_mut().filter(|record| record.is_base) {
+            record.name = name.to_string();
+            record.body.iter().for_each(|&body| self.mechanism.bodies[body].joint.name = name.to_string());
+            self.links.iter_mut().for_each(|link| link.parent_joint = Some(name.to_string()));
+        }
+        self
+    }
+
     /// Puts `prefix` before every name.
     fn prefixed(mut self, prefix: &str) -> Self {
+        if prefix.is_empty() {
+            return self;
+        }
         let put = |name: &mut String| name.insert_str(0, prefix);
         let links: HashSet<String> = self.links.iter().map(|link| link.name.clone()).collect();
         for body in &mut self.mechanism.bodies {
@@ -129,6 +144,7 @@ impl Model {
             scene: None,
             tables: Vec::new(),
             damping: 0..0,
+            at_start: Vec::new(),
             contact: Default::default(),
         })
     }
@@ -137,11 +153,7 @@ impl Model {
     pub(crate) fn start(&self, scene: &Scene) -> Result<Start, ModelError> {
         let mut start = Start::default();
         for (index, robot) in scene.robots.iter().enumerate() {
-            let several = scene.robots.len() > 1;
-            let full = |given: &JointValues| {
-                let name = if several { format!("{}/{}", robot.name, given.joint) } else { given.joint.clone() };
-                (name, given.values.clone())
-            };
+            let full = |given: &JointValues| (format!("{}{}", robot.prefix, given.joint), given.values.clone());
             let base = self.joints[self.robots[index].joints.clone()].iter().find(|joint| joint.is_base);
             for given in &robot.positions {
                 let entry = full(given);

@@ -13,6 +13,7 @@ mod description;
 mod reduction;
 
 pub use assemble::Start;
+pub use description::at_start::AtStart;
 pub use description::contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner};
 pub use description::coordinates::{JointCoordinates, position_names, velocity_names};
 pub use description::coupling_error::{CouplingError, CouplingProblem};

@@ -4,7 +4,7 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::scene::coupling::LinkReference;
-use crate::scene::robot::Pose;
+use crate::scene::robot::{Pose, Surface};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -125,8 +125,10 @@ pub struct SceneLink {
     pub name: String,
     /// The one collision shape that is meant, by its place among those of the link from 1, as in key paths; `None` for all.
     pub shape: Option<usize>,
-    /// What its collision meshes are taken for.
-    pub shapes: LinkShapes,
+    /// What its collision meshes are taken for, if it says so.
+    pub shapes: Option<LinkShapes>,
+    /// What it says of the surface of the whole link, instead of the URDF.
+    pub surface: Surface,
     /// The line of its `name`.
     pub line: usize,
 }
@@ -140,6 +142,8 @@ pub struct ContactSettings {
     pub friction: f64,
     /// e where nothing else is said.
     pub restitution: f64,
+    /// Whether the larger of two coefficients that are said holds, as in MuJoCo.
+    pub larger: bool,
     /// In the order of the file; later ones override earlier ones.
     pub rules: Vec<PairRule>,
     /// The obstacles.
@@ -154,6 +158,7 @@ impl Default for ContactSettings {
             touching: Touching::Environment,
             friction: 0.5,
             restitution: 0.0,
+            larger: false,
             rules: Vec::new(),
             obstacles: Vec::new(),
             links: Vec::new(),
@@ -164,8 +169,9 @@ impl Default for ContactSettings {
 impl ContactSettings {
     /// What a collision shape of a link is taken for, by its place among those of the link from 1: what is said of it, else of all of them.
     pub fn choice(&self, link: LinkReference, number: usize) -> LinkShapes {
-        let said = |shape| self.links.iter().find(|said| said.link == link && said.shape == shape);
-        said(Some(number)).or_else(|| said(None)).map_or(LinkShapes::default(), |said| said.shapes)
+        let of = |shape| self.links.iter().find(|said| said.link == link && said.shape == shape);
+        let said = |shape| of(shape).and_then(|said| said.shapes);
+        said(Some(number)).or_else(|| said(None)).unwrap_or_default()
     }
 }
 

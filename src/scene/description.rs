@@ -1,5 +1,6 @@
 //! A scene as it was read: robots, what couples them, and how to run them.
 
+use crate::scene::body::SceneBody;
 use crate::scene::contact_settings::ContactSettings;
 use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
 use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
@@ -20,9 +21,11 @@ pub struct Scene {
     pub path: PathBuf,
     /// The text of the file.
     pub source: String,
+    /// Whether it is a robot alone, without a scene file.
+    pub is_robot: bool,
     /// Acceleration of gravity in the world [m/s²], if given.
     pub gravity: Option<Vector3<f64>>,
-    /// The robots, at least one.
+    /// The robots, then the bodies: at least one.
     pub robots: Vec<SceneRobot>,
     /// The joints that close loops.
     pub loops: Vec<SceneLoop>,
@@ -52,6 +55,7 @@ impl Scene {
             name: robot.name.clone(),
             path: robot.path.clone(),
             source: format!("[[robot]]\nurdf = {file:?}\n"),
+            is_robot: true,
             gravity: None,
             loops: Vec::new(),
             springs: Vec::new(),
@@ -64,6 +68,9 @@ impl Scene {
             warnings: Vec::new(),
             robots: vec![SceneRobot {
                 name: robot.name.clone(),
+                prefix: String::new(),
+                body: None,
+                copy: false,
                 robot,
                 floating: false,
                 pose: Pose::identity(),
@@ -77,11 +84,17 @@ impl Scene {
     }
 }
 
-/// A robot of a scene, and how it starts.
+/// A robot or body of a scene, and how it starts.
 #[derive(Clone, Debug)]
 pub struct SceneRobot {
     /// Name, unique in the scene.
     pub name: String,
+    /// What comes before the names of its links and joints: its name and a slash where there are several robots.
+    pub prefix: String,
+    /// What it is made from, of a `[[body]]`: its only link and the joint of its base have its name.
+    pub body: Option<SceneBody>,
+    /// Whether it is made from the file of the robot before it, as another copy.
+    pub copy: bool,
     /// The URDF.
     pub robot: Robot,
     /// Whether the root link moves freely.

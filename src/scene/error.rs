@@ -12,6 +12,8 @@ pub enum Element {
     Joint(String),
     /// A robot of a scene, by name.
     Robot(String),
+    /// A body of a scene, by name.
+    Body(String),
     /// A joint that closes a loop, by name.
     Loop(String),
     /// A spring, by name.
@@ -32,6 +34,7 @@ impl fmt::Display for Element {
             Element::Link(name) => write!(out, "link {name:?}"),
             Element::Joint(name) => write!(out, "joint {name:?}"),
             Element::Robot(name) => write!(out, "robot {name:?}"),
+            Element::Body(name) => write!(out, "body {name:?}"),
             Element::Loop(name) => write!(out, "loop {name:?}"),
             Element::Spring(name) => write!(out, "spring {name:?}"),
             Element::Load(on) => write!(out, "load on {on:?}"),
@@ -87,11 +90,20 @@ pub enum Problem {
     #[error("is not well-formed XML: {0}")]
     Xml(String),
     /// XML, but not a URDF.
-    #[error("the outermost element is <{0}>; a URDF has <robot>")]
+    #[error("the outermost element is <{0}>; a URDF has <robot>, a model of MuJoCo <mujoco>")]
     NotRobot(String),
     /// A xacro source instead of its result.
     #[error("{0} is xacro, which must be expanded first: `xacro FILE.xacro > FILE.urdf`")]
     Xacro(String),
+    /// A xacro source, and no program to expand it.
+    #[error(
+        "it is xacro, and the program `xacro`, which expands it, was not found: install it (`pip install xacro`), or expand the file where it is \
+         installed (`xacro FILE.xacro > FILE.urdf`)"
+    )]
+    NoXacro,
+    /// A xacro source that its program does not expand.
+    #[error("the program `xacro` cannot expand it: {0}")]
+    XacroFailed(String),
     /// No links.
     #[error("the robot has no links")]
     NoLinks,
@@ -141,18 +153,30 @@ pub enum Problem {
     /// Not TOML, or not the tables and keys of a scene.
     #[error("{}{message}", key.as_ref().map_or(String::new(), |key| format!("{key}: ")))]
     Toml { key: Option<String>, message: String },
-    /// A scene without robots.
-    #[error("the scene has no [[robot]]")]
+    /// A model of MuJoCo without joints.
+    #[error("no body of the model has a joint, so that nothing moves")]
+    NothingMoves,
+    /// A scene without robots and bodies.
+    #[error("the scene has no [[robot]] and no [[body]]")]
     NoRobots,
     /// A name that cannot be told from another.
     #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::world::WORLD_LINK)]
     RobotName,
+    /// A body whose name says something else, too.
+    #[error("the name of a body must not be empty, {WORLD_LINK:?}, \"floor\" or contain \"/\", \"|\" or \"*\"", WORLD_LINK = crate::scene::world::WORLD_LINK)]
+    BodyName,
+    /// A body with the name of a link or joint.
+    #[error("the robot {robot:?} has a {what} of this name; choose another name for the body")]
+    BodyNamedAs { what: &'static str, robot: String },
     /// An obstacle whose name says something else, too.
     #[error("the name of an obstacle must not be empty, {WORLD_LINK:?} or contain \"|\" or \"*\"", WORLD_LINK = crate::scene::world::WORLD_LINK)]
     ObstacleName,
     /// A link or joint that no robot has.
     #[error("there is no {what} {name:?}{}; there are {}", hint(*robots), listed(known))]
     UnknownName { what: &'static str, name: String, robots: usize, known: Vec<String> },
+    /// A number of a joint with a unit that its motion has not.
+    #[error("joint {joint:?}: {reason}")]
+    JointNumber { joint: String, reason: String },
     /// Limits between which there is nothing.
     #[error("its lower limit {lower} is above its upper limit {upper}; swap them")]
     ReversedLimits { lower: f64, upper: f64 },

@@ -16,8 +16,15 @@ pub struct SceneMotor {
     pub on: String,
     /// How its effort follows from its target.
     pub law: MotorLaw,
-    /// Its target over time.
+    /// Its target over time; of no use where the target is the start.
     pub target: Target,
+    /// Whether its target is the position of its joint at the start of the run.
+    pub at_start: bool,
+    /// Natural frequency (rad/s) from which its gains follow at the start of the run, instead of those of its law: critically damped, with the
+    /// inertia about its joint.
+    pub frequency: Option<f64>,
+    /// Whether it is left out where its joint is not simulated: it was not named for itself.
+    pub lenient: bool,
     /// The table that the target was read from; none of one that is a number.
     pub table: Option<TargetTable>,
     /// The bound of its effort, if given; infinite where the file says that there is none.

@@ -17,14 +17,19 @@
 //! Nothing here knows about simulation: a [`Robot`] is the URDF with every number finite, every reference resolved
 //! and every link on one tree. Parts of the file that are not used are listed in [`Robot::warnings`].
 
+mod body;
 mod bounded;
 pub mod contact_settings;
 pub mod coupling;
 mod description;
 pub mod error;
+mod input_reading;
 pub mod joint_settings;
+#[cfg(feature = "scene")]
+mod mjcf_reading;
 mod numbers;
 pub mod parameters;
+pub(crate) mod pattern;
 pub mod robot;
 mod scene_reading;
 mod text;
@@ -32,6 +37,7 @@ mod urdf_reading;
 mod warning;
 pub(crate) mod world;
 
+pub use body::{SceneBody, Weight};
 pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
 };
@@ -41,11 +47,12 @@ pub use coupling::{
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub use error::{Element, Problem, SceneError};
 pub(crate) use error::{listed, quoted};
+pub use input_reading::input::{Format, read_input};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
 pub use parameters::Parameter;
 pub use robot::{
-    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop, UrdfLoopEnd,
+    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, Surface, UrdfJoint,
+    UrdfJointKind, UrdfLoop, UrdfLoopEnd,
 };
 #[cfg(not(feature = "scene"))]
 pub use scene_reading::no_scene_file::read_scene;

@@ -51,6 +51,19 @@ pub(crate) fn normalised<const N: usize>(given: &SVector<f64, N>) -> Option<SVec
     (largest != 0.0).then(|| if given.norm() == 1.0 { *given } else { (given / largest).normalize() })
 }
 
+/// Largest friction coefficient. The law of a cone that is nearly a half space is solved to fewer digits: with 1e5 one instant in some is not exact.
+pub(crate) const MOST_FRICTION: f64 = 1e4;
+
+/// Refuses what is no friction coefficient.
+pub(crate) fn check_friction(number: f64) -> Result<(), String> {
+    match number {
+        number if !number.is_finite() => Err(format!("{number} is not finite")),
+        number if number < 0.0 => Err(format!("{number} must not be negative")),
+        number if number <= MOST_FRICTION => Ok(()),
+        number => Err(format!("{number:e} must be at most {MOST_FRICTION:e}; with 10 next to nothing slips")),
+    }
+}
+
 /// The rotation with this roll, pitch and yaw (rad).
 pub(crate) fn turn([roll, pitch, yaw]: [f64; 3]) -> Rotation3<f64> {
     Rotation3::from_euler_angles(roll, pitch, yaw)

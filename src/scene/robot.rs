@@ -60,8 +60,19 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// What touches.
     pub collisions: Vec<Shape>,
+    /// Coefficients of contact of all its collision shapes, where a file says them.
+    pub surface: Surface,
     /// Line of the `<link>` element.
     pub line: usize,
+}
+
+/// What a file says of the surface of a link.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Coulomb's coefficient of friction μ ≥ 0.
+    pub friction: Option<f64>,
+    /// Restitution of impacts, 0 to 1.
+    pub restitution: Option<f64>,
 }
 
 /// Mass and inertia of a link.
@@ -171,6 +182,16 @@ impl UrdfJointKind {
         }
     }
 
+    /// Whether number `index` of a position or velocity of the joint, as users give it, is an angle or its rate.
+    pub(crate) fn is_angle(self, index: usize) -> bool {
+        match self {
+            UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Spherical => true,
+            UrdfJointKind::Prismatic | UrdfJointKind::Fixed => false,
+            UrdfJointKind::Planar => index == 2,
+            UrdfJointKind::Floating => index >= 3,
+        }
+    }
+
     /// Whether the axis of the joint means something.
     pub fn has_axis(self) -> bool {
         !matches!(self, UrdfJointKind::Fixed | UrdfJointKind::Floating | UrdfJointKind::Spherical)
@@ -207,6 +228,12 @@ pub struct UrdfJoint {
 }
 
 impl UrdfJoint {
+    /// Whether a motor can drive it for itself: it turns about or slides along an axis, and follows no other joint.
+    pub fn can_be_driven(&self) -> bool {
+        use UrdfJointKind::{Continuous, Prismatic, Revolute};
+        self.mimic.is_none() && matches!(self.kind, Revolute | Continuous | Prismatic)
+    }
+
     /// The limits [rad or m] between which the URDF keeps a joint of one freedom, if it says so; those of a continuous joint are not read.
     pub fn own_limits(&self) -> Option<(f64, f64)> {
         self.limit.filter(|_| self.kind != UrdfJointKind::Continuous).and_then(|limit| limit.range())

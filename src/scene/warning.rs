@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum WarningGroup {
+    /// No warning: the part is used, and other programs keep it elsewhere or read it otherwise.
+    Taken,
     /// The part means something for the motion, and the motion goes without it.
     NotSimulated,
     /// The part is missing, wrong or unusual; the message says what was made of it.
@@ -22,6 +24,7 @@ impl WarningGroup {
     /// What stands above the warnings of this group.
     pub fn title(self) -> &'static str {
         match self {
+            WarningGroup::Taken => "Taken from the file",
             WarningGroup::NotSimulated => "Not simulated",
             WarningGroup::Odd => "Odd in the file",
             WarningGroup::Ignored => "Ignored tags and attributes",
@@ -77,9 +80,16 @@ impl fmt::Display for Warning {
 /// The lines that people read, group by group; what is ignored is one line for each file.
 pub fn warning_lines(warnings: &[Warning]) -> Vec<(WarningGroup, String)> {
     let of = |group| warnings.iter().filter(move |warning| warning.group == group);
-    let mut lines: Vec<(WarningGroup, String)> = [WarningGroup::NotSimulated, WarningGroup::Odd]
+    let mut paths = LongPaths::of(warnings);
+    let mut lines: Vec<(WarningGroup, String)> = [WarningGroup::Taken, WarningGroup::NotSimulated, WarningGroup::Odd]
         .into_iter()
-        .flat_map(|group| of(group).map(move |warning| (group, warning.to_string())))
+        .flat_map(of)
+        .map(|warning| {
+            (
+                warning.group,
+                format!("{}: {}", place(paths.said(&warning.file), warning.line, &warning.element), warning.message),
+            )
+        })
         .collect();
     let files: BTreeSet<&Path> = of(WarningGroup::Ignored).map(|warning| warning.file.as_path()).collect();
     lines.extend(files.into_iter().map(|file| {
@@ -88,9 +98,31 @@ pub fn warning_lines(warnings: &[Warning]) -> Vec<(WarningGroup, String)> {
             None => warning.message.clone(),
         };
         let all: Vec<String> = of(WarningGroup::Ignored).filter(|warning| warning.file == file).map(named).collect();
-        (WarningGroup::Ignored, format!("{}: ignored: {}", file.display(), all.join("; ")))
+        (WarningGroup::Ignored, format!("{}: ignored: {}", paths.said(file).display(), all.join("; ")))
     }));
     lines
+}
+
+/// A path of more letters is long.
+const LONG: usize = 40;
+
+/// The files of some warnings, of which a long path is said once, and then the name of the file.
+struct LongPaths<'w> {
+    files: BTreeSet<&'w Path>,
+    said: BTreeSet<&'w Path>,
+}
+
+impl<'w> LongPaths<'w> {
+    fn of(warnings: &'w [Warning]) -> Self {
+        LongPaths { files: warnings.iter().map(|warning| warning.file.as_path()).collect(), said: BTreeSet::new() }
+    }
+
+    /// What to call a file.
+    fn said(&mut self, file: &'w Path) -> &'w Path {
+        let name = Path::new(file.file_name().unwrap_or(file.as_os_str()));
+        let is_one_of_several = self.files.iter().any(|other| *other != file && other.file_name() == file.file_name());
+        if self.said.insert(file) || is_one_of_several || file.as_os_str().len() <= LONG { file } else { name }
+    }
 }
 
 #[cfg(test)]
@@ -116,5 +148,26 @@ mod tests {
             (WarningGroup::Ignored, "b.urdf: ignored: line 5: <sensor>"),
         ];
         assert_eq!(lines, expected.map(|(group, line)| (group, line.to_string())));
+    }
+
+    #[test]
+    fn a_long_path_is_said_once_and_then_the_name_of_its_file_unless_two_files_have_it() {
+        let long = "/a/folder/with/a/long/name/and/one/more/below/it/robot.urdf";
+        let warn = |file: &str| Warning::odd(Path::new(file), Some(3), None, "odd");
+        let said = |files: &[&str]| -> Vec<String> {
+            let warnings: Vec<Warning> = files.iter().map(|file| warn(file)).collect();
+            warning_lines(&warnings).into_iter().map(|(_, line)| line).collect()
+        };
+        assert_eq!(
+            said(&[long, long, "short/a.urdf", "short/a.urdf"]),
+            [
+                format!("{long}:3: odd"),
+                "robot.urdf:3: odd".to_string(),
+                "short/a.urdf:3: odd".to_string(),
+                "short/a.urdf:3: odd".to_string(),
+            ]
+        );
+        let other = "b/robot.urdf";
+        assert_eq!(said(&[long, other, long]), [long, other, long].map(|file| format!("{file}:3: odd")));
     }
 }

@@ -10,6 +10,7 @@ use crate::model::{Model, ModelError, Start};
 use crate::output::report::{Numbers, joint_reports};
 use crate::scene::{SimulationSettings, Warning};
 use crate::session::error::Error;
+use crate::session::held_start::motors_from;
 use std::sync::Arc;
 
 /// A loaded model, its start, and the run settings of its file.
@@ -53,10 +54,27 @@ impl Loaded {
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, Error> {
-        let Assembled { state, counted, warnings } = self.assembled(positions, velocities, base_velocity)?;
+        let assembled = self.assembled(positions, velocities, base_velocity)?;
+        Ok(self.begun(assembled))
+    }
+
+    /// A given state as the start, moved to satisfy limits, loops and mimic relations. Changes become warnings of the model.
+    ///
+    /// # Errors
+    /// As of [`Loaded::assembled`].
+    pub fn settled_from(&mut self, state: State) -> Result<State, Error> {
+        let assembled = self.settled(state, &Start::default())?;
+        Ok(self.begun(assembled))
+    }
+
+    /// Takes what a start says into the model.
+    fn begun(&mut self, Assembled { state, counted, warnings }: Assembled) -> State {
         self.counted = counted;
+        if let Some(motors) = motors_from(&self.model, &state) {
+            self.model.mechanism.nonsmooth.motors = motors;
+        }
         self.model.warnings.extend(warnings);
-        Ok(state)
+        state
     }
 
     /// The start, moved to satisfy limits, loops and mimic relations, and warnings about the changes.
@@ -166,12 +184,10 @@ impl Loaded {
         wanted.positions.extend_from_slice(positions);
         wanted.velocities.extend_from_slice(velocities);
         if let Some(velocity) = base_velocity {
-            let count = self.model.robots.len();
-            if count > 1 {
-                return Err(Error::SeveralBases(count));
-            }
+            let only = self.model.only_robot().ok_or(Error::SeveralBases(self.model.robots.len()))?;
             // The velocity of the base is the velocity of its joint.
-            let base = self.model.joints.iter().find(|joint| joint.is_base).ok_or(ModelError::BaseDoesNotFloat)?;
+            let base = self.model.joints.iter().find(|joint| joint.is_base && joint.robot == only);
+            let base = base.ok_or(ModelError::BaseDoesNotFloat)?;
             if velocities.iter().any(|(name, _)| *name == base.name) {
                 return Err(Error::BaseVelocityTwice(base.name.clone()));
             }

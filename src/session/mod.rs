@@ -15,6 +15,7 @@ mod description;
 mod dynamics;
 mod engine;
 mod error;
+mod held_start;
 mod loaded;
 mod model;
 mod place;
@@ -40,6 +41,8 @@ pub use coordinates::{Coordinates, JointPlace};
 #[doc(hidden)]
 pub use description::{DRIVEN, Origin, TOLD};
 pub use error::{ControllerFailure, Error};
+pub use held_start::Hold;
+pub(crate) use held_start::mechanism_from;
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
 pub use model::{Loader, Model};
@@ -52,4 +55,4 @@ pub use recording::{Recording, SharedRecording};
 pub use rollout::{Rollout, Trajectories};
 pub use simulation::{JointValue, Simulation};
 #[doc(hidden)]
-pub use world::{World, is_scene};
+pub use world::World;

@@ -1,6 +1,7 @@
 //! A model in the library: read from a file once, run many times.
 
 use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
@@ -8,6 +9,7 @@ use crate::output::report::{pair_count, pair_name};
 use crate::scene::{Scene, Touching, Warning};
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
+use crate::session::held_start::Hold;
 use crate::session::loaded::Loaded;
 use crate::session::world::World;
 use nalgebra::{Rotation3, Translation3};
@@ -96,6 +98,20 @@ impl Loader {
         self
     }
 
+    /// Holds all joints without motors of their own where a run starts.
+    #[must_use]
+    pub fn hold(mut self, hold: Hold) -> Self {
+        self.world.hold = Some(hold);
+        self
+    }
+
+    /// Starts a model of MuJoCo with one of its keyframes.
+    #[must_use]
+    pub fn keyframe(mut self, name: &str) -> Self {
+        self.world.keyframe = Some(name.to_string());
+        self
+    }
+
     /// Sets a number by its key path ([`Model::with_params`]).
     #[must_use]
     pub fn set(mut self, key: &str, number: f64) -> Self {
@@ -142,7 +158,7 @@ impl Model {
         let mut world = self.world().clone();
         world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
         let scene = self.scene()?;
-        let loaded = world.place_read(self.path(), Scene::clone(&scene))?;
+        let loaded = world.place_read(Scene::clone(&scene))?;
         let mut model = Model::of_loaded(loaded, self.path().to_path_buf(), world);
         if let Some(shared) = Arc::get_mut(&mut model.shared) {
             shared.scene = scene.into();
@@ -244,6 +260,13 @@ impl Model {
     #[doc(hidden)]
     pub fn loaded(&self) -> &Loaded {
         &self.shared.loaded
+    }
+
+    /// The same model with other motors.
+    pub(crate) fn driven_by(&self, motors: Vec<Motor>) -> Self {
+        let mut shared = Shared::clone(&self.shared);
+        shared.loaded.model.mechanism.nonsmooth.motors = motors;
+        Model { shared: Arc::new(shared) }
     }
 
     /// The same model with more warnings, if there are any.

@@ -6,6 +6,7 @@ use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Start;
 use crate::session::asked::{Asked, Settled};
 use crate::session::error::Error;
+use crate::session::held_start::mechanism_from;
 use crate::session::model::Model;
 use crate::simulation::parallel::threads::on_one_thread;
 use crate::simulation::{Observer, ObserverError, RunError, Sample, Simulation, SimulationOptions};
@@ -127,7 +128,8 @@ impl Model {
         let started = self.loaded().settled(start, &Start::default())?;
         let Settled { duration, choice, .. } = settled;
         let options = SimulationOptions { duration, steps: choice, switched_off: &[], interrupt };
-        let mut simulation = Simulation::at_once(&description.mechanism, started.state, started.counted, options)?;
+        let driven = mechanism_from(description, &started.state);
+        let mut simulation = Simulation::at_once(&driven, started.state, started.counted, options)?;
         if let Some(rate) = rate {
             simulation.sample_at(rate);
         }

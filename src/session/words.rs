@@ -21,7 +21,7 @@ pub(crate) fn words(
     positions: &[(String, Vec<f64>)],
     velocities: &[(String, Vec<f64>)],
 ) -> Vec<String> {
-    let World { base, base_pose, gravity, without, floor, contact, packages, set } = world;
+    let World { base, base_pose, gravity, without, floor, contact, packages, set, hold, keyframe } = world;
     let mut words = vec!["simulate".to_string(), input.display().to_string()];
     let mut say = |option: &str, value: String| words.push(format!("--{option}={value}"));
     if let Some(base) = base {
@@ -33,6 +33,16 @@ pub(crate) fn words(
     floor.iter().for_each(|height| say("floor", height.to_string()));
     contact.iter().for_each(|touching| say("contact", touching.name().to_string()));
     packages.iter().for_each(|(name, folder)| say("package", format!("{name}={}", folder.display())));
+    keyframe.iter().for_each(|name| say("keyframe", name.clone()));
+    let mut held = None;
+    if let Some(hold) = hold {
+        let gains = [("kp", hold.kp), ("kd", hold.kd)];
+        let gains: Vec<String> = gains.iter().filter_map(|(name, gain)| Some(format!("{name}={}", (*gain)?))).collect();
+        match gains.is_empty() {
+            true => held = Some("--hold".to_string()),
+            false => say("hold", gains.join(",")),
+        }
+    }
     set.iter().for_each(|(key, number)| say("set", format!("{key}={number}")));
     kept.iter().for_each(|rule| say("keep", rule.name().to_string()));
     positions.iter().for_each(|(joint, values)| say("position", format!("{joint}={}", listed(values))));
@@ -46,6 +56,7 @@ pub(crate) fn words(
     }
     rate.iter().for_each(|rate| say("rate", rate.to_string()));
     words.extend(no_estimate.then(|| "--no-estimate".to_string()));
+    words.extend(held);
     words.extend(reversible.then(|| "--reversible".to_string()));
     words.extend(precise.then(|| "--precise".to_string()));
     words

@@ -5,9 +5,10 @@
 use crate::mechanism::description::joint::Pose;
 use crate::model::{Base, Left, Model, ModelOptions, Start};
 use crate::scene::{
-    ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_scene, read_urdf,
+    ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_input,
 };
 use crate::session::error::Error;
+use crate::session::held_start::Hold;
 use crate::session::loaded::Loaded;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
@@ -27,15 +28,14 @@ pub struct World {
     pub floor: Option<f64>,
     /// Which collision shapes may touch.
     pub contact: Option<Touching>,
+    /// Motors that hold all joints without motors of their own where the run starts.
+    pub hold: Option<Hold>,
+    /// The keyframe of a model of MuJoCo with which it starts.
+    pub keyframe: Option<String>,
     /// Numbers to set, by their key paths ([`crate::scene::Scene::parameters`]).
     pub set: Vec<(String, f64)>,
     /// Names of ROS packages and their folders.
     pub packages: Vec<(String, PathBuf)>,
-}
-
-/// Whether an input of this name is a scene file; all others are URDFs.
-pub fn is_scene(input: &Path) -> bool {
-    input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 impl World {
@@ -44,12 +44,13 @@ impl World {
     /// # Errors
     /// An invalid file; the error names file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> Result<Loaded, Error> {
-        let packages = self.packages()?;
-        if is_scene(input) {
-            self.place_scene(read_scene(input, &packages)?)
-        } else {
-            self.place_robot(read_urdf(input, &packages)?)
+        let mut scene = self.scene(input)?;
+        if scene.is_robot
+            && let Some(only) = scene.robots.pop()
+        {
+            return self.place_robot(only.robot);
         }
+        self.place_scene(scene)
     }
 
     /// Reads a scene, or a robot as a scene with one robot, so that its numbers have key paths. The numbers are those of the file.
@@ -57,8 +58,7 @@ impl World {
     /// # Errors
     /// An invalid file; the error names file, line, and link, joint or key.
     pub fn scene(&self, input: &Path) -> Result<Scene, Error> {
-        let packages = self.packages()?;
-        Ok(if is_scene(input) { read_scene(input, &packages)? } else { Scene::of_robot(read_urdf(input, &packages)?) })
+        Ok(read_input(input, self.keyframe.as_deref(), &self.packages()?)?)
     }
 
     fn packages(&self) -> Result<PackagePath, Error> {
@@ -85,7 +85,7 @@ impl World {
     /// A robot that cannot be simulated.
     pub fn place_robot(&self, robot: Robot) -> Result<Loaded, Error> {
         self.check()?;
-        if !self.set.is_empty() {
+        if !self.set.is_empty() || self.hold.is_some() {
             return self.place_only(Scene::of_robot(robot));
         }
         let defaults = ModelOptions::default();
@@ -105,8 +105,8 @@ impl World {
     ///
     /// # Errors
     /// As of [`World::load`].
-    pub(crate) fn place_read(&self, input: &Path, scene: Scene) -> Result<Loaded, Error> {
-        if is_scene(input) { self.place_scene(scene) } else { self.place_only(scene) }
+    pub(crate) fn place_read(&self, scene: Scene) -> Result<Loaded, Error> {
+        if scene.is_robot { self.place_only(scene) } else { self.place_scene(scene) }
     }
 
     /// Reduces the only robot of a scene to a model.
@@ -123,12 +123,17 @@ impl World {
     /// A scene that cannot be simulated, and options for one robot where there are several.
     pub fn place_scene(&self, mut scene: Scene) -> Result<Loaded, Error> {
         self.check()?;
+        if let Some(hold) = self.hold {
+            hold.add_to(&mut scene);
+        }
         self.set_numbers(&mut scene)?;
         if let Some(gravity) = self.gravity {
             scene.gravity = Some(Vector3::from(gravity));
         }
-        match scene.robots.as_mut_slice() {
-            [only] => {
+        let count = scene.robots.iter().filter(|robot| robot.body.is_none()).count();
+        let mut robots = scene.robots.iter_mut().filter(|robot| count == 0 || robot.body.is_none());
+        match (robots.next(), robots.next()) {
+            (Some(only), None) => {
                 if let Some(base) = self.base {
                     only.floating = base == Base::Floating;
                     // A base that is fixed loses its velocity.
@@ -136,9 +141,9 @@ impl World {
                 }
                 only.pose = self.base_pose.map_or(only.pose, pose);
             }
-            several => {
+            _ => {
                 if self.base.is_some() || self.base_pose.is_some() {
-                    return Err(Error::SeveralRobots { file: scene.path.clone(), count: several.len() });
+                    return Err(Error::SeveralRobots { file: scene.path.clone(), count: scene.robots.len() });
                 }
             }
         }
@@ -154,6 +159,10 @@ impl World {
         let gravity = self.gravity.iter().flatten().map(|&value| ("gravity", value));
         let pose = self.base_pose.iter().flatten().map(|&value| ("base pose", value));
         let floor = self.floor.iter().map(|&value| ("floor", value));
+        let gains = self.hold.iter().flat_map(|hold| hold.kp.into_iter().chain(hold.kd)).map(|gain| ("hold", gain));
+        if let Some((option, value)) = gains.clone().find(|(_, gain)| !gain.is_finite() || *gain < 0.0) {
+            return Err(Error::Option { option, value, wanted: "give a gain that is finite and not negative" });
+        }
         match gravity.chain(pose).chain(floor).find(|(_, value)| !value.is_finite()) {
             Some((option, value)) => Err(Error::Option { option, value, wanted: "give a finite number" }),
             None => Ok(()),

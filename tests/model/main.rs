@@ -14,6 +14,7 @@ mod assessed_while_it_goes_on;
 mod islands;
 mod lean;
 mod mesh_formats;
+mod mjcf;
 mod model_reduction;
 mod parameters;
 mod robots;

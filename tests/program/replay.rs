@@ -22,6 +22,38 @@ fn a_log_alone_is_enough_to_make_the_run_again_bit_for_bit() {
 }
 
 #[test]
+fn bodies_and_copies_are_replayed_from_the_one_file_of_all_copies() {
+    let folder = folder("copies");
+    let scene = "[[robot]]\nname = \"arm\"\nurdf = \"pendulum.urdf\"\ncount = 3\nspacing = [0, 1, 0]\n\
+        [[robot]]\nname = \"other\"\nurdf = \"pendulum.urdf\"\npose = { position = [2, 0, 0] }\n\
+        [[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\ncount = 2\nspacing = [0, 0, 0.5]\n\
+        pose = { position = [9, 0, 1] }\n[[obstacle]]\nname = \"ground\"\nshape = { type = \"half_space\" }\n";
+    std::fs::write(folder.join("copies.toml"), scene).expect("written");
+    std::fs::write(folder.join("pendulum.urdf"), common::command::PENDULUM).expect("written");
+    let output = run(&folder, &["simulate", "copies.toml", "--duration", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    std::fs::remove_file(folder.join("pendulum.urdf")).expect("removed");
+    let output = run(&folder, &["replay", "copies.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("identical"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_model_of_mujoco_is_replayed_without_its_file() {
+    let folder = folder("mjcf");
+    let model = "<mujoco><worldbody><geom type='plane' size='1 1 1'/><body name='cube' pos='0 0 1' euler='10 20 30'><freejoint/>\
+        <geom type='box' size='.1 .1 .1'/></body><body name='arm' pos='2 0 1'><joint/><geom size='.1' pos='.5 0 0'/></body></worldbody>\
+        <keyframe><key name='up' qpos='0 0 2 1 0 0 0 0.5'/></keyframe></mujoco>";
+    std::fs::write(folder.join("cube.xml"), model).expect("written");
+    let output = run(&folder, &["simulate", "cube.xml", "--keyframe", "up", "--duration", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    std::fs::remove_file(folder.join("cube.xml")).expect("removed");
+    let output = run(&folder, &["replay", "cube.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("identical"), "{}", text(&output.stdout));
+}
+
+#[test]
 fn a_floating_robot_and_its_base_velocity_are_replayed() {
     let folder = folder("floating");
     let motion = ["--base", "floating", "--base-velocity", "1,0,2,0.1,0.2,0.3", "--duration", "1"];

@@ -16,13 +16,14 @@ pub struct ContactArgs {
     pub contact: Option<Touching>,
 }
 
-/// The arguments with `--floor Z` as `--floor=Z`, so that a file after `--floor` is not taken for its height.
-pub fn with_heights(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+/// The arguments with `--floor Z` as `--floor=Z` and `--hold GAINS` as `--hold=GAINS`, so that a file after them is not taken for their value.
+pub fn with_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut words: Vec<OsString> = Vec::new();
     for argument in arguments {
         let is_number = argument.to_str().is_some_and(|text| text.trim().parse::<f64>().is_ok());
+        let are_gains = argument.to_str().is_some_and(|text| text.starts_with("kp=") || text.starts_with("kd="));
         match words.last_mut() {
-            Some(floor) if is_number && *floor == "--floor" => {
+            Some(floor) if (is_number && *floor == "--floor") || (are_gains && *floor == "--hold") => {
                 floor.push("=");
                 floor.push(argument);
             }
@@ -39,11 +40,13 @@ mod tests {
     #[test]
     fn a_number_after_floor_is_its_height_and_a_file_is_not() {
         let read = |words: &[&str]| -> Vec<String> {
-            let words = with_heights(words.iter().map(OsString::from));
+            let words = with_values(words.iter().map(OsString::from));
             words.into_iter().map(|word| word.into_string().expect("text")).collect()
         };
         assert_eq!(read(&["--floor", "-0.5", "a.urdf"]), ["--floor=-0.5", "a.urdf"]);
         assert_eq!(read(&["--floor", "a.urdf", "1"]), ["--floor", "a.urdf", "1"]);
         assert_eq!(read(&["--floor=1", "2", "--floor"]), ["--floor=1", "2", "--floor"]);
+        assert_eq!(read(&["--hold", "kp=1,kd=2", "a.urdf"]), ["--hold=kp=1,kd=2", "a.urdf"]);
+        assert_eq!(read(&["--hold", "a.urdf", "kp=1"]), ["--hold", "a.urdf", "kp=1"]);
     }
 }

@@ -4,22 +4,28 @@
 
 use crate::cli::arguments::contact_args::ContactArgs;
 use crate::cli::arguments::numbers::numbers;
+use anyhow::anyhow;
 use catena::mechanism::description::rules::Rule;
-use catena::model::{Base, Left};
-use catena::scene::Scene;
-use catena::session::{Loaded, World};
+use catena::mechanism::ground::words::counted;
+use catena::model::{Base, Left, Model};
+use catena::scene::{Scene, WarningGroup, warning_lines};
+use catena::session::{Hold, Loaded, World};
 use std::path::{Path, PathBuf};
 
 /// The robot or scene, and where it stands.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "What is simulated")]
 pub struct InputArgs {
-    /// The robot or scene: a .urdf or .toml file
+    /// The robot or scene: a .urdf, .toml or MJCF (.xml) file; a .xacro file if xacro is installed; - for standard input
     #[arg(help_heading = None)]
     pub input: PathBuf,
 
     #[command(flatten)]
     pub world: WorldArgs,
+
+    /// Take warnings for errors: what the files say and is not simulated, is odd or is ignored, and what a run warns of
+    #[arg(long)]
+    pub strict: bool,
 
     /// Rules that are switched off.
     #[arg(long, value_name = "RULE", help = keep_help())]
@@ -48,6 +54,15 @@ pub struct WorldArgs {
     #[command(flatten)]
     pub contact: ContactArgs,
 
+    /// Hold all joints without motors of their own where they start, by motors with these gains [N m/rad and N m s/rad, or N/m and N s/m];
+    /// without gains by critically damped ones of 10 Hz
+    #[arg(long, value_name = "kp=KP,kd=KD", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = gains)]
+    pub hold: Option<Hold>,
+
+    /// Start a model of MuJoCo with this keyframe of it
+    #[arg(long, value_name = "NAME")]
+    pub keyframe: Option<String>,
+
     /// Set a number of the scene or robot by its key path, as `link7.mass=2.5` (repeatable); `catena model INPUT --parameters` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = one_number)]
     pub set: Vec<(String, f64)>,
@@ -74,6 +89,28 @@ impl InputArgs {
     /// What is wrong with the file, naming file, line, and link, joint or key.
     pub fn load(&self) -> anyhow::Result<Loaded> {
         self.world.load(&self.input)
+    }
+
+    /// Refuses warnings, if they are to be errors.
+    ///
+    /// # Errors
+    /// With `--strict` the first warning, and how many more there are.
+    pub fn refuse_warnings(&self, model: &Model) -> anyhow::Result<()> {
+        let lines = warning_lines(&model.warnings).into_iter();
+        self.refuse(lines.filter(|(group, _)| *group != WarningGroup::Taken).map(|(_, line)| line))
+    }
+
+    /// The same of warnings of a run.
+    ///
+    /// # Errors
+    /// As [`InputArgs::refuse_warnings`].
+    pub fn refuse(&self, mut warnings: impl Iterator<Item = String>) -> anyhow::Result<()> {
+        let Some(first) = warnings.next().filter(|_| self.strict) else { return Ok(()) };
+        let more = match warnings.count() {
+            0 => String::new(),
+            more => format!("; and {}", counted(more, "more warning", "more warnings")),
+        };
+        Err(anyhow!("--strict: {first}{more}"))
     }
 }
 
@@ -105,6 +142,8 @@ impl WorldArgs {
             contact: self.contact.contact,
             packages: self.package.clone(),
             set: self.set.clone(),
+            hold: self.hold,
+            keyframe: self.keyframe.clone(),
         }
     }
 }
@@ -116,6 +155,25 @@ impl BaseChoice {
             BaseChoice::Floating => Base::Floating,
         }
     }
+}
+
+/// `kp=KP,kd=KD`, one of them, or neither.
+fn gains(text: &str) -> Result<Hold, String> {
+    let mut hold = Hold::default();
+    for gain in text.split(',').filter(|gain| !gain.is_empty()) {
+        let refuse = || format!("{gain:?} is none of kp=NUMBER and kd=NUMBER");
+        let (name, number) = gain.split_once('=').ok_or_else(refuse)?;
+        let number: f64 = number.trim().parse().map_err(|_| refuse())?;
+        if !number.is_finite() || number < 0.0 {
+            return Err(format!("{name} is {number}; give a number that is finite and not negative"));
+        }
+        match name.trim() {
+            "kp" => hold.kp = Some(number),
+            "kd" => hold.kd = Some(number),
+            _ => return Err(refuse()),
+        }
+    }
+    Ok(hold)
 }
 
 /// `KEY=VALUE`. Which values a key takes is asked where it is known.

@@ -24,7 +24,7 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
     let robots = model.robots.iter().map(|placed| {
         json!({
             "name": placed.name,
-            "urdf": placed.robot.path.display().to_string(),
+            "urdf": (!placed.is_body).then(|| placed.robot.path.display().to_string()),
             "base": if model.joints[placed.joints.clone()].iter().any(|joint| joint.is_base) { "floating" } else { "fixed" },
             "position": placed.base_pose.translation.vector.as_slice(),
         })

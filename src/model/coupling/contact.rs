@@ -7,13 +7,14 @@ use crate::mechanism::description::contact::Collider;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::description::contact_pairs::{
-    ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, matches, rules_of_nothing,
+    ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, rules_of_nothing,
 };
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
-use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Touching, Warning, listed};
+use crate::scene::pattern::matches;
+use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Touching, Warning, listed};
 
 impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
@@ -25,22 +26,23 @@ impl Model {
         let of_rules = self.check_contact_names(settings)?;
         let moving = settings.touching == Touching::All && self.robots.len() > 1;
         let mut colliders = Vec::new();
-        let mut owners = Vec::new();
+        let (mut owners, mut surfaces) = (Vec::new(), Vec::new());
         let mut reader = ShapeReader::default();
         if settings.touching != Touching::None && (moving || !settings.obstacles.is_empty()) {
             for number in 0..self.robots.len() {
-                self.link_colliders(number, settings, &mut reader, &mut colliders)?;
+                self.link_colliders(number, settings, &mut reader, &mut colliders, &mut surfaces)?;
                 owners.resize(colliders.len(), Owner::Robot(number));
             }
             for (index, obstacle) in settings.obstacles.iter().enumerate() {
                 let (name, shape) = (obstacle.name.clone(), obstacle.shape.clone());
                 colliders.push(Collider { name, body: None, pose: obstacle.pose, shape });
                 owners.push(Owner::Obstacle(index));
+                surfaces.push(Surface { friction: obstacle.friction, restitution: obstacle.restitution });
             }
         }
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
-        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &reach);
+        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, &reach);
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
         self.warnings.extend(of_rules);
@@ -57,7 +59,7 @@ impl Model {
     pub(crate) fn shapes_of_links(&self) -> Result<(Vec<Collider>, Vec<Warning>), ModelError> {
         let (mut colliders, mut reader) = (Vec::new(), ShapeReader::default());
         for number in 0..self.robots.len() {
-            self.link_colliders(number, &self.contact.settings, &mut reader, &mut colliders)?;
+            self.link_colliders(number, &self.contact.settings, &mut reader, &mut colliders, &mut Vec::new())?;
         }
         Ok((colliders, reader.warnings))
     }
@@ -72,13 +74,14 @@ impl Model {
         self.contact.left_out.retain(|left| !out_of_reach(left));
     }
 
-    /// Adds the colliders of a robot's links.
+    /// Adds the colliders of a robot's links, and how each touches.
     fn link_colliders(
         &self,
         number: usize,
         settings: &ContactSettings,
         reader: &mut ShapeReader,
         colliders: &mut Vec<Collider>,
+        surfaces: &mut Vec<Surface>,
     ) -> Result<(), ModelError> {
         let placed = &self.robots[number];
         for (index, link) in placed.robot.links.iter().enumerate() {
@@ -91,9 +94,10 @@ impl Model {
                 }
                 let pose = frame.in_body * given.origin;
                 let names = [link.name.as_str(), frame.name.as_str()];
-                let shapes = reader.shapes((number, &placed.robot), names, (shape + 1, given), choice)?;
+                let shapes = reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice)?;
                 let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
                 colliders.extend(shapes.into_iter().map(collider));
+                surfaces.resize(colliders.len(), link.surface);
             }
         }
         Ok(())

@@ -24,7 +24,7 @@ pub(crate) struct ShapeReader {
 }
 
 impl ShapeReader {
-    /// The shapes that a collision shape of a link of robot `number` stands for: several of a mesh in parts, none of a mesh that is not found, of
+    /// The shapes that a collision shape of a link of the robot of file `number` stands for: several of a mesh in parts, none of a mesh that is not found, of
     /// which there is a warning. The link is given by its names in the URDF and in the scene, the shape by its place among those of the link.
     ///
     /// # Errors

@@ -63,8 +63,7 @@ impl Model {
         forces.joint_dampers.extend(builder.dampers(&mut warnings));
         let damping = springs_dampers..forces.joint_dampers.len();
         let mut unbounded = Vec::new();
-        let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor, &mut unbounded));
-        let motors = motors.collect::<Result<_, _>>()?;
+        let (motors, at_start) = builder.motors(&mut unbounded)?;
         warnings.extend(Warning::of_kind(unbounded, "motor", "motors"));
         let nonsmooth = Nonsmooth {
             limits: self.mechanism.nonsmooth.limits.clone(),
@@ -77,6 +76,7 @@ impl Model {
         self.mechanism.nonsmooth = nonsmooth;
         self.mechanism.forces = forces;
         self.damping = damping;
+        self.at_start = at_start;
         self.warnings.extend(warnings);
         Ok(())
     }

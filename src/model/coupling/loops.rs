@@ -43,11 +43,7 @@ impl Builder<'_> {
                     Some(link) => self.end(LinkReference::Link { robot: number, link }, &(end.origin * turn), &stand),
                     None => self.end(LinkReference::World, &(placed.base_pose * end.origin * turn), &stand),
                 };
-                let name = if self.model.robots.len() > 1 {
-                    format!("{}/{}", placed.name, closing.name)
-                } else {
-                    closing.name.clone()
-                };
+                let name = format!("{}{}", placed.prefix, closing.name);
                 let (a, b) = (end(&closing.a)?, end(&closing.b)?);
                 let kind = self.kind(closing.kind, None, &a, &b, &stand)?;
                 loops.push(self.checked(LoopJoint { name, kind, a: a.attachment, b: b.attachment }, &a, &b, &stand)?);

@@ -2,6 +2,7 @@
 
 use crate::mechanism::description::nonsmooth::{DryFriction, Motor, SpeedLimit};
 use crate::model::coupling::builder::Builder;
+use crate::model::description::at_start::AtStart;
 use crate::model::description::model_error::ModelError;
 use crate::scene::{Element, SceneMotor, Warning, WarningGroup};
 
@@ -35,11 +36,27 @@ impl Builder<'_> {
         speeds.collect()
     }
 
-    /// A motor of the scene file, and what is to be known of its bound.
+    /// The motors of the scene file, and what those among them aim at that aim at the start.
     ///
     /// # Errors
     /// [`ModelError::Coupling`] with the line, for a joint that has not one freedom.
-    pub(crate) fn motor(&self, motor: &SceneMotor, unbounded: &mut Vec<Warning>) -> Result<Motor, ModelError> {
+    pub(crate) fn motors(&self, unbounded: &mut Vec<Warning>) -> Result<(Vec<Motor>, Vec<AtStart>), ModelError> {
+        let (mut motors, mut at_start) = (Vec::new(), Vec::new());
+        for given in self.scene.iter().flat_map(|scene| &scene.motors) {
+            let record = self.record(given.joint.robot, &given.joint.joint);
+            if given.lenient && record.is_none_or(|record| record.body.is_none()) {
+                continue;
+            }
+            if given.at_start {
+                at_start.push(AtStart { motor: motors.len(), frequency: given.frequency });
+            }
+            motors.push(self.motor(given, unbounded)?);
+        }
+        Ok((motors, at_start))
+    }
+
+    /// A motor of the scene file, and a warning where its bound is read as none.
+    fn motor(&self, motor: &SceneMotor, unbounded: &mut Vec<Warning>) -> Result<Motor, ModelError> {
         let stand = self.stand(motor.line, Element::Motor(motor.on.clone()));
         let coordinate = self.coordinate(motor.joint.robot, &motor.joint.joint, &stand)?;
         let joints = &self.model.robots[motor.joint.robot].robot.joints;

@@ -5,7 +5,8 @@
 
 use crate::mechanism::description::contact::{Collider, ContactPair};
 use crate::model::description::contact_reach::ContactReach;
-use crate::scene::{ContactSettings, MeshSource, Obstacle, PairRule, Touching};
+use crate::scene::pattern::matches;
+use crate::scene::{ContactSettings, MeshSource, PairRule, Surface, Touching};
 
 /// Why two shapes never touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +75,7 @@ pub(crate) fn contact_pairs(
     settings: &ContactSettings,
     colliders: &[Collider],
     owners: &[Owner],
+    surfaces: &[Surface],
     reach: &ContactReach,
 ) -> (Vec<ContactPair>, Vec<LeftOutPair>) {
     let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
@@ -82,11 +84,9 @@ pub(crate) fn contact_pairs(
             if never_asked(settings.touching, [owners[a], owners[b]]).is_some() {
                 continue;
             }
-            let obstacle = match owners[b] {
-                Owner::Obstacle(obstacle) => Some(&settings.obstacles[obstacle]),
-                Owner::Robot(_) => None,
-            };
-            let Manner { friction, restitution, ignored } = manner(settings, obstacle, &one.name, &other.name);
+            let is_obstacle = matches!(owners[b], Owner::Obstacle(_));
+            let Manner { friction, restitution, ignored } =
+                manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
             let because = match ignored {
                 _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
@@ -150,11 +150,17 @@ struct Manner {
     ignored: Option<usize>,
 }
 
-fn manner(settings: &ContactSettings, obstacle: Option<&Obstacle>, a: &str, b: &str) -> Manner {
-    let of_obstacle = |of: fn(&Obstacle) -> Option<f64>| obstacle.and_then(of);
+/// Of two links the smaller coefficient that is said, of a link and an obstacle that of the obstacle, if both are said.
+fn manner(settings: &ContactSettings, surfaces: [Surface; 2], is_obstacle: bool, [a, b]: [&str; 2]) -> Manner {
+    let of_both = |[of_a, of_b]: [Option<f64>; 2], otherwise| match (of_a, of_b) {
+        (Some(_), Some(of_obstacle)) if is_obstacle && !settings.larger => of_obstacle,
+        (Some(one), Some(other)) if settings.larger => f64::max(one, other),
+        (Some(one), Some(other)) => f64::min(one, other),
+        (one, other) => one.or(other).unwrap_or(otherwise),
+    };
     let mut manner = Manner {
-        friction: of_obstacle(|obstacle| obstacle.friction).unwrap_or(settings.friction),
-        restitution: of_obstacle(|obstacle| obstacle.restitution).unwrap_or(settings.restitution),
+        friction: of_both(surfaces.map(|surface| surface.friction), settings.friction),
+        restitution: of_both(surfaces.map(|surface| surface.restitution), settings.restitution),
         ignored: None,
     };
     for rule in settings.rules.iter().filter(|rule| names(rule, a, b)) {
@@ -168,43 +174,4 @@ fn manner(settings: &ContactSettings, obstacle: Option<&Obstacle>, a: &str, b: &
 /// Whether a rule names two shapes, in either order.
 fn names(rule: &PairRule, a: &str, b: &str) -> bool {
     (matches(&rule.a, a) && matches(&rule.b, b)) || (matches(&rule.a, b) && matches(&rule.b, a))
-}
-
-/// Whether a pattern, in which `*` stands for any text, is a name.
-pub(crate) fn matches(pattern: &str, name: &str) -> bool {
-    let mut parts = pattern.split('*');
-    let Some(mut rest) = name.strip_prefix(parts.next().unwrap_or_default()) else { return false };
-    let Some(last) = parts.next_back() else { return rest.is_empty() };
-    for part in parts {
-        match rest.find(part) {
-            Some(at) => rest = &rest[at + part.len()..],
-            None => return false,
-        }
-    }
-    rest.ends_with(last)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::matches;
-
-    #[test]
-    fn a_star_stands_for_any_text_and_everything_else_for_itself() {
-        for (pattern, name) in [
-            ("*", ""),
-            ("*", "a"),
-            ("foot*", "foot"),
-            ("foot*", "foot_left"),
-            ("*/foot", "a/foot"),
-            ("a*b*c", "a__bb_c"),
-            ("a", "a"),
-        ] {
-            assert!(matches(pattern, name), "{pattern} {name}");
-        }
-        for (pattern, name) in
-            [("foot*", "afoot"), ("a", "ab"), ("*a", "ab"), ("a*a", "a"), ("a*b*c", "acb"), ("", "a")]
-        {
-            assert!(!matches(pattern, name), "{pattern} {name}");
-        }
-    }
 }

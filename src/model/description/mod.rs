@@ -1,5 +1,6 @@
 //! The nouns: a model with its records and frames, coordinates, errors, and which shapes can touch.
 
+pub(crate) mod at_start;
 pub(crate) mod contact_pairs;
 pub(crate) mod contact_reach;
 pub(crate) mod coordinates;

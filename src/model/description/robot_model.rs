@@ -11,6 +11,7 @@
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::model::description::at_start::AtStart;
 use crate::model::description::contact_pairs::ContactRecord;
 use crate::scene::{Geometry, Robot, UrdfJointKind, Warning, warning_lines};
 use nalgebra::{Matrix3, Vector3};
@@ -38,6 +39,8 @@ pub struct Model {
     pub tables: Vec<SourceFile>,
     /// Which of the mechanism's joint dampers are the damping of the joints themselves; the others belong to springs.
     pub damping: Range<usize>,
+    /// The motors whose targets are where a run starts.
+    pub at_start: Vec<AtStart>,
     /// What became of shapes that may touch.
     pub contact: ContactRecord,
 }
@@ -45,8 +48,14 @@ pub struct Model {
 /// A robot as it was read, and where it is in the model.
 #[derive(Clone, Debug)]
 pub struct PlacedRobot {
-    /// Its name in the scene. If there are several robots, the names of its links and joints begin with it and a slash.
+    /// Its name in the scene.
     pub name: String,
+    /// The start of the names of its links and joints: its name and a slash if there are several robots.
+    pub prefix: String,
+    /// Whether it is a `[[body]]`, which no file of its own describes.
+    pub is_body: bool,
+    /// Whether it is one more copy of the robot before it, from the same file.
+    pub is_copy: bool,
     /// The URDF.
     pub robot: Robot,
     /// Where the root link starts: its frame in the world.
@@ -206,9 +215,20 @@ impl Model {
         scene.chain(robots().map(|robot| &*robot.path)).chain(tables).chain(meshes).chain(obstacles)
     }
 
-    /// What comes before the names of a robot's links and joints.
-    pub fn prefix(&self, robot: usize) -> String {
-        if self.robots.len() > 1 { format!("{}/", self.robots[robot].name) } else { String::new() }
+    /// The file that a robot was read from, by its place among those of all robots.
+    pub(crate) fn file_of(&self, robot: usize) -> usize {
+        let before = self.robots[..=robot].iter().filter(|placed| !placed.is_copy && !placed.is_body).count();
+        before.saturating_sub(1)
+    }
+
+    /// The only robot, or the only body where there is no robot: options for one robot are about it.
+    pub fn only_robot(&self) -> Option<usize> {
+        let mut robots = (0..self.robots.len()).filter(|&robot| !self.robots[robot].is_body);
+        match (robots.next(), robots.next()) {
+            (None, _) if self.robots.len() == 1 => Some(0),
+            (only, None) => only,
+            _ => None,
+        }
     }
 
     /// The index of the link with this name.

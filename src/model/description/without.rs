@@ -59,7 +59,10 @@ impl Model {
                     self.forget_reach();
                 }
                 Left::Friction => mechanism.nonsmooth.friction.clear(),
-                Left::Motors => mechanism.nonsmooth.motors.clear(),
+                Left::Motors => {
+                    mechanism.nonsmooth.motors.clear();
+                    self.at_start.clear();
+                }
                 Left::Damping => {
                     let dampers = &mut mechanism.forces.joint_dampers;
                     dampers.drain(self.damping.start.min(dampers.len())..self.damping.end.min(dampers.len()));

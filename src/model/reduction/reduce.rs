@@ -98,6 +98,9 @@ impl Model {
         warnings.extend(dropped.iter().map(|&(head, joint)| build.massless_warning(head, joint)));
         let robots = vec![PlacedRobot {
             name: robot.name.clone(),
+            prefix: String::new(),
+            is_body: false,
+            is_copy: false,
             links: 0..robot.links.len(),
             joints: 0..joints.len(),
             base_pose: options.base_pose,
@@ -113,6 +116,7 @@ impl Model {
             scene: None,
             tables: Vec::new(),
             damping: 0..0,
+            at_start: Vec::new(),
             contact: Default::default(),
         })
     }

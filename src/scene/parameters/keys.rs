@@ -2,9 +2,10 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::scene::body::{SceneBody, Weight};
 use crate::scene::coupling::{JointReference, LoadKind, SpringPlace};
 use crate::scene::description::{Scene, SceneRobot};
-use crate::scene::parameters::place::{MotorNumber, Place, ShapeNumber, SpringNumber};
+use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::{Parameter, Range};
 use crate::scene::robot::{Geometry, LoopType, UrdfJointKind};
 
@@ -15,10 +16,14 @@ const MOMENTS: [(&str, usize, usize); 6] =
 
 /// All parameters of a scene, without what the files say.
 pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
-    let mut keys = Keys { several: scene.robots.len() > 1, all: Vec::new() };
+    let mut keys = Keys { all: Vec::new() };
     keys.vector("scene", "gravity", Range::Finite, Place::Gravity);
     for (index, robot) in scene.robots.iter().enumerate() {
         keys.start(index, robot);
+        if let Some(body) = &robot.body {
+            keys.body(index, robot, body);
+            continue;
+        }
         keys.links(index, robot);
         keys.joints(index, robot);
         keys.urdf_loops(index, robot);
@@ -39,8 +44,6 @@ pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
 }
 
 struct Keys {
-    /// Whether there are several robots, so that names begin with theirs.
-    several: bool,
     all: Vec<Parameter>,
 }
 
@@ -80,22 +83,21 @@ impl Keys {
         self.vector(head, &format!("{rest}.scale"), Range::Finite, |axis| place(ShapeNumber::Scale(axis)));
     }
 
-    /// The name of a link or joint as scene files write it.
-    fn name(&self, robot: &SceneRobot, name: &str) -> String {
-        if self.several { format!("{}/{name}", robot.name) } else { name.to_string() }
-    }
-
     /// Where a robot starts.
     fn start(&mut self, robot: usize, of: &SceneRobot) {
-        let head = format!("robot.{}", of.name);
-        self.vector(&head, "pose.position", Range::Finite, |axis| Place::BasePosition { robot, axis });
-        self.angles(&head, "pose.rpy", |angle| Place::BaseTurn { robot, angle });
+        // The short key path of a body has its name, that of a robot has not.
+        let (head, own) = match of.body {
+            Some(_) => ("body".to_string(), format!("{}.", of.name)),
+            None => (format!("robot.{}", of.name), String::new()),
+        };
+        let called = |what: &str| format!("{own}{what}");
+        let place = |axis| Place::BasePosition { robot, axis };
+        self.vector(&head, &called("pose.position"), Range::Finite, place);
+        self.angles(&head, &called("pose.rpy"), |angle| Place::BaseTurn { robot, angle });
         if of.floating {
-            self.vector(&head, "velocity.linear", Range::Finite, |number| Place::BaseVelocity { robot, number });
-            self.vector(&head, "velocity.angular", Range::Finite, |axis| Place::BaseVelocity {
-                robot,
-                number: 3 + axis,
-            });
+            let place = |number| Place::BaseVelocity { robot, number };
+            self.vector(&head, &called("velocity.linear"), Range::Finite, place);
+            self.vector(&head, &called("velocity.angular"), Range::Finite, |axis| place(3 + axis));
         }
         for one in &of.robot.joints {
             let joint = || one.name.clone();
@@ -111,10 +113,34 @@ impl Keys {
         }
     }
 
+    /// What a body is made from.
+    fn body(&mut self, robot: usize, of: &SceneRobot, body: &SceneBody) {
+        let called = |what: &str| format!("{}.{what}", of.name);
+        let (head, shape) = ("body", &called("shape"));
+        let place = |what| Place::Body { robot, what };
+        self.put(head, &called("friction"), Range::Friction, Place::LinkFriction { robot, link: 0 });
+        self.put(head, &called("restitution"), Range::Fraction, Place::LinkRestitution { robot, link: 0 });
+        let weight = if let Weight::Density(_) = body.weight { "density" } else { "mass" };
+        self.put(head, &called(weight), Range::Positive, place(BodyNumber::Weight));
+        let of_shape = |what| place(BodyNumber::Shape(what));
+        match body.shape {
+            Geometry::Sphere { .. } => self.round(head, shape, false, of_shape),
+            Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round(head, shape, true, of_shape),
+            Geometry::Box { .. } => self.sizes(head, shape, of_shape),
+            Geometry::Mesh(_) => {}
+        }
+    }
+
     fn links(&mut self, robot: usize, of: &SceneRobot) {
         for (link, one) in of.robot.links.iter().enumerate() {
-            let name = self.name(of, &one.name);
+            let name = called(of, &one.name);
             self.put("link", &format!("{name}.mass"), Range::NotNegative, Place::Mass { robot, link });
+            if !one.collisions.is_empty() {
+                let friction = Place::LinkFriction { robot, link };
+                self.put("link", &format!("{name}.friction"), Range::Friction, friction);
+                let restitution = Place::LinkRestitution { robot, link };
+                self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
+            }
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
             for (moment, row, column) in MOMENTS {
@@ -140,7 +166,7 @@ impl Keys {
 
     fn joints(&mut self, robot: usize, of: &SceneRobot) {
         for (joint, one) in of.robot.joints.iter().enumerate() {
-            let name = self.name(of, &one.name);
+            let name = called(of, &one.name);
             self.vector("joint", &format!("{name}.origin"), Range::Finite, |axis| Place::Origin { robot, joint, axis });
             self.angles("joint", &format!("{name}.origin"), |angle| Place::OriginTurn { robot, joint, angle });
             if one.kind.has_axis() {
@@ -169,7 +195,7 @@ impl Keys {
     /// The loops of a robot's own file.
     fn urdf_loops(&mut self, robot: usize, of_robot: &SceneRobot) {
         for (of, one) in of_robot.robot.loops.iter().enumerate() {
-            let name = self.name(of_robot, &one.name);
+            let name = called(of_robot, &one.name);
             if one.kind.needs_axes() {
                 let place = |axis| Place::UrdfLoopAxis { robot, of, axis };
                 self.vector("loop", &format!("{name}.axis"), Range::Finite, place);
@@ -188,13 +214,13 @@ impl Keys {
             let mut put = |name: &str, range, what| {
                 self.put("motor", &format!("{}.{name}", one.on), range, Place::Motor { motor, what })
             };
-            if matches!(one.law, MotorLaw::Position { .. }) {
+            if one.frequency.is_none() && matches!(one.law, MotorLaw::Position { .. }) {
                 put("kp", Range::NotNegative, MotorNumber::Kp);
             }
-            if matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
+            if one.frequency.is_none() && matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
                 put("kd", Range::NotNegative, MotorNumber::Kd);
             }
-            if one.table.is_none() {
+            if one.table.is_none() && !one.at_start {
                 put("target", Range::Finite, MotorNumber::Target);
             }
             put("max_effort", Range::Bound, MotorNumber::MaxEffort);
@@ -294,6 +320,11 @@ impl Keys {
             self.put("contact", &called("restitution"), Range::Fraction, Place::PairRestitution(rule));
         }
     }
+}
+
+/// The name of a link or joint as scene files write it.
+fn called(robot: &SceneRobot, name: &str) -> String {
+    format!("{}{name}", robot.prefix)
 }
 
 /// `positions.JOINT`, and of joints of several freedoms `positions.JOINT.NUMBER`.

@@ -7,7 +7,10 @@
 //! | `robot.NAME.velocity.linear.x`, `robot.NAME.velocity.angular.x`       | of a floating base [m/s, rad/s]                             |
 //! | `robot.NAME.positions.JOINT`, `robot.NAME.velocities.JOINT`           | start of a joint of one freedom [rad, m, or a second of it] |
 //! | `robot.NAME.positions.JOINT.x`                                        | one number of a joint of several                            |
+//! | `body.NAME.density` or `.mass`, `.shape.radius`, `.shape.length`, `.shape.size.x` | as `[[body]]`, in units of the file |
+//! | `body.NAME.pose.position.x`, `.pose.rpy.roll`, `.velocity.linear.x`, `.velocity.angular.x` | start of a body [m, rad, m/s, rad/s] |
 //! | `link.NAME.mass`                                                      | kg                                                          |
+//! | `link.NAME.friction`, `link.NAME.restitution`, `body.NAME.friction`   | of all collision shapes of a link, with what says nothing else |
 //! | `link.NAME.center_of_mass.x`                                          | in the link frame (m)                                       |
 //! | `link.NAME.inertia.ixx` (`ixy`, `ixz`, `iyy`, `iyz`, `izz`)           | about the centre of mass, in the inertial frame [kg m²]     |
 //! | `link.NAME.inertia.roll` (`pitch`, `yaw`)                             | turn of the inertial frame in the link frame (rad)          |

@@ -18,6 +18,11 @@ pub(crate) enum Place {
         robot: usize,
         number: usize,
     },
+    /// Of what a body is made from.
+    Body {
+        robot: usize,
+        what: BodyNumber,
+    },
     /// One of `count` numbers of a joint.
     Position {
         robot: usize,
@@ -32,6 +37,14 @@ pub(crate) enum Place {
         count: usize,
     },
     Mass {
+        robot: usize,
+        link: usize,
+    },
+    LinkFriction {
+        robot: usize,
+        link: usize,
+    },
+    LinkRestitution {
         robot: usize,
         link: usize,
     },
@@ -186,6 +199,15 @@ pub(crate) enum Place {
     Stages,
     Step,
     Rate,
+}
+
+/// The numbers that a body is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BodyNumber {
+    /// Its density or mass, whichever the file gives.
+    Weight,
+    /// Of its shape.
+    Shape(ShapeNumber),
 }
 
 /// The numbers of a motor.

@@ -2,13 +2,14 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::scene::body::Weight;
 use crate::scene::contact_settings::Obstacle;
 use crate::scene::coupling::{JointReference, LoadKind, Point, SpringPlace};
 use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
 use crate::scene::joint_settings::{LimitChoice, SceneJoint};
-use crate::scene::parameters::place::{MotorNumber, Place, ShapeNumber, SpringNumber};
+use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::slot::Slot;
-use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, UrdfJoint};
+use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, Surface, UrdfJoint};
 use nalgebra::Matrix3;
 
 impl Place {
@@ -25,6 +26,13 @@ impl Place {
                 let robot = scene.robots.get_mut(*robot)?;
                 Number(robot.velocity.get_or_insert(([0.0; 6], robot.line)).0.get_mut(*number)?)
             }
+            Place::Body { robot, what } => {
+                let body = scene.robots.get_mut(*robot)?.body.as_mut()?;
+                match (what, &mut body.weight) {
+                    (BodyNumber::Weight, Weight::Density(number) | Weight::Mass(number)) => Number(number),
+                    (BodyNumber::Shape(what), _) => Number(of_geometry(&mut body.shape, *what)?),
+                }
+            }
             Place::Position { robot, joint, number, count } => {
                 let robot = scene.robots.get_mut(*robot)?;
                 Number(values(&mut robot.positions, joint, *count, robot.line)?.get_mut(*number)?)
@@ -33,6 +41,8 @@ impl Place {
                 let robot = scene.robots.get_mut(*robot)?;
                 Number(values(&mut robot.velocities, joint, *count, robot.line)?.get_mut(*number)?)
             }
+            Place::LinkFriction { robot, link } => Optional(&mut surface(scene, *robot, *link)?.friction),
+            Place::LinkRestitution { robot, link } => Optional(&mut surface(scene, *robot, *link)?.restitution),
             Place::Mass { robot, link } => Number(&mut inertial(scene, *robot, *link)?.mass),
             Place::CenterOfMass { robot, link, axis } => {
                 Number(inertial(scene, *robot, *link)?.origin.translation.vector.get_mut(*axis)?)
@@ -185,6 +195,15 @@ fn inertial(scene: &mut Scene, robot: usize, link: usize) -> Option<&mut Inertia
     }))
 }
 
+/// The surface of a link; of a body, what it is made from.
+fn surface(scene: &mut Scene, robot: usize, link: usize) -> Option<&mut Surface> {
+    let placed = scene.robots.get_mut(robot)?;
+    match &mut placed.body {
+        Some(body) => Some(&mut body.surface),
+        None => Some(&mut placed.robot.links.get_mut(link)?.surface),
+    }
+}
+
 /// A joint of a URDF.
 fn of_urdf(scene: &mut Scene, robot: usize, joint: usize) -> Option<&mut UrdfJoint> {
     scene.robots.get_mut(robot)?.robot.joints.get_mut(joint)
@@ -202,9 +221,16 @@ fn entry_of(scene: &mut Scene, motor: usize, entry: usize) -> Option<&mut (f64, 
 
 /// A number of a collision shape of a link.
 fn of_collision(shape: &mut LinkShape, what: ShapeNumber) -> Option<Slot<'_>> {
-    Some(Slot::Number(match (what, &mut shape.geometry) {
-        (ShapeNumber::Position(axis), _) => shape.origin.translation.vector.get_mut(axis)?,
-        (ShapeNumber::Turn(angle), _) => shape.rpy.get_mut(angle)?,
+    Some(Slot::Number(match what {
+        ShapeNumber::Position(axis) => shape.origin.translation.vector.get_mut(axis)?,
+        ShapeNumber::Turn(angle) => shape.rpy.get_mut(angle)?,
+        of_geometry_alone => of_geometry(&mut shape.geometry, of_geometry_alone)?,
+    }))
+}
+
+/// A number of a geometry.
+fn of_geometry(geometry: &mut Geometry, what: ShapeNumber) -> Option<&mut f64> {
+    Some(match (what, geometry) {
         (
             ShapeNumber::Radius,
             Geometry::Sphere { radius } | Geometry::Cylinder { radius, .. } | Geometry::Capsule { radius, .. },
@@ -213,7 +239,7 @@ fn of_collision(shape: &mut LinkShape, what: ShapeNumber) -> Option<Slot<'_>> {
         (ShapeNumber::Size(axis), Geometry::Box { size }) => size.get_mut(axis)?,
         (ShapeNumber::Scale(axis), Geometry::Mesh(mesh)) => mesh.scale.get_mut(axis)?,
         _ => return None,
-    }))
+    })
 }
 
 /// A number of the shape of an obstacle.

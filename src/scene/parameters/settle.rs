@@ -27,6 +27,13 @@ impl Place {
                 let robot = &mut scene.robots[robot];
                 robot.pose.rotation = turn(robot.rpy);
             }
+            Place::Body { robot, .. } | Place::LinkFriction { robot, .. } | Place::LinkRestitution { robot, .. } => {
+                let placed = &mut scene.robots[robot];
+                if let Some(body) = &placed.body {
+                    let made = body.robot(&placed.name, &scene.path, placed.line);
+                    placed.robot = made.map_err(|error| error.problem.to_string())?;
+                }
+            }
             Place::Mass { robot, link } | Place::Inertia { robot, link, .. } => warn_of_inertia(scene, robot, link),
             Place::InertiaTurn { robot, link, .. } => {
                 if let Some(inertial) = &mut scene.robots[robot].robot.links[link].inertial {

@@ -13,6 +13,8 @@ impl Place {
             Place::Mass { robot, link }
             | Place::CenterOfMass { robot, link, .. }
             | Place::InertiaTurn { robot, link, .. }
+            | Place::LinkFriction { robot, link }
+            | Place::LinkRestitution { robot, link }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
                 let link = &robot.links[*link];
@@ -41,6 +43,10 @@ impl Place {
             | Place::Restitution(of)
             | Place::Friction(of)
             | Place::Damping(of) => of_joint(scene, of.robot, &of.joint),
+            Place::Body { robot, .. } => {
+                let robot = &scene.robots[*robot];
+                here(robot.line, Element::Body(robot.name.clone()))
+            }
             Place::BasePosition { robot, .. } | Place::BaseTurn { robot, .. } | Place::BaseVelocity { robot, .. } => {
                 let robot = &scene.robots[*robot];
                 here(robot.line, Element::Robot(robot.name.clone()))

@@ -8,9 +8,9 @@ use crate::scene::contact_settings::{ContactSettings, MeshSource, Obstacle, Pair
 use crate::scene::coupling::LinkReference;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::{normalised, turn, turn_of_z};
-use crate::scene::robot::Pose;
+use crate::scene::robot::{Pose, Surface};
 use crate::scene::scene_reading::contact_schema::{
-    ContactTable, LinkTable, ObstacleTable, PairTable, ShapeKind, ShapeTable,
+    CombineKey, ContactTable, LinkTable, ObstacleTable, PairTable, ShapeKind, ShapeTable,
 };
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
 use crate::scene::scene_reading::scene_files::SceneFiles;
@@ -39,6 +39,7 @@ impl CouplingReader<'_> {
             touching: table.pairs,
             friction: table.friction.map_or(defaults.friction, |friction| friction.0),
             restitution: table.restitution.map_or(defaults.restitution, |restitution| restitution.0),
+            larger: table.combine == CombineKey::Larger,
             rules,
             obstacles: self.obstacles(obstacles, files)?,
             links: self.scene_links(links)?,
@@ -103,7 +104,7 @@ impl CouplingReader<'_> {
     }
 
     /// A shape, its frame in that of the obstacle, and the mesh it was read from.
-    fn shape(
+    pub fn shape(
         &self,
         table: Spanned<ShapeTable>,
         owner: &Element,
@@ -181,7 +182,8 @@ impl CouplingReader<'_> {
     fn scene_links(&self, tables: Vec<Spanned<LinkTable>>) -> Result<Vec<SceneLink>, SceneError> {
         let mut links: Vec<SceneLink> = Vec::with_capacity(tables.len());
         for table in tables {
-            let LinkTable { name, shape, collision } = table.into_inner();
+            let span = table.span();
+            let LinkTable { name, shape, collision, friction, restitution } = table.into_inner();
             let owner = Element::Link(name.get_ref().clone());
             let point = self.point(&name, &Default::default(), &owner)?;
             let count = match point.link {
@@ -196,13 +198,27 @@ impl CouplingReader<'_> {
                 let problem = Problem::NoCollisionShape { number: *shape.get_ref(), count };
                 return Err(self.text.error(&shape.span(), Some(owner), problem));
             }
+            let refuse = |span: Range<usize>, message| {
+                Err(self.text.error(&span, Some(Element::Link(name.get_ref().clone())), Problem::Keys(message)))
+            };
+            if collision.is_none() && friction.is_none() && restitution.is_none() {
+                return refuse(span, "give its collision, friction or restitution");
+            }
+            let of_surface = friction.as_ref().map(Spanned::span).or(restitution.as_ref().map(Spanned::span));
+            if let Some(span) = of_surface.filter(|_| shape.is_some()) {
+                return refuse(span, "friction and restitution are of the whole link; leave out its shape");
+            }
+            let surface = Surface {
+                friction: friction.map(|friction| friction.get_ref().0),
+                restitution: restitution.map(|restitution| restitution.get_ref().0),
+            };
             let shape = shape.map(Spanned::into_inner);
             if let Some(first) = links.iter().find(|other| other.link == point.link && other.shape == shape) {
                 let problem = Problem::SecondLink { first_line: first.line };
                 return Err(self.text.error(&name.span(), Some(owner), problem));
             }
             let line = self.text.line(&name.span());
-            links.push(SceneLink { link: point.link, name: point.name, shape, shapes: collision, line });
+            links.push(SceneLink { link: point.link, name: point.name, shape, shapes: collision, surface, line });
         }
         Ok(links)
     }

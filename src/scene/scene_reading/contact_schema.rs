@@ -45,7 +45,16 @@ pub(crate) struct ContactTable {
     pub pairs: Touching,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub combine: CombineKey,
     pub pair: Vec<Spanned<PairTable>>,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum CombineKey {
+    #[default]
+    Smaller,
+    Larger,
 }
 
 #[derive(serde::Deserialize)]
@@ -63,5 +72,7 @@ pub(crate) struct PairTable {
 pub(crate) struct LinkTable {
     pub name: Spanned<String>,
     pub shape: Option<Spanned<usize>>,
-    pub collision: LinkShapes,
+    pub collision: Option<LinkShapes>,
+    pub friction: Option<Spanned<Friction>>,
+    pub restitution: Option<Spanned<Fraction>>,
 }

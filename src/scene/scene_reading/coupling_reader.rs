@@ -7,11 +7,12 @@ use crate::scene::description::SceneRobot;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::unit;
 use crate::scene::robot::LoopType;
-use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative};
+use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, Quantity};
 use crate::scene::scene_reading::scene_schema::{EndTable, LoadTable, LoopTable, SpringTable, vector};
 use crate::scene::scene_reading::toml_text::TomlText;
 use crate::scene::warning::Warning;
 use crate::scene::world::WORLD_LINK;
+use std::ops::Range;
 use toml::Spanned;
 
 /// What all tables need.
@@ -80,7 +81,11 @@ impl CouplingReader<'_> {
                         return refuse(rest_length.span(), "a spring in a joint has a rest, no rest_length");
                     }
                     let joint = self.joint(joint, &owner)?;
-                    SpringPlace::Joint { joint, rest: table.rest.map_or(0.0, |rest| rest.get_ref().0) }
+                    let rest = match table.rest {
+                        None => 0.0,
+                        Some(rest) => self.joint_number(&joint, *rest.get_ref(), false, &rest.span(), &owner)?,
+                    };
+                    SpringPlace::Joint { joint, rest }
                 }
                 _ => return refuse(span, "a spring is either between points a and b, or in a joint"),
             };
@@ -176,26 +181,43 @@ impl CouplingReader<'_> {
         }
     }
 
+    /// A position of a joint of one freedom, or with `rate` a velocity of it, whose unit it must have if it has one.
+    pub fn joint_number(
+        &self,
+        of: &JointReference,
+        given: Quantity,
+        rate: bool,
+        span: &Range<usize>,
+        owner: &Element,
+    ) -> Result<f64, SceneError> {
+        let joint = self.robots[of.robot].robot.joints.iter().find(|joint| joint.name == of.joint);
+        given.value(joint.is_none_or(|joint| joint.kind.is_angle(0)), rate).map_err(|reason| {
+            let problem = Problem::JointNumber { joint: of.joint.clone(), reason };
+            self.text.error(span, Some(owner.clone()), problem)
+        })
+    }
+
     /// The robots, and the names in them, that a name may stand for.
     pub fn called<'n>(&self, name: &'n str) -> impl Iterator<Item = (usize, &'n str)> {
-        let alone = (self.robots.len() == 1).then_some((0, name));
+        let plain = self.robots.iter().enumerate().filter(|(_, robot)| robot.prefix.is_empty());
+        let plain = plain.map(move |(index, _)| (index, name));
         let prefixed = self.robots.iter().enumerate().filter_map(move |(index, robot)| {
             Some((index, name.strip_prefix(robot.name.as_str())?.strip_prefix('/')?))
         });
-        alone.into_iter().chain(prefixed)
+        plain.chain(prefixed)
     }
 
     fn unknown(&self, what: &'static str, name: &Spanned<String>, owner: &Element) -> SceneError {
-        let is_alone = self.robots.len() == 1;
         let known = self.robots.iter().flat_map(|placed| {
-            let called = |own: &String| if is_alone { own.clone() } else { format!("{}/{own}", placed.name) };
+            let called = |own: &String| format!("{}{own}", placed.prefix);
             let (links, joints) = (&placed.robot.links, &placed.robot.joints);
             match what {
                 "link" => links.iter().map(|link| called(&link.name)).collect::<Vec<_>>(),
                 _ => joints.iter().map(|joint| called(&joint.name)).collect(),
             }
         });
-        let (known, robots) = (known.collect(), self.robots.len());
+        let robots = self.robots.iter().filter(|placed| !placed.prefix.is_empty()).count();
+        let known = known.collect();
         let problem = Problem::UnknownName { what, name: name.get_ref().clone(), robots, known };
         self.text.error(&name.span(), Some(owner.clone()), problem)
     }

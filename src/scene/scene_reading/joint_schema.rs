@@ -2,15 +2,15 @@
 
 use crate::mechanism::description::target::Interpolation;
 use crate::scene::joint_settings::LimitChoice;
-use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, NotNegative};
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use crate::scene::scene_reading::scene_numbers::{Bound, Fraction, NotNegative, Quantity};
+use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 use std::fmt;
 use toml::Spanned;
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MotorTable {
-    pub joint: Spanned<String>,
+    pub joint: OneOrMore,
     pub kind: MotorKind,
     pub target: Spanned<TargetKey>,
     #[serde(default)]
@@ -48,15 +48,72 @@ pub(crate) struct JointTable {
     pub damping: Option<NotNegative>,
 }
 
-/// A target: a number, entries `[time, value]` with their places in the file, or the name of a CSV file.
+/// A name or a list of names, each with its place.
+pub(crate) struct OneOrMore(pub Vec<Spanned<String>>);
+
+impl<'de> Deserialize<'de> for OneOrMore {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let whole = Spanned::<Names>::deserialize(deserializer)?;
+        let span = whole.span();
+        Ok(OneOrMore(match whole.into_inner() {
+            Names::One(name) => vec![Spanned::new(span, name)],
+            Names::Several(names) => names,
+        }))
+    }
+}
+
+/// The same before the place of one name is known.
+enum Names {
+    One(String),
+    Several(Vec<Spanned<String>>),
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NameOrList;
+        impl<'de> Visitor<'de> for NameOrList {
+            type Value = Names;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("the name of a joint or a list of names")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Names, E> {
+                Ok(Names::One(name.to_string()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Names, A::Error> {
+                let mut names = Vec::new();
+                while let Some(name) = list.next_element()? {
+                    names.push(name);
+                }
+                if names.is_empty() {
+                    return Err(A::Error::custom("the list is empty; give at least one joint"));
+                }
+                Ok(Names::Several(names))
+            }
+        }
+        deserializer.deserialize_any(NameOrList)
+    }
+}
+
+/// A target: a number, `"start"`, entries `[time, value]` with their places in the file, or the name of a CSV file.
 pub(crate) enum TargetKey {
-    Number(f64),
-    Entries(Vec<Spanned<Vec<f64>>>),
+    Number(Quantity),
+    Start,
+    Entries(Vec<Spanned<Vec<Quantity>>>),
     File(String),
 }
 
 /// `[lower, upper]` or `"none"`.
-pub(crate) struct LimitKey(pub LimitChoice);
+pub(crate) enum LimitKey {
+    Unlimited,
+    Range([Limiting; 2]),
+}
+
+/// A limit, perhaps infinite.
+#[derive(Clone, Copy)]
+pub(crate) struct Limiting(pub Quantity);
 
 impl From<InterpolationKey> for Interpolation {
     fn from(key: InterpolationKey) -> Self {
@@ -75,19 +132,25 @@ impl<'de> Deserialize<'de> for TargetKey {
             type Value = TargetKey;
 
             fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
-                out.write_str("a number, a list of [time, value], or the name of a CSV file of time,value")
+                out.write_str(
+                    "a number, a list of [time, value], or the name of a CSV file of time,value; or \"start\"",
+                )
             }
 
             fn visit_f64<E: Error>(self, number: f64) -> Result<TargetKey, E> {
-                Ok(TargetKey::Number(Finite::try_from(number).map_err(E::custom)?.0))
+                Quantity::deserialize(number.into_deserializer()).map(TargetKey::Number)
             }
 
             fn visit_i64<E: Error>(self, number: i64) -> Result<TargetKey, E> {
-                Ok(TargetKey::Number(number as f64))
+                self.visit_f64(number as f64)
             }
 
-            fn visit_str<E: Error>(self, file: &str) -> Result<TargetKey, E> {
-                Ok(TargetKey::File(file.to_string()))
+            fn visit_str<E: Error>(self, text: &str) -> Result<TargetKey, E> {
+                if text == "start" {
+                    return Ok(TargetKey::Start);
+                }
+                let number = Quantity::parse(text).map(TargetKey::Number);
+                Ok(number.unwrap_or_else(|_| TargetKey::File(text.to_string())))
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<TargetKey, A::Error> {
@@ -99,6 +162,12 @@ impl<'de> Deserialize<'de> for TargetKey {
             }
         }
         deserializer.deserialize_any(AnyTarget)
+    }
+}
+
+impl<'de> Deserialize<'de> for Limiting {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Quantity::deserialize_any_number(deserializer).map(Limiting)
     }
 }
 
@@ -114,20 +183,21 @@ impl<'de> Deserialize<'de> for LimitKey {
 
             fn visit_str<E: Error>(self, text: &str) -> Result<LimitKey, E> {
                 match text {
-                    "none" => Ok(LimitKey(LimitChoice::Unlimited)),
+                    "none" => Ok(LimitKey::Unlimited),
                     other => Err(E::custom(format!("{other:?} is no limit; give [lower, upper] or \"none\""))),
                 }
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<LimitKey, A::Error> {
-                let mut numbers: Vec<f64> = Vec::new();
+                let mut numbers: Vec<Limiting> = Vec::new();
                 while let Some(number) = list.next_element()? {
                     numbers.push(number);
                 }
                 let &[lower, upper] = numbers.as_slice() else {
                     return Err(A::Error::custom(format!("{} numbers; give [lower, upper]", numbers.len())));
                 };
-                LimitChoice::between(lower, upper).map(LimitKey).map_err(A::Error::custom)
+                LimitChoice::between(lower.0.number, upper.0.number).map_err(A::Error::custom)?;
+                Ok(LimitKey::Range([lower, upper]))
             }
         }
         deserializer.deserialize_any(RangeOrNone)

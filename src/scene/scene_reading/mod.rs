@@ -1,9 +1,17 @@
 //! Scene files: text, tables with known keys, readers that resolve their names, [`Scene`](crate::scene::description::Scene).
 
 #[cfg(feature = "scene")]
+pub(crate) mod base_velocity;
+#[cfg(feature = "scene")]
+pub(crate) mod body_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod body_schema;
+#[cfg(feature = "scene")]
 pub(crate) mod contact_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod contact_schema;
+#[cfg(feature = "scene")]
+pub(crate) mod copies;
 #[cfg(feature = "scene")]
 pub(crate) mod coupling_reader;
 #[cfg(feature = "scene")]

@@ -3,7 +3,8 @@
 //! | table        | keys                                                                                          |
 //! |--------------|-----------------------------------------------------------------------------------------------|
 //! | `scene`      | `name`, `gravity` (world, m/s²)                                                               |
-//! | `robot`      | `name`, `urdf`, `base`, `pose`, `velocity`, `positions`, `velocities`                          |
+//! | `robot`      | `name`, `urdf`, `base`, `pose`, `velocity`, `positions`, `velocities`, `count` or `grid`, `spacing` |
+//! | `body`       | `name`, `shape`, `density` or `mass`, `color`, `friction`, `restitution`, `pose`, `velocity`, `count` or `grid`, `spacing` |
 //! | `loop`       | `name`, `type`, `a` and `b` (each `link`, `position`, `axis` in the link frame), `length`       |
 //! | `spring`     | `name`, `stiffness`, `damping`; between points `a`, `b`, `rest_length`; in a `joint` `rest`      |
 //! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
@@ -11,15 +12,20 @@
 //! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
 //! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
 //! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
-//! | `link`       | `name`, `collision`                                                                           |
-//! | `simulation` | `duration`, `tolerance` and `estimate`, or `stages` and `step`, `rate`                        |
+//! | `link`       | `name`, `shape`, `collision`, `friction`, `restitution`                                                                           |
+//! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
 //!
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
 
+use crate::scene::coupling::LinkReference;
 use crate::scene::description::{JointValues, Scene, SceneRobot, SimulationSettings};
 use crate::scene::error::{Element, Problem, SceneError};
-use crate::scene::robot::Pose;
+use crate::scene::numbers::turn;
+use crate::scene::robot::{Pose, Robot};
+use crate::scene::scene_reading::base_velocity::base_velocity;
+use crate::scene::scene_reading::body_schema::BodyTable;
+use crate::scene::scene_reading::copies::{CopyKeys, copies};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
 use crate::scene::scene_reading::scene_files::{FilesOnDisk, SceneFiles};
 use crate::scene::scene_reading::scene_numbers::STAGES;
@@ -30,7 +36,7 @@ use crate::scene::scene_reading::toml_text::TomlText;
 use crate::scene::text::read_text;
 use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::world::WORLD_LINK;
-use nalgebra::{Rotation3, Translation3};
+use nalgebra::Translation3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
@@ -51,7 +57,8 @@ pub fn read_scene(path: &Path, packages: &PackagePath) -> Result<Scene, SceneErr
 pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) -> Result<Scene, SceneError> {
     let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(source) };
     let file: FileTable = text.read()?;
-    let robots = robots(&text, file.robot, files)?;
+    let mut robots = robots(&text, file.robot, files)?;
+    bodies(&text, file.body, &mut robots, files)?;
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
@@ -61,12 +68,20 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let joints = reader.joints(file.joint, &loops)?;
     let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
+    for said in &contact.links {
+        if let LinkReference::Link { robot, link } = said.link {
+            let surface = &mut robots[robot].robot.links[link].surface;
+            surface.friction = said.surface.friction.or(surface.friction);
+            surface.restitution = said.surface.restitution.or(surface.restitution);
+        }
+    }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
     let (name, gravity) = file.scene.map_or((None, None), |scene| (scene.name, scene.gravity));
     Ok(Scene {
         name: name.filter(|name| !name.trim().is_empty()).unwrap_or_else(stem),
         path: path.to_path_buf(),
         source: source.to_string(),
+        is_robot: false,
         gravity: gravity.map(|g| vector(&g)),
         robots,
         loops,
@@ -89,20 +104,60 @@ fn robots(
     let mut robots: Vec<SceneRobot> = Vec::with_capacity(tables.len());
     for table in tables {
         let span = table.span();
-        let robot = robot(text, table, files)?;
-        if let Some(first) = robots.iter().find(|other| other.name == robot.name) {
-            let problem = Problem::DuplicateName { first_line: first.line };
-            return Err(text.error(&span, Some(Element::Robot(robot.name)), problem));
+        for robot in robot(text, table, files)? {
+            if let Some(first) = robots.iter().find(|other| other.name == robot.name) {
+                let problem = Problem::DuplicateName { first_line: first.line };
+                return Err(text.error(&span, Some(Element::Robot(robot.name)), problem));
+            }
+            robots.push(robot);
         }
-        robots.push(robot);
     }
-    if robots.is_empty() {
-        return Err(text.error(&(0..0), None, Problem::NoRobots));
+    if robots.len() > 1 {
+        robots.iter_mut().for_each(|robot| robot.prefix = format!("{}/", robot.name));
     }
     Ok(robots)
 }
 
-fn robot(text: &TomlText, table: Spanned<RobotTable>, files: &mut dyn SceneFiles) -> Result<SceneRobot, SceneError> {
+/// Adds the bodies to the robots.
+fn bodies(
+    text: &TomlText,
+    tables: Vec<Spanned<BodyTable>>,
+    robots: &mut Vec<SceneRobot>,
+    files: &mut dyn SceneFiles,
+) -> Result<(), SceneError> {
+    for (index, table) in tables.into_iter().enumerate() {
+        let span = table.span();
+        let reader = CouplingReader { text, robots, warnings: Vec::new() };
+        for body in reader.bodies(table, index, files)? {
+            let refuse = |problem| Err(text.error(&span, Some(Element::Body(body.name.clone())), problem));
+            if let Some(first) = robots.iter().find(|other| other.name == body.name) {
+                return refuse(Problem::DuplicateName { first_line: first.line });
+            }
+            for placed in robots.iter().filter(|placed| placed.body.is_none() && placed.prefix.is_empty()) {
+                let named = |what| Problem::BodyNamedAs { what, robot: placed.name.clone() };
+                if placed.robot.link(&body.name).is_some() {
+                    return refuse(named("link"));
+                }
+                // The joint of a floating base of a URDF.
+                if body.name == "base" || placed.robot.joints.iter().any(|joint| joint.name == body.name) {
+                    return refuse(named("joint"));
+                }
+            }
+            robots.push(body);
+        }
+    }
+    if robots.is_empty() {
+        return Err(text.error(&(0..0), None, Problem::NoRobots));
+    }
+    Ok(())
+}
+
+/// The copies of a robot, of which there is one unless its table says otherwise.
+fn robot(
+    text: &TomlText,
+    table: Spanned<RobotTable>,
+    files: &mut dyn SceneFiles,
+) -> Result<Vec<SceneRobot>, SceneError> {
     let span = table.span();
     let table = table.into_inner();
     let folder = text.file.parent().unwrap_or(Path::new(""));
@@ -128,39 +183,66 @@ fn robot(text: &TomlText, table: Spanned<RobotTable>, files: &mut dyn SceneFiles
             let problem = Problem::Keys("a velocity of the base needs base = \"floating\"");
             return Err(text.error(&velocity.span(), Some(Element::Robot(name)), problem));
         }
-        Some(velocity) => {
-            let line = text.line(&velocity.span());
-            let [vx, vy, vz] = velocity.get_ref().linear.map(|number| number.0);
-            let [wx, wy, wz] = velocity.get_ref().angular.map(|number| number.0);
-            Some(([vx, vy, vz, wx, wy, wz], line))
-        }
+        Some(velocity) => Some(base_velocity(text, &velocity)),
         None => None,
     };
-    let [roll, pitch, yaw] = table.pose.rpy.map(|number| number.0);
-    let translation = Translation3::from(vector(&table.pose.position));
-    Ok(SceneRobot {
-        name,
-        robot,
-        floating,
-        pose: Pose::from_parts(translation, Rotation3::from_euler_angles(roll, pitch, yaw)),
-        rpy: [roll, pitch, yaw],
-        velocity,
-        positions: joint_values(text, table.positions),
-        velocities: joint_values(text, table.velocities),
-        line: text.line(&span),
-    })
+    let rpy = table.pose.rpy.map(|angle| angle.0);
+    let reader = RobotReader { text, robot: &robot, owner: Element::Robot(name.clone()) };
+    let positions = reader.joint_values(table.positions, false)?;
+    let velocities = reader.joint_values(table.velocities, true)?;
+    let keys = CopyKeys { count: &table.count, grid: &table.grid, spacing: &table.spacing };
+    let mut all = Vec::new();
+    for (number, displacement) in copies(text, &keys, &reader.owner)? {
+        let translation = Translation3::from(vector(&table.pose.position) + displacement);
+        all.push(SceneRobot {
+            name: format!("{name}{number}"),
+            prefix: String::new(),
+            body: None,
+            copy: !all.is_empty(),
+            robot: robot.clone(),
+            floating,
+            pose: Pose::from_parts(translation, turn(rpy)),
+            rpy,
+            velocity,
+            positions: positions.clone(),
+            velocities: velocities.clone(),
+            line: text.line(&span),
+        });
+    }
+    Ok(all)
 }
 
-/// In the order of the file.
-fn joint_values(text: &TomlText, table: BTreeMap<Spanned<String>, JointNumbers>) -> Vec<JointValues> {
-    let mut given: Vec<(Spanned<String>, JointNumbers)> = table.into_iter().collect();
-    given.sort_by_key(|(name, _)| name.span().start);
-    let values = given.into_iter().map(|(name, numbers)| JointValues {
-        line: text.line(&name.span()),
-        joint: name.into_inner(),
-        values: numbers.0,
-    });
-    values.collect()
+/// What the numbers of a robot's joints need.
+struct RobotReader<'r> {
+    text: &'r TomlText<'r>,
+    robot: &'r Robot,
+    owner: Element,
+}
+
+impl RobotReader<'_> {
+    /// Positions or velocities of joints, in the order of the file.
+    fn joint_values(
+        &self,
+        table: BTreeMap<Spanned<String>, JointNumbers>,
+        rates: bool,
+    ) -> Result<Vec<JointValues>, SceneError> {
+        let mut given: Vec<(Spanned<String>, JointNumbers)> = table.into_iter().collect();
+        given.sort_by_key(|(name, _)| name.span().start);
+        let mut values = Vec::with_capacity(given.len());
+        for (name, numbers) in given {
+            // Of a joint that does not exist the model says so.
+            let joint = self.robot.joints.iter().find(|joint| joint.name == *name.get_ref());
+            let angle = |number: usize| joint.is_none_or(|joint| joint.kind.is_angle(number));
+            let numbers = numbers.0.iter().enumerate().map(|(number, given)| given.value(angle(number), rates));
+            let numbers: Result<Vec<f64>, String> = numbers.collect();
+            let numbers = numbers.map_err(|reason| {
+                let problem = Problem::JointNumber { joint: name.get_ref().clone(), reason };
+                self.text.error(&name.span(), Some(self.owner.clone()), problem)
+            })?;
+            values.push(JointValues { line: self.text.line(&name.span()), joint: name.into_inner(), values: numbers });
+        }
+        Ok(values)
+    }
 }
 
 /// What a table `[simulation]` says.

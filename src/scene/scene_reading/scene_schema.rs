@@ -1,11 +1,12 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
 use crate::scene::robot::LoopType;
+use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::contact_schema::{ContactTable, LinkTable, ObstacleTable};
 use crate::scene::scene_reading::joint_schema::{JointTable, MotorTable};
-use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive};
+use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive, Quantity, VelocityTable};
 use nalgebra::Vector3;
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::Spanned;
@@ -16,6 +17,8 @@ pub(crate) struct FileTable {
     pub scene: Option<SceneTable>,
     #[serde(default)]
     pub robot: Vec<Spanned<RobotTable>>,
+    #[serde(default)]
+    pub body: Vec<Spanned<BodyTable>>,
     #[serde(default, rename = "loop")]
     pub loops: Vec<Spanned<LoopTable>>,
     #[serde(default)]
@@ -55,6 +58,9 @@ pub(crate) struct RobotTable {
     pub positions: BTreeMap<Spanned<String>, JointNumbers>,
     #[serde(default)]
     pub velocities: BTreeMap<Spanned<String>, JointNumbers>,
+    pub count: Option<Spanned<usize>>,
+    pub grid: Option<Spanned<[usize; 3]>>,
+    pub spacing: Option<Spanned<[Finite; 3]>>,
 }
 
 #[derive(Clone, Copy, Default, PartialEq, serde::Deserialize)]
@@ -63,13 +69,6 @@ pub(crate) enum BaseKey {
     #[default]
     Fixed,
     Floating,
-}
-
-#[derive(Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct VelocityTable {
-    pub linear: [Finite; 3],
-    pub angular: [Finite; 3],
 }
 
 #[derive(serde::Deserialize)]
@@ -102,7 +101,7 @@ pub(crate) struct SpringTable {
     pub stiffness: Option<NotNegative>,
     pub damping: Option<NotNegative>,
     pub rest_length: Option<Spanned<NotNegative>>,
-    pub rest: Option<Spanned<Finite>>,
+    pub rest: Option<Spanned<Quantity>>,
 }
 
 #[derive(serde::Deserialize)]
@@ -136,7 +135,7 @@ pub(crate) struct SimulationTable {
 }
 
 /// The numbers of a joint: one, or a list.
-pub(crate) struct JointNumbers(pub Vec<f64>);
+pub(crate) struct JointNumbers(pub Vec<Quantity>);
 
 impl<'de> Deserialize<'de> for JointNumbers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -149,20 +148,28 @@ impl<'de> Deserialize<'de> for JointNumbers {
             }
 
             fn visit_f64<E: Error>(self, number: f64) -> Result<JointNumbers, E> {
-                let number = Finite::try_from(number).map_err(E::custom)?;
-                Ok(JointNumbers(vec![number.0]))
+                self.one(number.into_deserializer())
             }
 
             fn visit_i64<E: Error>(self, number: i64) -> Result<JointNumbers, E> {
                 self.visit_f64(number as f64)
             }
 
+            fn visit_str<E: Error>(self, text: &str) -> Result<JointNumbers, E> {
+                self.one(text.into_deserializer())
+            }
+
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<JointNumbers, A::Error> {
                 let mut numbers = Vec::new();
-                while let Some(number) = list.next_element::<Finite>()? {
-                    numbers.push(number.0);
+                while let Some(number) = list.next_element::<Quantity>()? {
+                    numbers.push(number);
                 }
                 Ok(JointNumbers(numbers))
+            }
+        }
+        impl OneOrMany {
+            fn one<'de, D: Deserializer<'de>>(self, number: D) -> Result<JointNumbers, D::Error> {
+                Ok(JointNumbers(vec![Quantity::deserialize(number)?]))
             }
         }
         deserializer.deserialize_any(OneOrMany)

@@ -6,15 +6,21 @@ use crate::scene::joint_settings::{TableFile, TargetTable};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
 use crate::scene::scene_reading::joint_schema::TargetKey;
 use crate::scene::scene_reading::scene_files::SceneFiles;
+use crate::scene::scene_reading::scene_numbers::{Quantity, Unit};
 use crate::scene::scene_reading::target_csv::{Entry, entries_of_csv};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
+/// Reads a value of a target, whose place is for messages.
+pub(crate) type ReadValue<'v> = dyn Fn(Quantity, &Range<usize>) -> Result<f64, SceneError> + 'v;
+
 impl CouplingReader<'_> {
-    /// The target of a motor, and the table that gives it if it is no number; its CSV file, if it has one, joins `tables`.
+    /// The target of a motor, whose numbers `value` reads, and the table that gives it if it is no number; its CSV file, if it has one, joins `tables`.
     pub fn target(
         &self,
         key: &Spanned<TargetKey>,
+        value: &ReadValue,
         interpolation: Interpolation,
         owner: &Element,
         files: &mut dyn SceneFiles,
@@ -22,8 +28,9 @@ impl CouplingReader<'_> {
     ) -> Result<(Target, Option<TargetTable>), SceneError> {
         let span = key.span();
         let (entries, file): (Vec<Entry>, PathBuf) = match key.get_ref() {
-            TargetKey::Number(value) => return Ok((Target::constant(*value), None)),
-            TargetKey::Entries(entries) => (self.entries(entries, owner)?, self.text.file.to_path_buf()),
+            TargetKey::Number(given) => return Ok((Target::constant(value(*given, &span)?), None)),
+            TargetKey::Start => return Ok((Target::constant(0.0), None)),
+            TargetKey::Entries(entries) => (self.entries(entries, value, owner)?, self.text.file.to_path_buf()),
             TargetKey::File(name) => {
                 let path = self.text.file.parent().unwrap_or(Path::new("")).join(name);
                 let text = match tables.iter().find(|table| table.path == path) {
@@ -56,9 +63,21 @@ impl CouplingReader<'_> {
     }
 
     /// The entries of a list in the scene file.
-    fn entries(&self, list: &[Spanned<Vec<f64>>], owner: &Element) -> Result<Vec<Entry>, SceneError> {
-        let entry = |entry: &Spanned<Vec<f64>>| match entry.get_ref().as_slice() {
-            &[time, value] => Ok(Entry { line: self.text.line(&entry.span()), time, value }),
+    fn entries(
+        &self,
+        list: &[Spanned<Vec<Quantity>>],
+        value: &ReadValue,
+        owner: &Element,
+    ) -> Result<Vec<Entry>, SceneError> {
+        let entry = |entry: &Spanned<Vec<Quantity>>| match entry.get_ref().as_slice() {
+            &[Quantity { number: time, unit: Unit::Unwritten }, given] => {
+                let (line, value) = (self.text.line(&entry.span()), value(given, &entry.span())?);
+                Ok(Entry { line, time, value })
+            }
+            [_, _] => {
+                let reason = "the time of an entry of its target is a number in seconds".to_string();
+                Err(self.text.error(&entry.span(), Some(owner.clone()), Problem::Table(reason)))
+            }
             numbers => {
                 let reason = format!("an entry of its target has {} numbers; give [time, value]", numbers.len());
                 Err(self.text.error(&entry.span(), Some(owner.clone()), Problem::Table(reason)))

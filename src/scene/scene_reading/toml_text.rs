@@ -10,8 +10,9 @@ use toml::de::{DeTable, DeValue};
 /// A table of which there may be several: its key, the keys of its names, and what it is in messages.
 type Named = (&'static str, &'static [&'static str], fn(&[&str]) -> Option<Element>);
 
-const NAMED: [Named; 8] = [
+const NAMED: [Named; 9] = [
     ("robot", &["name"], |names| Some(Element::Robot(names.first()?.to_string()))),
+    ("body", &["name"], |names| Some(Element::Body(names.first()?.to_string()))),
     ("loop", &["name"], |names| Some(Element::Loop(names.first()?.to_string()))),
     ("spring", &["name"], |names| Some(Element::Spring(names.first()?.to_string()))),
     ("load", &["joint", "link"], |names| Some(Element::Load(names.first()?.to_string()))),

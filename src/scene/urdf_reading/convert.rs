@@ -3,8 +3,8 @@
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::{normalised, turn, unit};
 use crate::scene::robot::{
-    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop, UrdfLoopEnd,
+    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, Surface, UrdfJoint,
+    UrdfJointKind, UrdfLoop, UrdfLoopEnd,
 };
 use crate::scene::urdf_reading::clean::error_at;
 use crate::scene::urdf_reading::element::CleanElement;
@@ -38,7 +38,7 @@ impl Converter<'_> {
         };
         let visuals = self.shapes(element, "visual", &owner)?;
         let collisions = self.shapes(element, "collision", &owner)?;
-        Ok(Link { name, inertial, visuals, collisions, line: element.line })
+        Ok(Link { name, inertial, visuals, collisions, surface: Surface::default(), line: element.line })
     }
 
     /// The shapes of a link; those of collisions have no colour.

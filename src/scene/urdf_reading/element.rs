@@ -100,7 +100,7 @@ impl CleanElement {
 }
 
 /// XML text for an attribute value.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -9,8 +9,10 @@ use crate::scene::urdf_reading::element::CleanElement;
 use crate::scene::urdf_reading::mesh_files::MeshFiles;
 use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::urdf_reading::schema::ROBOT;
+use crate::scene::urdf_reading::surface_friction::take_friction;
 use crate::scene::urdf_reading::tree::find_root;
 use crate::scene::urdf_reading::unsimulated::unsimulated;
+use crate::scene::urdf_reading::xacro::{expanded, is_source};
 use crate::scene::warning::Warning;
 use std::path::Path;
 
@@ -19,7 +21,23 @@ use std::path::Path;
 /// # Errors
 /// [`SceneError`] with the line and the link or joint, when the file is not one robot with sound numbers.
 pub fn read_urdf(path: &Path, packages: &PackagePath) -> Result<Robot, SceneError> {
-    robot_from_text(&read_text(path)?, path, packages)
+    robot_or_xacro(&read_text(path)?, path, packages)
+}
+
+/// The same of the text of the file, which may be a source of xacro.
+///
+/// # Errors
+/// As [`read_urdf`].
+pub(crate) fn robot_or_xacro(text: &str, path: &Path, packages: &PackagePath) -> Result<Robot, SceneError> {
+    if is_source(path) {
+        return robot_from_text(&expanded(path, None)?, path, packages);
+    }
+    match robot_from_text(text, path, packages) {
+        Err(SceneError { line, problem, .. }) if matches!(*problem, Problem::Xacro(_)) => {
+            robot_from_text(&expanded(path, line)?, path, packages)
+        }
+        read => read,
+    }
 }
 
 /// Reads and validates the text of a URDF; `path` names it in messages and is where relative meshes are looked for.
@@ -59,7 +77,7 @@ fn read_robot(
         warnings: Vec::new(),
         impossible_inertias: Vec::new(),
     };
-    let links = robot.children_named("link").map(|link| converter.link(link)).collect::<Result<Vec<_>, _>>()?;
+    let mut links = robot.children_named("link").map(|link| converter.link(link)).collect::<Result<Vec<_>, _>>()?;
     let joints = robot.children_named("joint").map(|joint| converter.joint(joint)).collect::<Result<Vec<_>, _>>()?;
     let mut loops: Vec<UrdfLoop> = Vec::with_capacity(closing.len());
     for element in &closing {
@@ -71,8 +89,10 @@ fn read_robot(
         loops.push(closing);
     }
     let root = find_root(path, &links, &joints, robot.line)?;
+    let of_friction = take_friction(&xml, xml.document()?.root_element(), &mut links);
 
     let mut warnings = xml.warnings;
+    warnings.extend(of_friction);
     warnings.extend(repairs);
     warnings.extend(converter.warnings);
     warnings.extend(Warning::of_kind(converter.impossible_inertias, "link", "links"));

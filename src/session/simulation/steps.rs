@@ -5,6 +5,7 @@ use crate::session::account::Told;
 use crate::session::control::{Control, Moment};
 use crate::session::description::Origin;
 use crate::session::error::{ControllerFailure, Error};
+use crate::session::held_start::motors_from;
 use crate::session::loaded::Assembled;
 use crate::session::model::Model;
 #[cfg(feature = "log")]
@@ -137,6 +138,9 @@ impl Simulation {
         }
         let settled = self.asked.settle(&self.model.loaded().simulation)?;
         let Assembled { state, counted, warnings } = self.started()?.clone();
+        if let Some(motors) = motors_from(self.model.description(), &state) {
+            self.model = self.model.driven_by(motors);
+        }
         let model = self.model.warned(warnings);
         #[cfg(feature = "log")]
         if let Some((path, options)) = &self.log {

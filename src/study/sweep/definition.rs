@@ -9,9 +9,7 @@
 //! | `simulation` | replaces the table of the scene: `duration`, `tolerance` or `stages` and `step`, `rate`                     |
 
 use crate::model::Model;
-use crate::scene::{
-    PackagePath, Problem, Scene, SimulationSettings, TomlText, read_scene, read_text, read_urdf, simulation,
-};
+use crate::scene::{PackagePath, Problem, Scene, SimulationSettings, TomlText, read_input, read_text, simulation};
 use crate::simulation::StepChoice;
 use crate::study::sweep::error::SweepError;
 use crate::study::sweep::quantities::Kept;
@@ -71,9 +69,7 @@ pub fn read_sweep(path: &Path, packages: &PackagePath) -> Result<Sweep, SweepErr
     reader.mix(source.as_bytes());
 
     let named = path.parent().unwrap_or(Path::new("")).join(file.sweep.scene.get_ref());
-    let is_scene = named.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    let read = if is_scene { read_scene(&named, packages) } else { read_urdf(&named, packages).map(Scene::of_robot) };
-    let mut scene = match read {
+    let mut scene = match read_input(&named, None, packages) {
         Err(error) if matches!(*error.problem, Problem::Unreadable(_)) => {
             return Err(reader.refuse(&file.sweep.scene.span(), "sweep.scene", error.to_string()).into());
         }

@@ -8,6 +8,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::model::{Model, ModelError};
 use crate::output::report::{AccuracyReport, EventReport};
 use crate::scene::{Parameter, Scene, SceneError};
+use crate::session::mechanism_from;
 use crate::simulation::{RunError, Simulation, SimulationError, SimulationOptions};
 use crate::study::sweep::definition::{Sweep, course};
 use crate::study::sweep::error::SweepError;
@@ -153,7 +154,8 @@ impl<'s> Runner<'s> {
         let (duration, steps) = course(&self.scene.simulation);
         let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: Some(interrupt) };
         let mut watch = Watch::new(model, &self.sweep.kept);
-        let mut simulation = match Simulation::at_once(&model.mechanism, state, counted, options) {
+        let mechanism = mechanism_from(model, &state);
+        let mut simulation = match Simulation::at_once(&mechanism, state, counted, options) {
             Err(SimulationError::Interrupted(_)) => return Err(Failed::Interrupted),
             made => made?,
         };

@@ -1,12 +1,15 @@
 //! Claims about scene files: what they may say, what they may not, and where the command line has the last word.
 
+mod bodies;
 mod built;
 mod command_line;
 mod contact;
 mod contact_errors;
 mod errors;
+mod holding;
 mod joint_errors;
 mod joints;
+mod surfaces;
 
 use crate::common::command;
 use catena::mechanism::motion::state::State;

@@ -1,5 +1,6 @@
 //! The command line as scripts see it: exit codes, what is printed where, and what happens to files.
 
+mod beginnings;
 mod contact;
 mod errors;
 mod joints;

@@ -39,6 +39,15 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Output {
     catena(folder, arguments).output().expect("catena runs")
 }
 
+/// The same with a text on standard input.
+pub fn run_with_input(folder: &Path, arguments: &[&str], input: &str) -> Output {
+    use std::io::Write;
+    let mut child = catena(folder, arguments).stdin(Stdio::piped()).spawn().expect("catena starts");
+    // A program that refuses its arguments does not read.
+    let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
+    child.wait_with_output().expect("catena ends")
+}
+
 pub fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).expect("UTF-8")
 }

@@ -34,14 +34,18 @@ pub(crate) fn describe(
     let mut buffer = Vec::new();
     let mut looks = Looks::new(options.meshes);
     let mut descriptions = Vec::new();
-    for (index, placed) in model.robots.iter().enumerate() {
-        let (prefix, robot) = (model.prefix(index), &placed.robot);
+    for placed in &model.robots {
+        let (prefix, robot) = (placed.prefix.clone(), &placed.robot);
         let standins = standins(model, placed);
         let description =
             if prefix.is_empty() { robot.description.clone() } else { robot.prefixed_description(&prefix) };
         let description = without_collisions(&description);
         descriptions.push((
-            format!("/{prefix}robot_description"),
+            if placed.is_body {
+                format!("/{}/robot_description", placed.name)
+            } else {
+                format!("/{prefix}robot_description")
+            },
             with_standins(&description, &prefix, &standins, &|link| robot.links[link].name.clone()),
         ));
         if options.meshes != Meshes::None {

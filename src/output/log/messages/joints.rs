@@ -104,6 +104,7 @@ impl JointMessages {
                 scene: None,
                 tables: Vec::new(),
                 damping: 0..0,
+                at_start: Vec::new(),
                 contact: Default::default(),
             },
             scalars,

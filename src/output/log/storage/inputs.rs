@@ -1,6 +1,6 @@
 //! The input files as attachments, so that a run can be repeated from its log alone.
 //!
-//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order, then the CSV files of its
+//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order, one of several copies, then the CSV files of its
 //! targets in the order in which they were read, then the meshes of its obstacles: that, and no path, tells which is which. Last come the
 //! meshes of links that may touch; in place of a path the record `inputs` has `robotN: ` and what the URDF of robot N calls the mesh. Attachments have the names of their files, with a
 //! number where another attachment has that name already. The metadata record `inputs` has for each attachment the SHA-256 of its bytes and, for people, the path
@@ -32,10 +32,9 @@ pub(crate) struct Input<'m> {
 /// The files that were read, the main input first.
 pub(crate) fn inputs(model: &Model) -> Vec<Input<'_>> {
     let scene = model.scene.iter().map(|scene| (String::new(), &*scene.path, &*scene.text, "application/toml"));
+    let of_files = model.robots.iter().filter(|placed| !placed.is_body && !placed.is_copy);
     let robots =
-        model.robots.iter().enumerate().map(|(index, placed)| {
-            (model.prefix(index), &*placed.robot.path, &*placed.robot.source, "application/xml")
-        });
+        of_files.map(|placed| (placed.prefix.clone(), &*placed.robot.path, &*placed.robot.source, "application/xml"));
     let tables = model.tables.iter().map(|table| (String::new(), &*table.path, &*table.text, "text/csv"));
     let texts =
         scene.chain(robots).chain(tables).map(|(prefix, path, text, kind)| (prefix, path, path, text.as_bytes(), kind));

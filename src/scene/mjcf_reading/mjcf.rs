@@ -1,0 +1,292 @@
+//! Reads an MJCF file into a [`Scene`].
+
+use crate::scene::description::Scene;
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::mjcf_reading::mass::Inside;
+use crate::scene::mjcf_reading::reader::Reader;
+use crate::scene::mjcf_reading::tree::{Element, read_tree};
+use crate::scene::robot::{MeshFile, Robot};
+use crate::scene::scene_reading::scene_file::scene_from_text;
+use crate::scene::scene_reading::scene_files::SceneFiles;
+use crate::scene::text::{read_bytes, read_text};
+use crate::scene::urdf_reading::package_path::PackagePath;
+use crate::scene::urdf_reading::urdf::robot_from_text;
+use crate::scene::warning::{Warning, WarningGroup};
+use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Sections that say nothing of the motion.
+const SILENT: [&str; 8] = ["visual", "statistic", "size", "custom", "sensor", "extension", "asset", "default"];
+
+/// Reads and validates an MJCF file; with `keyframe` the scene starts there.
+///
+/// # Errors
+/// [`SceneError`] with file and line.
+pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &PackagePath) -> Result<Scene, SceneError> {
+    let root = read_tree(path, text)?;
+    let mut reader = Reader::new(path, &root)?;
+    reader.read(&root, keyframe)?;
+    let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let files: Vec<String> = (1..=reader.trees.len()).map(|number| format!("{stem}.{number}.urdf")).collect();
+    let toml = reader.toml(&files);
+    let urdfs: Vec<String> = reader.trees.iter().map(|tree| reader.urdf(tree)).collect();
+    let mut made = Made { urdfs: urdfs.into_iter(), packages };
+    let placed = |error: SceneError| match error.file.is_file() && error.file != path {
+        true => error,
+        // Lines are those of what was made.
+        false => SceneError { file: path.to_path_buf(), line: None, ..error },
+    };
+    let mut scene = scene_from_text(&toml, path, &mut made).map_err(placed)?;
+    reader.put_lines(&mut scene);
+    scene.warnings.extend(reader.all_warnings());
+    Ok(scene)
+}
+
+/// The URDFs that were made, one after the other, and the files of the file system.
+struct Made<'m> {
+    urdfs: std::vec::IntoIter<String>,
+    packages: &'m PackagePath,
+}
+
+impl SceneFiles for Made<'_> {
+    fn robot(&mut self, urdf: &Path) -> Result<Robot, SceneError> {
+        robot_from_text(&self.urdfs.next().unwrap_or_default(), urdf, self.packages)
+    }
+
+    fn text(&mut self, file: &Path) -> Result<String, SceneError> {
+        read_text(file)
+    }
+
+    fn bytes(&mut self, file: &Path) -> Result<Vec<u8>, SceneError> {
+        read_bytes(file)
+    }
+}
+
+impl Reader<'_> {
+    fn read(&mut self, root: &Element, keyframe: Option<&str>) -> Result<(), SceneError> {
+        for option in root.all("option") {
+            self.gravity = option.vector("gravity")?.unwrap_or(self.gravity);
+            for flag in option.all("flag") {
+                self.flags(flag);
+            }
+            for medium in ["wind", "density", "viscosity"] {
+                if option.list(medium, 1, 3)?.is_some_and(|numbers| numbers.iter().any(|number| *number != 0.0)) {
+                    self.not_simulated(option, format!("{medium} of the medium around is not simulated"));
+                }
+            }
+        }
+        for compiler in root.all("compiler") {
+            for unread in ["balanceinertia", "boundmass", "boundinertia", "coordinate", "fitaabb"] {
+                if compiler.text(unread).is_some_and(|text| !["false", "local", "0", "-1"].contains(&text)) {
+                    self.odd(compiler, format!("{unread} is not read"));
+                }
+            }
+        }
+        let mesh_folder = root.all("compiler").filter_map(|one| one.text("meshdir").or(one.text("assetdir"))).last();
+        let mesh_folder = PathBuf::from(mesh_folder.unwrap_or_default());
+        for asset in root.all("asset").flat_map(|assets| &assets.children) {
+            self.asset(asset, &mesh_folder)?;
+        }
+        let worlds: Vec<&Element> = root.all("worldbody").collect();
+        worlds.iter().try_for_each(|world| self.world(world))?;
+        for compiler in root.all("compiler") {
+            if let Some(total) = compiler.number("settotalmass")?.filter(|total| *total > 0.0) {
+                self.scale_masses(total);
+            }
+        }
+        self.name_robots();
+        for section in &root.children {
+            match section.name.as_str() {
+                "worldbody" | "option" | "compiler" => {}
+                "equality" => self.equality(section)?,
+                "actuator" => self.actuators(section)?,
+                "contact" => self.contact(section),
+                "keyframe" => {}
+                "tendon" | "deformable" => {
+                    for one in &section.children {
+                        self.not_simulated(one, format!("<{}> of <{}> is not simulated", one.name, section.name));
+                    }
+                }
+                name if SILENT.contains(&name) => {
+                    if !matches!(name, "asset" | "default") {
+                        self.ignore(section, "mujoco");
+                    }
+                }
+                _ => self.unknown(section, "mujoco"),
+            }
+        }
+        let keys: Vec<&Element> = root.all("keyframe").flat_map(|keys| keys.all("key")).collect();
+        let named = |key: &&&Element| key.text("name") == keyframe;
+        match (keyframe, keys.iter().find(named)) {
+            (None, _) => {
+                if let Some(key) = keys.first() {
+                    let name = key.text("name").unwrap_or_default();
+                    let warning = self
+                        .warning(key, format!("the scene starts as its bodies are; --keyframe {name} starts it there"));
+                    self.warnings.push(warning.in_group(WarningGroup::Taken));
+                }
+            }
+            (Some(_), Some(key)) => self.start_at(key)?,
+            (Some(wanted), None) => {
+                let known = keys.iter().filter_map(|key| key.text("name").map(str::to_string)).collect();
+                let problem = Problem::UnknownName { what: "keyframe", name: wanted.to_string(), robots: 0, known };
+                return Err(SceneError {
+                    file: self.path.to_path_buf(),
+                    line: None,
+                    element: None,
+                    problem: Box::new(problem),
+                });
+            }
+        }
+        if self.trees.is_empty() {
+            let problem = Box::new(Problem::NothingMoves);
+            return Err(SceneError { file: self.path.to_path_buf(), line: Some(root.line), element: None, problem });
+        }
+        Ok(())
+    }
+
+    /// What the file switches off.
+    fn flags(&mut self, flag: &Element) {
+        for (name, value) in flag.attributes.iter().filter(|(_, value)| value == "disable") {
+            match name.as_str() {
+                "contact" => self.touches = false,
+                "gravity" => self.gravity = Vector3::zeros(),
+                "limit" | "frictionloss" | "equality" | "actuation" | "constraint" | "passive" | "spring"
+                | "damper" => {
+                    self.odd(flag, format!("{name}={value:?} is not read; --without leaves parts out"));
+                }
+                // Of the solver of MuJoCo.
+                _ => {}
+            }
+        }
+    }
+
+    /// Scales all masses and inertias to a total mass (kg).
+    fn scale_masses(&mut self, total: f64) {
+        let masses = || self.trees.iter().flat_map(|tree| &tree.links).filter_map(|link| link.mass.as_ref());
+        let sum: f64 = masses().map(|of| of.mass).sum::<f64>() + self.fixed_mass;
+        for of in self.trees.iter_mut().flat_map(|tree| &mut tree.links).filter_map(|link| link.mass.as_mut()) {
+            of.mass *= total / sum;
+            of.inertia *= total / sum;
+        }
+    }
+
+    fn asset(&mut self, asset: &Element, mesh_folder: &Path) -> Result<(), SceneError> {
+        let asset = self.defaults.applied(asset, None);
+        match asset.name.as_str() {
+            "mesh" => {
+                let Some(file) = asset.text("file") else {
+                    self.not_simulated(&asset, "a mesh without a file is left out".to_string());
+                    return Ok(());
+                };
+                if asset.text("refpos").is_some() || asset.text("refquat").is_some() {
+                    self.odd(&asset, "refpos and refquat of a mesh are not read".to_string());
+                }
+                let stem = || Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+                let name = asset.text("name").map(str::to_string).or_else(stem).unwrap_or_default();
+                let path = mesh_folder.join(file).to_string_lossy().into_owned();
+                let scale = asset.vector("scale")?.unwrap_or(Vector3::repeat(1.0));
+                let inside = match asset.text("inertia").unwrap_or("legacy") {
+                    "legacy" => Inside::Legacy,
+                    "exact" => Inside::Exact,
+                    other => {
+                        self.odd(&asset, format!("inertia {other:?} of a mesh is read as \"exact\""));
+                        Inside::Exact
+                    }
+                };
+                self.meshes.insert(name, (MeshFile { path, resolved: None, scale, carried: None }, inside));
+            }
+            "material" => {
+                if let (Some(name), Some(rgba)) = (asset.text("name"), asset.list("rgba", 4, 4)?) {
+                    self.colors.insert(name.to_string(), [rgba[0], rgba[1], rgba[2], rgba[3]]);
+                }
+            }
+            _ => self.ignore(&asset, "asset"),
+        }
+        Ok(())
+    }
+
+    /// Pairs of bodies that do not touch, and what else is said of pairs.
+    fn contact(&mut self, contact: &Element) {
+        for one in &contact.children {
+            match (one.name.as_str(), one.text("body1"), one.text("body2")) {
+                ("exclude", Some(a), Some(b)) => {
+                    let tree = |name: &str| self.placed.get(name).and_then(|placed| placed.tree);
+                    let touches = |name: &str| {
+                        let links = self.trees.iter().flat_map(|tree| &tree.links);
+                        links.filter(|link| link.name == name).any(|link| link.geoms.iter().any(|geom| geom.touches))
+                    };
+                    // Links of one robot do not touch each other anyway.
+                    if tree(a).is_some() && tree(b).is_some() && tree(a) != tree(b) && touches(a) && touches(b) {
+                        let pair = (self.link_name(a), self.link_name(b));
+                        self.excluded.push(pair);
+                    }
+                }
+                _ => self.not_simulated(one, format!("<{}> of <contact> is not simulated", one.name)),
+            }
+        }
+    }
+
+    /// Puts the lines of the file into the robots, instead of lines of the text that was made.
+    fn put_lines(&self, scene: &mut Scene) {
+        for (placed, tree) in scene.robots.iter_mut().zip(&self.trees) {
+            let robot = &mut placed.robot;
+            for link in &mut robot.links {
+                let Some(own) = tree.links.iter().find(|own| own.name == link.name) else { continue };
+                link.line = own.line;
+                link.inertial.iter_mut().for_each(|inertial| inertial.line = own.line);
+            }
+            for joint in &mut robot.joints {
+                let own = tree.joints.iter().filter_map(|(_, joint)| joint.as_ref()).find(|own| own.name == joint.name);
+                joint.line = own.map_or(joint.line, |own| own.line);
+            }
+            robot.path = self.path.to_path_buf();
+            let lines: HashMap<crate::scene::error::Element, usize> = robot
+                .links
+                .iter()
+                .map(|link| (crate::scene::error::Element::Link(link.name.clone()), link.line))
+                .chain(
+                    robot
+                        .joints
+                        .iter()
+                        .map(|joint| (crate::scene::error::Element::Joint(joint.name.clone()), joint.line)),
+                )
+                .collect();
+            for warning in &mut robot.warnings {
+                warning.file = self.path.to_path_buf();
+                warning.line = warning.element.as_ref().and_then(|element| lines.get(element).copied());
+            }
+        }
+    }
+
+    fn all_warnings(self) -> Vec<Warning> {
+        let mut all: Vec<Warning> = Vec::new();
+        // One warning for each kind, with the first line of it.
+        let mut kinds: Vec<(String, Vec<Warning>)> = Vec::new();
+        for warning in self.warnings {
+            match kinds.iter_mut().find(|(message, _)| *message == warning.message) {
+                Some((_, same)) => same.push(warning),
+                None => kinds.push((warning.message.clone(), vec![warning])),
+            }
+        }
+        all.extend(kinds.into_iter().filter_map(|(_, same)| Warning::of_kind(same, "element", "elements")));
+        if self.masks {
+            let message = "bits of contype and conaffinity are read as whether a geom touches anything at all";
+            all.push(Warning::odd(self.path, None, None, message));
+        }
+        let touches = self
+            .trees
+            .iter()
+            .filter(|tree| tree.links.iter().filter(|link| link.geoms.iter().any(|geom| geom.touches)).count() > 1);
+        if touches.count() > 0 {
+            let message = "contacts of links of one child of the world with each other are not simulated";
+            all.push(Warning::odd(self.path, None, None, message).in_group(WarningGroup::NotSimulated));
+        }
+        all.extend(self.ignored.into_iter().map(|(what, (file, line, count))| {
+            let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
+            Warning::odd(&file, Some(line), None, format!("{what}{times}")).in_group(WarningGroup::Ignored)
+        }));
+        all
+    }
+}

@@ -1,0 +1,132 @@
+//! The parts of an MJCF file, read: trees of links, geoms, joints, and what couples and drives them.
+
+use crate::scene::mjcf_reading::mass::MassOf;
+use crate::scene::robot::{Geometry, Pose, UrdfJointKind};
+use nalgebra::Vector3;
+
+/// A child of the world with all that it carries.
+#[derive(Debug)]
+pub(crate) struct Tree {
+    pub name: String,
+    /// Whether it floats: its pose is where it starts.
+    pub floats: bool,
+    pub pose: Pose,
+    /// Velocity of its base in the world: linear, angular [m/s, rad/s].
+    pub velocity: Option<[f64; 6]>,
+    pub links: Vec<Link>,
+    pub joints: Vec<(Between, Option<Joint>)>,
+}
+
+/// A link, read.
+#[derive(Debug)]
+pub(crate) struct Link {
+    pub name: String,
+    pub mass: Option<MassOf>,
+    pub geoms: Vec<Geom>,
+    pub line: usize,
+}
+
+/// What a joint joins, and its frame in the parent.
+#[derive(Debug)]
+pub(crate) struct Between {
+    pub parent: String,
+    pub child: String,
+    pub origin: Pose,
+}
+
+/// A body at the start, for what names it.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed {
+    /// Its robot; `None` where it does not move, so that its points are points of the world.
+    pub tree: Option<usize>,
+    pub pose: Pose,
+}
+
+/// A geom, read.
+#[derive(Clone, Debug)]
+pub(crate) struct Geom {
+    pub name: Option<String>,
+    pub form: Form,
+    /// Its frame in its body.
+    pub pose: Pose,
+    pub touches: bool,
+    pub is_shown: bool,
+    pub color: Option<[f64; 4]>,
+    pub friction: f64,
+}
+
+/// What a geom is.
+#[derive(Clone, Debug)]
+pub(crate) enum Form {
+    /// Below the plane through the origin across z.
+    Plane,
+    Solid(Geometry),
+    /// What touches nothing and is not shown here.
+    Other,
+}
+
+/// A joint, read.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint {
+    pub name: String,
+    pub kind: UrdfJointKind,
+    /// Its point in the body (m).
+    pub place: Vector3<f64>,
+    pub axis: Vector3<f64>,
+    /// The position that MuJoCo gives it at the start, where it is zero here [rad or m].
+    pub reference: f64,
+    pub limit: Option<(f64, f64)>,
+    pub damping: f64,
+    pub friction: f64,
+    /// Stiffness, and the position at which its spring is free, counted as here.
+    pub spring: Option<(f64, f64)>,
+    /// Whom it follows: the leader, the multiplier and the offset.
+    pub mimic: Option<(String, f64, f64)>,
+    pub line: usize,
+}
+
+/// A loop that a constraint closes.
+#[derive(Debug)]
+pub(crate) struct Closing {
+    pub name: Option<String>,
+    /// `spherical` or `fixed`.
+    pub kind: &'static str,
+    /// Both ends: a body, `None` for the world, and a point of it (m).
+    pub ends: [(Option<String>, Vector3<f64>); 2],
+}
+
+/// A motor.
+#[derive(Debug)]
+pub(crate) struct Motor {
+    pub joint: String,
+    /// Stiffness, damping, and what its effort would be at rest at zero without control and with a control of one.
+    pub kp: f64,
+    pub kd: f64,
+    pub constant: f64,
+    pub per_control: f64,
+    /// Control at the start, and its bounds.
+    pub control: f64,
+    pub control_range: Option<(f64, f64)>,
+    pub max_effort: Option<f64>,
+}
+
+impl Motor {
+    /// Its kind in a scene file, and its target with a control.
+    pub fn kind(&self) -> (&'static str, f64) {
+        let control = self.control_range.map_or(self.control, |(lower, upper)| self.control.max(lower).min(upper));
+        let drive = self.constant + self.per_control * control;
+        match (self.kp > 0.0, self.kd > 0.0) {
+            (true, _) => ("position", drive / self.kp),
+            (false, true) => ("velocity", drive / self.kd),
+            (false, false) => ("effort", drive),
+        }
+    }
+}
+
+/// What has coordinates, in the order of `qpos`.
+#[derive(Clone, Debug)]
+pub(crate) enum Moving {
+    /// The base of a tree.
+    Free(usize),
+    Joint(usize, String, UrdfJointKind),
+}

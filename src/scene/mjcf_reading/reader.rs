@@ -1,0 +1,179 @@
+//! What is read of an MJCF file, and what is said of it.
+
+use crate::scene::error::SceneError;
+use crate::scene::mjcf_reading::defaults::Defaults;
+use crate::scene::mjcf_reading::mass::Inside;
+use crate::scene::mjcf_reading::orientation::Angles;
+use crate::scene::mjcf_reading::parts::{Closing, Geom, Motor, Moving, Placed, Tree};
+use crate::scene::mjcf_reading::tree::Element;
+use crate::scene::robot::{MeshFile, Pose};
+use crate::scene::warning::{Warning, WarningGroup};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+/// Gravity where the file says none [m/s²].
+const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
+/// What is read of an MJCF file, so far.
+pub(crate) struct Reader<'r> {
+    pub path: &'r Path,
+    pub folder: PathBuf,
+    pub name: String,
+    pub defaults: Defaults,
+    pub angles: Angles,
+    /// Whether a range is a limit where nothing else is said.
+    pub auto_limits: bool,
+    /// Whether masses come from geoms: always, never, or where no inertia is given.
+    pub inertia_from_geoms: Option<bool>,
+    pub gravity: Vector3<f64>,
+    /// Meshes, and how the solids in them are counted.
+    pub meshes: HashMap<String, (MeshFile, Inside)>,
+    pub colors: HashMap<String, [f64; 4]>,
+    pub trees: Vec<Tree>,
+    /// Names of the trees as robots.
+    pub robot_names: Vec<String>,
+    pub obstacles: Vec<Geom>,
+    pub placed: HashMap<String, Placed>,
+    pub sites: HashMap<String, (Option<String>, Pose)>,
+    /// The tree of each joint, and its position at the start as the file counts.
+    pub references: HashMap<String, (usize, f64)>,
+    pub free_names: HashSet<String>,
+    pub order: Vec<Moving>,
+    pub closings: Vec<Closing>,
+    pub locked: Vec<(String, f64)>,
+    pub motors: Vec<(usize, Option<Motor>)>,
+    /// How many actuators there are, with those that are not simulated.
+    pub controls: usize,
+    pub positions: Vec<(usize, String, Vec<f64>)>,
+    pub velocities: Vec<(usize, String, Vec<f64>)>,
+    pub excluded: Vec<(String, String)>,
+    /// Whether anything touches.
+    pub touches: bool,
+    /// Mass of bodies that do not move (kg).
+    pub fixed_mass: f64,
+    /// How many bodies there were.
+    pub bodies: usize,
+    /// Whether masks of contact say more than yes or no.
+    pub masks: bool,
+    pub warnings: Vec<Warning>,
+    /// Elements without a meaning for the motion: the first file and line, and how often they are there.
+    pub ignored: BTreeMap<String, (PathBuf, usize, usize)>,
+}
+
+impl<'r> Reader<'r> {
+    /// Before anything but the settings of the file is read.
+    pub fn new(path: &'r Path, root: &Element) -> Result<Self, SceneError> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let compiler = |name: &str| root.all("compiler").filter_map(|one| one.text(name)).last();
+        let degrees = compiler("angle") != Some("radian");
+        let unit = if degrees { 1_f64.to_radians() } else { 1.0 };
+        let sequence = compiler("eulerseq").unwrap_or("xyz").to_string();
+        let name = root.text("model").map_or_else(
+            || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned()),
+            str::to_string,
+        );
+        let flag = |name: &str| match compiler(name) {
+            Some("true") => Some(true),
+            Some("false") => Some(false),
+            _ => None,
+        };
+        Ok(Reader {
+            path,
+            folder,
+            name,
+            defaults: Defaults::of(root),
+            angles: Angles { unit, sequence },
+            auto_limits: flag("autolimits").unwrap_or(true),
+            inertia_from_geoms: flag("inertiafromgeom"),
+            gravity: GRAVITY,
+            meshes: HashMap::new(),
+            colors: HashMap::new(),
+            trees: Vec::new(),
+            robot_names: Vec::new(),
+            obstacles: Vec::new(),
+            placed: HashMap::new(),
+            sites: HashMap::new(),
+            references: HashMap::new(),
+            free_names: HashSet::new(),
+            order: Vec::new(),
+            closings: Vec::new(),
+            locked: Vec::new(),
+            motors: Vec::new(),
+            controls: 0,
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            excluded: Vec::new(),
+            touches: true,
+            fixed_mass: 0.0,
+            bodies: 0,
+            masks: false,
+            warnings: Vec::new(),
+            ignored: BTreeMap::new(),
+        })
+    }
+
+    /// Names the trees after their bodies, without letters that names of robots may not have.
+    pub fn name_robots(&mut self) {
+        for index in 0..self.trees.len() {
+            let mut name = self.trees[index].name.replace('/', "_");
+            while name == "world" || self.robot_names.contains(&name) {
+                name.push('_');
+            }
+            self.robot_names.push(name);
+        }
+    }
+
+    /// The name of a link or joint of a tree in the scene file.
+    pub fn called(&self, tree: usize, name: &str) -> String {
+        if self.trees.len() > 1 { format!("{}/{name}", self.robot_names[tree]) } else { name.to_string() }
+    }
+
+    /// The name of the link of a body that moves.
+    pub fn link_name(&self, body: &str) -> String {
+        let tree = self.placed.get(body).and_then(|placed| placed.tree);
+        tree.map_or_else(|| "world".to_string(), |tree| self.called(tree, body))
+    }
+
+    /// A name for an obstacle that no link has.
+    pub fn obstacle_name(&self, name: &str) -> String {
+        let name = name.replace(['|', '*'], "_");
+        let is_link = self.trees.iter().flat_map(|tree| &tree.links).any(|link| link.name == name);
+        if is_link || name == "world" { format!("{name}_obstacle") } else { name }
+    }
+
+    /// The name of the file.
+    pub fn source_name(&self) -> String {
+        self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().replace(['\n', '\r'], " "))
+    }
+
+    /// A warning about an element.
+    pub fn warning(&self, element: &Element, message: String) -> Warning {
+        Warning::odd(&element.file, Some(element.line), None, message)
+    }
+
+    /// Warns of what means something for the motion and is not simulated.
+    pub fn not_simulated(&mut self, element: &Element, message: String) {
+        let warning = self.warning(element, message).in_group(WarningGroup::NotSimulated);
+        self.warnings.push(warning);
+    }
+
+    /// Warns of what is read otherwise than it is written.
+    pub fn odd(&mut self, element: &Element, message: String) {
+        let warning = self.warning(element, message);
+        self.warnings.push(warning);
+    }
+
+    /// Lists an element that says nothing of the motion.
+    pub fn ignore(&mut self, element: &Element, parent: &str) {
+        let what =
+            format!("<{}>{}", element.name, if parent == "mujoco" { String::new() } else { format!(" of <{parent}>") });
+        let entry = self.ignored.entry(what).or_insert_with(|| (element.file.to_path_buf(), element.line, 0));
+        entry.2 += 1;
+    }
+
+    /// Warns of an element that is not known.
+    pub fn unknown(&mut self, element: &Element, parent: &str) {
+        self.not_simulated(element, format!("<{}> of <{parent}> is not read", element.name));
+    }
+}

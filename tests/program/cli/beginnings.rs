@@ -1,0 +1,137 @@
+//! Inputs from standard input and from xacro, starts from a log, and warnings that are errors.
+
+use crate::common::command::{PENDULUM, assert_one_error, folder, run, run_with_input, text};
+use serde_json::Value;
+
+const MOTION: [&str; 5] = ["simulate", "pendulum.urdf", "--velocity=hinge=1", "--tolerance=1e-10", "--no-log"];
+
+/// One line on standard error that says this.
+fn refused(output: &std::process::Output, exit_code: i32, what: &str) {
+    assert_one_error(output, exit_code, what);
+    assert!(text(&output.stderr).contains(what), "{what}: {}", text(&output.stderr));
+}
+
+fn json(output: &std::process::Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("a report")
+}
+
+#[test]
+fn a_robot_or_scene_on_standard_input_is_the_same_as_in_a_file() {
+    let folder = folder("standard_input");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
+    let scene = "[[robot]]\nurdf = \"pendulum.urdf\"\nvelocities = { hinge = 1 }\n";
+    let file = json(&run(&folder, &[&MOTION[..], &["--json", "--duration=1"]].concat()));
+    let piped = json(&run_with_input(
+        &folder,
+        &["simulate", "-", "--velocity=hinge=1", "--tolerance=1e-10", "--no-log", "--json", "--duration=1"],
+        PENDULUM,
+    ));
+    let of_scene = json(&run_with_input(
+        &folder,
+        &["simulate", "-", "--tolerance=1e-10", "--no-log", "--json", "--duration=1"],
+        scene,
+    ));
+    for other in [&piped, &of_scene] {
+        assert_eq!(other["joints"], file["joints"]);
+        assert_eq!(other["energy"], file["energy"]);
+    }
+    assert_eq!(run_with_input(&folder, &["simulate", "-", "--duration=1"], scene).status.code(), Some(0));
+    let output = run(&folder, &["replay", "stdin.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    refused(&run_with_input(&folder, &["simulate", "-"], ""), 2, "-: the file is empty");
+}
+
+#[test]
+fn a_run_goes_on_from_an_instant_of_a_log_as_the_run_of_the_log_did() {
+    let folder = folder("from_log");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
+    let whole = json(&run(&folder, &[&MOTION[..4], &["-o", "whole.mcap", "--duration=2", "--json"]].concat()));
+    let on = ["simulate", "pendulum.urdf", "--from", "whole.mcap@0.5", "--tolerance=1e-10", "--duration=1.5"];
+    let rest = json(&run(&folder, &[&on[..], &["-o", "rest.mcap", "--json"]].concat()));
+    assert_eq!(rest["duration"], whole["duration"], "it goes on at the time of the log");
+    let at_end = |report: &Value, what: &str| report["joints"]["hinge"][what].as_f64().expect("a number");
+    // Both are within their tolerances of 1e-10 m at a radius of at most 1 m; samples of the log are interpolated to the same.
+    for what in ["position", "velocity"] {
+        let difference = (at_end(&rest, what) - at_end(&whole, what)).abs();
+        assert!(difference < 1e-8, "{what}: {difference:e}");
+    }
+    // A floating base with its turned frame starts from its last sample as it ended.
+    let floating = ["simulate", "pendulum.urdf", "--base=floating", "--base-velocity=1,0,2,0.1,0.2,0.3", "--json"];
+    let whole = json(&run(&folder, &[&floating[..], &["-o", "free.mcap", "--duration=1"]].concat()));
+    let on = [
+        "simulate",
+        "pendulum.urdf",
+        "--base=floating",
+        "--from=free.mcap@end",
+        "--duration=1e-6",
+        "--json",
+        "--no-log",
+    ];
+    let rest = json(&run(&folder, &on));
+    for joint in ["base", "hinge"] {
+        let numbers = |report: &Value| -> Vec<f64> {
+            let velocity = &report["joints"][joint]["velocity"];
+            let all = velocity.as_array().cloned().unwrap_or_else(|| vec![velocity.clone()]);
+            all.iter().map(|number| number.as_f64().expect("a number")).collect()
+        };
+        for (rest, whole) in numbers(&rest).iter().zip(numbers(&whole)) {
+            // A microsecond of accelerations of some 10 m/s² and 10 rad/s².
+            assert!((rest - whole).abs() < 1e-4, "{joint}: {rest} {whole}");
+        }
+    }
+    let between = run(&folder, &[&MOTION[..2], &["--from=whole.mcap@0.508", "--duration=0.1", "--no-log"]].concat());
+    assert!(text(&between.stdout).contains("no sample at 0.508 s"), "{}", text(&between.stdout));
+    refused(&run(&folder, &["replay", "rest.mcap"]), 2, "it went on from the log whole.mcap");
+    refused(&run(&folder, &["simulate", "pendulum.urdf", "--from=whole.mcap"]), 2, "LOG@T");
+    refused(
+        &run(&folder, &["simulate", "pendulum.urdf", "--base=floating", "--from=whole.mcap@1"]),
+        2,
+        "no joint \"base\"",
+    );
+}
+
+#[test]
+fn warnings_are_errors_if_they_are_asked_to_be() {
+    let folder = folder("strict");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
+    let odd = PENDULUM.replace("</robot>", "<sensor/><camera/></robot>");
+    std::fs::write(folder.join("odd.urdf"), odd).expect("written");
+    let strict = |file, verb: &'static str| run(&folder, &[verb, file, "--strict"]);
+    assert_eq!(strict("pendulum.urdf", "model").status.code(), Some(0));
+    refused(&strict("odd.urdf", "model"), 2, "--strict: odd.urdf: ignored: ");
+    refused(&strict("odd.urdf", "simulate"), 2, "--strict: odd.urdf: ignored: ");
+    assert!(!folder.join("odd.mcap").exists(), "no run was made");
+}
+
+#[test]
+#[cfg(unix)]
+fn xacro_is_expanded_by_its_program_and_without_it_the_error_says_how_to_get_it() {
+    use crate::common::command::catena;
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder("xacro");
+    let source =
+        PENDULUM.replacen('>', " xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arg name='a' default='1'/>", 1);
+    std::fs::write(folder.join("arm.urdf.xacro"), source).expect("written");
+    std::fs::write(folder.join("expanded"), PENDULUM).expect("written");
+    let with_path =
+        |path: &str, arguments: &[&str]| catena(&folder, arguments).env("PATH", path).output().expect("catena runs");
+    let arguments = ["simulate", "arm.urdf.xacro", "--velocity=hinge=1", "--duration=0.1"];
+    refused(&with_path("/nowhere", &arguments), 2, "arm.urdf.xacro: it is xacro, and the program `xacro`");
+    assert!(text(&with_path("/nowhere", &arguments).stderr).contains("pip install xacro"));
+    let bin = folder.join("bin");
+    std::fs::create_dir_all(&bin).expect("a folder");
+    let program = |script: &str| {
+        std::fs::write(bin.join("xacro"), format!("#!/bin/sh\n{script}\n")).expect("written");
+        std::fs::set_permissions(bin.join("xacro"), std::fs::Permissions::from_mode(0o755)).expect("executable");
+    };
+    let path = format!("{}:/usr/bin:/bin", bin.display());
+    program("test \"$1\" = arm.urdf.xacro && cat expanded");
+    let output = with_path(&path, &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    // The log carries the expanded robot: no program is needed to make the run again.
+    let output = with_path("/nowhere", &["replay", "arm.urdf.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    program("echo 'undefined name: x' >&2; exit 2");
+    refused(&with_path(&path, &arguments), 2, "the program `xacro` cannot expand it: undefined name: x");
+}
