@@ -150,7 +150,9 @@ fn bracket(
                 None => (time(0), time(0), true),
             });
         }
+        // One that has just changed its state leaves zero, and is among roundings first.
         if j == 1
+            && noise.is_finite()
             && let Some(low) = dips_at_start(of, time, value)
         {
             if of[0] > noise {
