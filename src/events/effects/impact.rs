@@ -82,7 +82,7 @@ fn gains(scene: &Scene, before: &[f64], state: &State) -> bool {
         energy(scene.whole, &state).kinetic
     };
     let (before, after) = (kinetic(before), kinetic(&state.velocity));
-    !(after <= (1.0 + GAIN) * before)
+    after.is_nan() || after > (1.0 + GAIN) * before
 }
 
 /// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
