@@ -13,7 +13,7 @@ pub const LARGEST: u64 = 100_000_000;
 /// Reads an input.
 ///
 /// # Errors
-/// Those of the file system; a device, and what is larger than [`LARGEST`].
+/// The errors of the file system; an error for a device, and for a file larger than [`LARGEST`].
 pub fn read_bounded(path: &Path) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let metadata = file.metadata()?;

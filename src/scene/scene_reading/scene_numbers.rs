@@ -1,6 +1,6 @@
 //! The numbers of scene files and poses of them, each number refused with its reason where it is read.
 
-/// What the number of stages may be.
+/// The possible numbers of stages.
 pub(crate) const STAGES: std::ops::RangeInclusive<usize> = 2..=16;
 
 /// A finite number.
@@ -26,7 +26,7 @@ const MOST_FRICTION: f64 = 1e4;
 #[serde(try_from = "f64")]
 pub(crate) struct Positive(pub f64);
 
-/// Where something is (m), and its roll, pitch and yaw (rad).
+/// A place (m), and its roll, pitch and yaw (rad).
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct PoseTable {
@@ -71,7 +71,7 @@ impl TryFrom<f64> for Positive {
     }
 }
 
-/// A number that is not negative; infinity is none.
+/// A finite number that is not negative.
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(try_from = "f64")]
 pub(crate) struct Bound(pub f64);
