@@ -1,6 +1,8 @@
-//! The house: data goes one way through `src`, from floor to floor, and no files or folders import each other in a circle.
+//! The house: data goes one way through `src`, from floor to floor, and no files or folders import each other in a circle. Comments and documents are in
+//! plain words.
 
 mod imports;
+mod words;
 
 use imports::{House, Source};
 use std::collections::{BTreeMap, BTreeSet};
