@@ -1,4 +1,4 @@
-//! Looks for bodies without visuals, so that every robot is visible: the box with the same mass and inertia.
+//! The looks of bodies without visuals, so that every robot is visible: the box with the same mass and inertia.
 //!
 //! A box of mass m with edges a, b, c has the principal moments J₁ = m (b² + c²) / 12 and so on, so that
 //!
