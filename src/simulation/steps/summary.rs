@@ -136,7 +136,7 @@ impl Bookkeeper {
     }
 }
 
-/// Sum of the magnitudes of all forces of a mechanism in a state, for springs that store this energy (J) [N or N m].
+/// What all forces of a mechanism push with in a state, added up, for springs that store so much (J) [N or N m].
 pub(crate) fn pushes(mechanism: &Mechanism, state: &State, stored: f64) -> f64 {
     let motors = mechanism.nonsmooth.motors.iter().map(|motor| {
         let Coordinate { position, freedom, .. } = motor.coordinate;
