@@ -1,5 +1,5 @@
-//! The house: data goes one way through `src`, from floor to floor, and no files or folders import each other in a circle. Comments and documents are in
-//! plain words.
+//! The house: data goes one way through `src`, from floor to floor, and no files or folders import each other in a circle. Comments and documents
+//! are in plain words.
 
 mod imports;
 mod words;
