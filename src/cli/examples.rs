@@ -68,7 +68,7 @@ mod tests {
     fn every_example_is_a_command_line_that_is_understood() {
         let all = [SIMULATE, MODEL, INSPECT, REPORT, REPLAY, CHART, STRESS, SWEEP, COMPLETIONS, MANUAL];
         for line in all.iter().flat_map(|examples| examples.lines()).filter(|line| line.starts_with("  catena ")) {
-            // What it does is said after two spaces, and where its output goes after >.
+            // Its explanation comes after two spaces, and its output file after >.
             let command = line.trim_start().split("  ").next().unwrap_or_default();
             let command = command.split(" > ").next().unwrap_or_default();
             let words = command.split(' ').map(OsString::from);

@@ -1,7 +1,7 @@
 //! `catena inspect`: looks at a log, at one instant of it, at its curves, or at two logs side by side.
 //!
-//! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
-//! that the log carries. Of a log that was cut off or damaged all is shown that can be read, with a warning on standard error.
+//! Everything is read from the log. The velocities of links, which samples do not hold, are computed with the model that the log carries. If a log
+//! was cut off or damaged, its readable part is shown, with a warning on standard error.
 
 use crate::cli::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
 use crate::cli::inspect_follow::follow;
@@ -125,7 +125,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
             print(said)?;
         }
     }
-    // Of what was asked for with --json there is one object, whatever files are written.
+    // The output with --json is one object, whatever files are written.
     match (shows_more, arguments.json) {
         (true, false) => Ok(()),
         (true, true) if arguments.at.is_some() || arguments.events => Ok(()),
@@ -160,9 +160,9 @@ struct LoggedInstant {
 struct Violation {
     /// End of the step (s).
     time: f64,
-    /// Of positions (m, rad).
+    /// The error of positions (m, rad).
     position: f64,
-    /// Of velocities [m/s, rad/s].
+    /// The error of velocities [m/s, rad/s].
     velocity: f64,
 }
 
@@ -205,7 +205,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
             (joint.reaction_force, joint.reaction_torque) = (*force, *torque);
         }
     }
-    // The gaps follow from the joints' coordinates, as those of the report do.
+    // The gaps follow from the joints' coordinates, as in the report.
     for (name, closing) in &mut loops {
         if let Some((force, torque)) = reactions.get(name.as_str()) {
             (closing.reaction_force, closing.reaction_torque) = (*force, *torque);

@@ -1,4 +1,4 @@
-//! The command line: which verb, what it prints, and the exit code.
+//! The command line: the verb, the output, and the exit code.
 //!
 //! | exit code | meaning                                                                  |
 //! |-----------|--------------------------------------------------------------------------|
@@ -55,7 +55,7 @@ enum Verb {
     #[command(after_help = examples::SIMULATE)]
     Simulate(Box<simulate::Arguments>),
     #[command(after_help = examples::MODEL)]
-    /// Show what was read, what was left out and why, and what will be simulated
+    /// Show the links and joints that were read, the parts left out and why, and the mechanism that will be simulated
     Model(Box<model::ModelArgs>),
     #[command(after_help = examples::INSPECT)]
     /// Look at a log: a summary, one instant, curves, a table; or compare two logs
@@ -86,7 +86,7 @@ enum Verb {
 /// The words of the command line, from the name of the program on.
 static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// What a log says of its run on this command line.
+/// The origin of a run of this command line, as its log has it.
 fn origin() -> Origin {
     let said = WORDS.get().map_or(&[][..], Vec::as_slice);
     let words: Vec<String> = said.iter().map(|word| word.to_string_lossy().into_owned()).collect();
@@ -129,7 +129,7 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
 fn usage(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // A reader that has gone away has seen what it wanted.
+            // A reader that has gone away does not want the rest.
             let _ = error.print();
             0
         }
@@ -144,7 +144,7 @@ fn usage(error: &clap::Error) -> u8 {
     }
 }
 
-/// What is wrong with a command line, without how it should look in general.
+/// The defect of a command line, without the general usage.
 fn in_one_line(error: &clap::Error) -> String {
     let rendered = error.render().to_string();
     let told = rendered.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
@@ -155,7 +155,7 @@ fn in_one_line(error: &clap::Error) -> String {
 /// The options of a `catena simulate` with these arguments.
 ///
 /// # Errors
-/// What is wrong with them.
+/// The defect of the arguments.
 pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Arguments> {
     let words = std::iter::once("catena").chain(arguments.iter().map(String::as_str));
     let parsed = CommandLine::try_parse_from(with_values(words.map(OsString::from)))

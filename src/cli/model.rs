@@ -1,4 +1,4 @@
-//! `catena model`: what was read, what was left out and why, and what will be simulated.
+//! `catena model`: the parts of the input, the reductions with their reasons, and the mechanism that will be simulated.
 
 use crate::cli::arguments::input::InputArgs;
 use crate::cli::page_files::{check_page, write_page};
@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Show what was read, what was left out and why, and what will be simulated
+/// Show the links and joints that were read, the parts left out and why, and the mechanism that will be simulated
 #[derive(Clone, Debug, clap::Args)]
 pub struct ModelArgs {
     #[command(flatten)]
@@ -54,7 +54,7 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
     let mut loaded = args.input.load().map_err(Failure::input)?;
     let state = match loaded.initial_state(&[], &[], None) {
         Ok(state) => state,
-        // What does not close is worth looking at all the more.
+        // A model whose loops do not close is shown all the same, with a warning.
         Err(error) => {
             let warning = Warning::odd(loaded.model.path(), None, None, error.problem().to_string());
             loaded.model.warnings.push(warning);
@@ -91,7 +91,7 @@ fn parameters(scene: &Scene) -> String {
     lines
 }
 
-/// What is said of a model.
+/// The description of a model.
 struct Described<'d> {
     model: &'d Model,
     start: &'d State,
@@ -284,7 +284,7 @@ pub fn page_tables(loaded: &Loaded, start: &State, kept: &[Rule]) -> Vec<PageTab
     tables(&described).iter().filter(|table| !table.is_empty()).map(Table::on_page).collect()
 }
 
-/// Redundant equations and islands of what was loaded, at its start.
+/// Redundant equations and islands of the loaded model, at its start.
 fn counts(loaded: &Loaded, start: &State, kept: &[Rule]) -> (Redundancy, Plan) {
     let mechanism = &loaded.model.mechanism;
     let redundancy = match &loaded.counted {

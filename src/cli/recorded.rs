@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub struct Recorded {
     /// The options it was made with.
     pub arguments: simulate::Arguments,
-    /// What was simulated, read from the log.
+    /// The simulated model, read from the log.
     pub loaded: Loaded,
     /// The metadata record `simulation`.
     pub simulation: BTreeMap<String, String>,
@@ -35,7 +35,7 @@ impl Recorded {
     /// Reads the beginning of a log.
     ///
     /// # Errors
-    /// What the log lacks, or what is wrong with what it has.
+    /// The missing or defective part of the log.
     pub fn open(log: &Path) -> anyhow::Result<Self> {
         let Beginning { simulation, inputs, files, missing } = Beginning::read(log)?;
         let lacks = |what: &str| {
@@ -66,7 +66,7 @@ impl Recorded {
     }
 }
 
-/// What the text of the main input says, and the files it names.
+/// Loads the text of the main input, and the files it names.
 fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> anyhow::Result<Loaded> {
     if Format::of(path, text) != Format::Scene {
         return Ok(world.world().place_robot(files.with_meshes(robot_without_meshes(text, path)?))?);
@@ -77,13 +77,13 @@ fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> an
 /// A file that a log carries.
 struct Carried {
     name: String,
-    /// Where it was, or for a mesh of a robot what its URDF calls it.
+    /// Its path, or for a mesh of a robot its name in the URDF.
     path: String,
     data: Vec<u8>,
 }
 
 impl Carried {
-    /// Of a mesh of a robot's links: the robot and the mesh, as [`catena::scene::MeshSource`] names them.
+    /// For a mesh of a robot's links: the robot and the mesh, as [`catena::scene::MeshSource`] names them.
     fn robot(&self) -> Option<(usize, &str)> {
         let (number, mesh) = self.path.strip_prefix("robot")?.split_once(": ")?;
         Some((number.parse().ok()?, mesh))
@@ -136,13 +136,13 @@ fn unreadable(file: &Path, reason: String) -> SceneError {
     SceneError { file: file.to_path_buf(), line: None, element: None, problem }
 }
 
-/// What comes before the first sample.
+/// The records before the first sample.
 #[derive(Default)]
 struct Beginning {
     simulation: BTreeMap<String, String>,
     inputs: BTreeMap<String, String>,
     files: Vec<(String, Vec<u8>)>,
-    /// What is missing of the log, if that is in its beginning.
+    /// The missing part of the log, if it is in its beginning.
     missing: Option<String>,
 }
 

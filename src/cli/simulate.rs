@@ -1,7 +1,7 @@
 //! `catena simulate`: read, reduce, run, log, report.
 //!
-//! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
-//! it was. Every way out of the run completes the log.
+//! The output is opened last, after every check of the input: a bad input leaves an existing log as it was. Every way out of the run completes the
+//! log.
 
 use crate::cli::arguments::input::InputArgs;
 use crate::cli::arguments::log_options::LogArgs;
@@ -124,15 +124,15 @@ pub struct Arguments {
 pub struct Setup {
     pub state: State,
     pub settled: Settled,
-    /// What is in the log, and how.
+    /// The options of the log.
     pub log: LogOptions,
 }
 
 impl Setup {
-    /// What the command line says, or else the file, or else the defaults.
+    /// The setup from the command line, or else from the file, or else from the defaults.
     ///
     /// # Errors
-    /// What is wrong with the start, or cannot be simulated.
+    /// The defect of the start or of the settings.
     pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
         let (positions, velocities) = (pairs(&arguments.position), pairs(&arguments.velocity));
         let state = match &arguments.from {
@@ -154,7 +154,7 @@ impl Setup {
 }
 
 impl Arguments {
-    /// What they ask of the run.
+    /// The settings that they ask for.
     fn asked(&self) -> Asked {
         Asked {
             duration: self.duration,
@@ -168,9 +168,9 @@ impl Arguments {
     }
 }
 
-/// What became of a run that has begun.
+/// The result of a run that has begun.
 pub struct Ran {
-    /// Where the log is, if there is one.
+    /// The path of the log, if the run has one.
     pub log: Option<PathBuf>,
     /// How the run ended.
     pub ended: Result<(), Failure>,
@@ -220,7 +220,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     };
     progress = shows.then(|| Progress::new(duration));
     speeds = SpeedWatch::new(model);
-    // Without a log, a bar and largest speeds nobody looks at samples.
+    // Samples are taken only for a log, a bar, or largest speeds.
     if recorder.is_some() || progress.is_some() || speeds.is_some() {
         simulation.sample_at(rate);
     }
@@ -269,7 +269,7 @@ fn check_report(page: &Path, log: &Path, model: &Model) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Where the log goes, refused early if it cannot go there.
+/// The path of the log, refused early if it cannot be written.
 fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
     if arguments.no_log {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! From a [`Scene`] to one [`Model`]: its robots side by side, then what couples them.
+//! One [`Model`] from a [`Scene`]: its robots side by side, then their couplings.
 //!
 //! The bodies of each robot follow those of the robot before it, all with the world as their root. With several robots
 //! every name of a link, joint or body is `robot/name`; with one they stay plain. A `[[body]]` has a link and a joint of its name.
@@ -14,12 +14,12 @@ use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Where a scene starts, in the coordinates of its user ([`Model::initial_state`]).
+/// The start of a scene, in the coordinates of its user ([`Model::initial_state`]).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Start {
     /// Joint positions.
     pub positions: Vec<(String, Vec<f64>)>,
-    /// Joint velocities; that of a floating base is one of them.
+    /// Joint velocities, including the velocity of a floating base.
     pub velocities: Vec<(String, Vec<f64>)>,
 }
 

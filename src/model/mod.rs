@@ -1,4 +1,4 @@
-//! What must be simulated: joints, bodies, the mechanism they form, and where the robot of the URDF is in it.
+//! The parts that must be simulated: joints, bodies, the mechanism they form, and the place of the robot of the URDF in it.
 //!
 //! | what | where |
 //! |---|---|

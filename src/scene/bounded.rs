@@ -17,7 +17,7 @@ pub const STANDARD_INPUT: &str = "-";
 /// Reads an input.
 ///
 /// # Errors
-/// Those of the file system; a device, and what is larger than [`LARGEST`].
+/// The errors of the file system; an error for a device, and for a file larger than [`LARGEST`].
 pub fn read_bounded(path: &Path) -> io::Result<Vec<u8>> {
     if path == Path::new(STANDARD_INPUT) {
         static READ: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();

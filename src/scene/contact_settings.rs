@@ -1,6 +1,6 @@
 //! The contact settings of a scene: obstacles, which shapes may touch, and how.
 //!
-//! Units: m. Coefficients of friction μ ≥ 0 and of restitution e in 0..1 have none.
+//! Units: m. Coefficients of friction μ ≥ 0 and of restitution e in 0..1 are pure numbers.
 
 use crate::mechanism::description::contact::Shape;
 use crate::scene::coupling::LinkReference;
@@ -15,13 +15,13 @@ use std::sync::Arc;
 pub struct Obstacle {
     /// Name, unique among the obstacles.
     pub name: String,
-    /// What it is.
+    /// Its shape.
     pub shape: Shape,
     /// The frame of the shape in the world.
     pub pose: Pose,
     /// Roll, pitch and yaw as they were given (rad), to which the turn of the shape's normal comes.
     pub rpy: [f64; 3],
-    /// The rotation that takes z to the normal of a half space; none for all other shapes.
+    /// The rotation that takes z to the normal of a half space; the identity for all other shapes.
     pub turn: Rotation3<f64>,
     /// The normal of a half space in the frame of the obstacle as given, of any length but zero; of no use for other shapes.
     pub normal: Vector3<f64>,
@@ -40,9 +40,9 @@ pub struct Obstacle {
 /// A mesh file that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshSource {
-    /// What names it: for a link `robotN: ` and what its URDF calls the mesh, with the number N of the robot from 1.
+    /// Its key: for a link `robotN: ` and the name that its URDF gives the mesh, with the number N of the robot from 1.
     pub name: String,
-    /// Where it is.
+    /// The path of its file.
     pub path: PathBuf,
     /// Its bytes.
     pub bytes: Arc<Vec<u8>>,
@@ -52,7 +52,7 @@ pub struct MeshSource {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Touching {
-    /// None.
+    /// No pair.
     None,
     /// Links and obstacles.
     #[default]
@@ -86,7 +86,7 @@ impl FromStr for Touching {
     }
 }
 
-/// A `[[contact.pair]]`; what is `None` stays as it is without it.
+/// A `[[contact.pair]]`; a value of `None` leaves the value of the pair as it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairRule {
     /// A name, in which `*` stands for any text.
@@ -103,7 +103,7 @@ pub struct PairRule {
     pub line: usize,
 }
 
-/// What the collision meshes of a link are taken for.
+/// The shapes that stand for the collision meshes of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LinkShapes {
@@ -112,7 +112,7 @@ pub enum LinkShapes {
     Hull,
     /// Convex pieces of each of their connected parts.
     Decompose,
-    /// Nothing: the shape, or every shape of the link, touches nothing.
+    /// The shape, or every shape of the link, has no contacts.
     None,
 }
 
@@ -123,7 +123,7 @@ pub struct SceneLink {
     pub link: LinkReference,
     /// Its name, as written.
     pub name: String,
-    /// The one collision shape that is meant, by its place among those of the link from 1, as in key paths; `None` for all.
+    /// The place of one collision shape among the shapes of the link from 1, as in key paths; `None` for all.
     pub shape: Option<usize>,
     /// What its collision meshes are taken for, if it says so.
     pub shapes: Option<LinkShapes>,
@@ -138,9 +138,9 @@ pub struct SceneLink {
 pub struct ContactSettings {
     /// Which shapes may touch.
     pub touching: Touching,
-    /// μ where nothing else is said.
+    /// The default of μ.
     pub friction: f64,
-    /// e where nothing else is said.
+    /// The default of e.
     pub restitution: f64,
     /// Whether the larger of two coefficients that are said holds, as in MuJoCo.
     pub larger: bool,
@@ -148,7 +148,7 @@ pub struct ContactSettings {
     pub rules: Vec<PairRule>,
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// What is said of links.
+    /// The settings of links.
     pub links: Vec<SceneLink>,
 }
 
@@ -167,7 +167,7 @@ impl Default for ContactSettings {
 }
 
 impl ContactSettings {
-    /// What a collision shape of a link is taken for, by its place among those of the link from 1: what is said of it, else of all of them.
+    /// The choice for a collision shape of a link, by its place among the shapes of the link from 1: its own setting, else the setting of the link.
     pub fn choice(&self, link: LinkReference, number: usize) -> LinkShapes {
         let of = |shape| self.links.iter().find(|said| said.link == link && said.shape == shape);
         let said = |shape| of(shape).and_then(|said| said.shapes);

@@ -9,13 +9,13 @@ use crate::scene::warning::Warning;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
-/// Acceleration of gravity in the world where nothing else is said [m/s²].
+/// The default acceleration of gravity in the world [m/s²].
 pub const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// A scene, validated: every number is finite and every name refers to something.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Its name; that of the file unless it gives one.
+    /// Its name; the name of the file unless it gives one.
     pub name: String,
     /// The file.
     pub path: PathBuf,
@@ -35,7 +35,7 @@ pub struct Scene {
     pub loads: Vec<SceneLoad>,
     /// The motors.
     pub motors: Vec<SceneMotor>,
-    /// What replaces the URDFs' limits, friction and damping of joints.
+    /// Settings that replace the URDFs' limits, friction and damping of joints.
     pub joints: Vec<SceneJoint>,
     /// Obstacles, and which shapes may touch.
     pub contact: ContactSettings,
@@ -43,7 +43,7 @@ pub struct Scene {
     pub tables: Vec<TableFile>,
     /// How to run it.
     pub simulation: SimulationSettings,
-    /// What was repaired in the scene file; the robots have their own.
+    /// Repairs of the scene file; the robots have their own warnings.
     pub warnings: Vec<Warning>,
 }
 
@@ -124,7 +124,7 @@ pub struct JointValues {
     pub line: usize,
 }
 
-/// How a scene wants to be run; what is not given is for the caller to choose.
+/// The settings of the run that a scene asks for; the caller chooses missing ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SimulationSettings {
     /// Simulated time (s).

@@ -18,7 +18,7 @@ pub enum Element {
     Loop(String),
     /// A spring, by name.
     Spring(String),
-    /// A load, by what it acts on.
+    /// A load, by the name of the loaded part.
     Load(String),
     /// A motor, by the joint that it drives.
     Motor(String),
@@ -45,7 +45,7 @@ impl fmt::Display for Element {
     }
 }
 
-/// `file:line: element: `, leaving out what is not known.
+/// `file:line: element: `, without unknown parts.
 pub(crate) fn place(file: &std::path::Path, line: Option<usize>, element: &Option<Element>) -> String {
     let mut place = file.display().to_string();
     if let Some(line) = line {
@@ -67,11 +67,11 @@ pub struct SceneError {
     pub line: Option<usize>,
     /// The link or joint.
     pub element: Option<Element>,
-    /// What is wrong.
+    /// The defect.
     pub problem: Box<Problem>,
 }
 
-/// What can be wrong with a URDF or a scene file.
+/// A defect of a URDF or a scene file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The file system refused.
@@ -80,7 +80,7 @@ pub enum Problem {
     /// A scene file in a build without the feature `scene`.
     #[error("this build reads no scene files: build catena with its feature `scene`")]
     NotBuilt,
-    /// Nothing in it.
+    /// An empty file.
     #[error("the file is empty")]
     Empty,
     /// Not text.
@@ -119,7 +119,7 @@ pub enum Problem {
     /// Two links or two joints with one name.
     #[error("the name is already taken on line {first_line}")]
     DuplicateName { first_line: usize },
-    /// A number that is none, or not finite, or too many or too few.
+    /// Text that is no number, a number that is not finite, or too many or too few numbers.
     #[error("<{element} {attribute}=\"{text}\">: {reason}")]
     Number { element: String, attribute: String, text: String, reason: String },
     /// Not a joint type of URDF.
@@ -183,7 +183,7 @@ pub enum Problem {
     /// Friction that would drive.
     #[error("its friction {0} is negative; give one that is not")]
     NegativeFriction(f64),
-    /// A motor or setting of a joint that is none of the tree.
+    /// A motor or setting of a joint that is not in the tree.
     #[error("{0:?} closes a loop; only joints of a URDF's tree can have motors, limits and friction")]
     NotOfTree(String),
     /// Two motors on one joint.
@@ -206,7 +206,7 @@ pub enum Problem {
     /// Keys that exclude each other, or of which one is missing.
     #[error("{0}")]
     Keys(&'static str),
-    /// A key path that is none of a number of the scene.
+    /// A key path that belongs to no number of the scene.
     #[error("no number of the scene is called {key:?}{}", proposal(near))]
     UnknownParameter { key: String, near: Vec<String> },
     /// A short key path that means several numbers.
@@ -222,7 +222,7 @@ fn hint(robots: usize) -> &'static str {
     if robots > 1 { "; with several robots it must be written robot/name" } else { "" }
 }
 
-/// What may have been meant.
+/// A proposal of similar names.
 fn proposal(near: &[String]) -> String {
     match near {
         [] => "; `catena model INPUT --parameters` lists all".to_string(),

@@ -1,4 +1,4 @@
-//! The joint settings of a scene file: motors, and values that replace those of the URDF.
+//! The joint settings of a scene file: motors, and values that replace the values of the URDF.
 //!
 //! Units: m, rad, N, N m, s.
 
@@ -27,7 +27,7 @@ pub struct SceneMotor {
     pub lenient: bool,
     /// The table that the target was read from; none of one that is a number.
     pub table: Option<TargetTable>,
-    /// The bound of its effort, if given; infinite where the file says that there is none.
+    /// The bound of its effort, if given; infinite where the file says that there is no bound.
     pub max_effort: Option<f64>,
     /// Time between two evaluations of its effort (s); zero if it is continuous.
     pub period: f64,
@@ -44,7 +44,7 @@ pub struct TargetTable {
     pub interpolation: Interpolation,
 }
 
-/// A `[[joint]]`: replaces what the URDF says; what is `None` stays as it is there.
+/// A `[[joint]]`: its values replace the values of the URDF, and `None` keeps the value of the URDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneJoint {
     /// The joint.
@@ -66,7 +66,7 @@ pub struct SceneJoint {
 /// Limits that a scene file gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LimitChoice {
-    /// None.
+    /// No limits.
     Unlimited,
     /// Smallest and largest position [rad or m]; equal ones lock the joint.
     Range(f64, f64),
@@ -75,7 +75,7 @@ pub enum LimitChoice {
 /// A text file that a scene names, such as the CSV file of a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableFile {
-    /// Where it is.
+    /// The path of its file.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
@@ -85,7 +85,7 @@ impl TargetTable {
     /// The target that it gives.
     ///
     /// # Errors
-    /// The entry that is wrong, counted from 0, if it is one, and what is wrong with it.
+    /// The wrong entry, counted from 0, if the defect belongs to one, and the defect.
     pub(crate) fn target(&self) -> Result<Target, (Option<usize>, String)> {
         let target = Target::table(&self.points, self.interpolation).map_err(|error| {
             let entry = match error {
@@ -109,7 +109,7 @@ impl LimitChoice {
     /// Limits between which there is a position.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The defect of the limits.
     pub(crate) fn between(lower: f64, upper: f64) -> Result<Self, String> {
         if lower.is_nan() || upper.is_nan() {
             return Err("a limit must not be NaN; write -inf or inf where there is none".to_string());

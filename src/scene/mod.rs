@@ -5,7 +5,7 @@
 //!     scene → text → TOML → serde (scene_schema.rs: known keys, good numbers) → Scene of Robots, names resolved
 //! ```
 //!
-//! Mesh files are read by [`crate::meshes`]: those of obstacles here, others when they are needed.
+//! Mesh files are read by [`crate::meshes`]: meshes of obstacles here, others when they are needed.
 //!
 //! | room | what is in it |
 //! |---|---|
@@ -14,8 +14,8 @@
 //! | `scene_reading` | from a scene file to a [`Scene`] |
 //! | [`parameters`] | numbers of a scene by their key paths |
 //!
-//! Nothing here knows about simulation: a [`Robot`] is the URDF with every number finite, every reference resolved
-//! and every link on one tree. Parts of the file that are not used are listed in [`Robot::warnings`].
+//! This module is independent of simulation: a [`Robot`] is the URDF with every number finite, every reference resolved and every link on one tree.
+//! Parts of the file that are not used are listed in [`Robot::warnings`].
 
 mod body;
 mod bounded;

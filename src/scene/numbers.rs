@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, SVector, Vector3};
 
-/// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
+/// The numbers of an attribute as separate texts, and whether commas stood between them; or the defect.
 pub(crate) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
     if value.contains("${") || value.contains("$(") {
         return Err("is unexpanded xacro; run xacro on its source first".to_string());

@@ -33,7 +33,7 @@ pub struct Robot {
     pub source: String,
     /// The repaired URDF with the mesh files made absolute (`file://`), for viewers.
     pub description: String,
-    /// What was repaired, left out, or will not be simulated.
+    /// Repairs, parts that were left out, and parts that will not be simulated.
     pub warnings: Vec<Warning>,
 }
 
@@ -56,9 +56,9 @@ pub struct Link {
     pub name: String,
     /// Mass and inertia, if given.
     pub inertial: Option<Inertial>,
-    /// What viewers show.
+    /// Shapes that viewers show.
     pub visuals: Vec<Shape>,
-    /// What touches.
+    /// Shapes that touch.
     pub collisions: Vec<Shape>,
     /// Coefficients of contact of all its collision shapes, where a file says them.
     pub surface: Surface,
@@ -80,7 +80,7 @@ pub struct Surface {
 pub struct Inertial {
     /// The inertial frame in the link frame: its origin is the centre of mass.
     pub origin: Pose,
-    /// Roll, pitch and yaw of that frame, as given (rad); of a quaternion, those of its rotation.
+    /// Roll, pitch and yaw of that frame, as given (rad); for a quaternion, the angles of its rotation.
     pub rpy: [f64; 3],
     /// Mass (kg), not negative.
     pub mass: f64,
@@ -97,7 +97,7 @@ pub struct Shape {
     pub name: Option<String>,
     /// The shape's frame in the link frame.
     pub origin: Pose,
-    /// Roll, pitch and yaw of that frame, as given (rad); of a quaternion, those of its rotation.
+    /// Roll, pitch and yaw of that frame, as given (rad); for a quaternion, the angles of its rotation.
     pub rpy: [f64; 3],
     /// Its geometry.
     pub geometry: Geometry,
@@ -136,10 +136,10 @@ pub struct MeshFile {
 }
 
 impl MeshFile {
-    /// Where it is and its bytes; `None` if there is no such file.
+    /// Its path and its bytes; `None` if there is no such file.
     ///
     /// # Errors
-    /// Of the file system, for a file that is there, and for one that is too large.
+    /// Errors of the file system, for a file that is there, and for one that is too large.
     pub(crate) fn read(&self) -> Option<io::Result<(PathBuf, Arc<Vec<u8>>)>> {
         if let Some(bytes) = &self.carried {
             return Some(Ok((PathBuf::from(&self.path), bytes.clone())));
@@ -211,7 +211,7 @@ pub struct UrdfJoint {
     pub child: String,
     /// The joint frame, which is the child's link frame at zero displacement, in the parent's link frame.
     pub origin: Pose,
-    /// Roll, pitch and yaw of that frame, as given (rad); of a quaternion, those of its rotation.
+    /// Roll, pitch and yaw of that frame, as given (rad); for a quaternion, the angles of its rotation.
     pub rpy: [f64; 3],
     /// Unit axis in the joint frame.
     pub axis: Vector3<f64>,
@@ -240,8 +240,8 @@ impl UrdfJoint {
     }
 }
 
-/// A `<loop_joint>`: a joint between two links of the tree. Standard URDF has none; this is how RigidBodyDynamics.jl,
-/// Dojo and Isaac Sim write them.
+/// A `<loop_joint>`: a joint between two links of the tree. Standard URDF has no such element; RigidBodyDynamics.jl, Dojo and Isaac Sim write loops
+/// in this way.
 #[derive(Clone, Debug)]
 pub struct UrdfLoop {
     /// Name, unique among the loops.
@@ -261,7 +261,7 @@ pub struct UrdfLoop {
 }
 
 impl UrdfLoop {
-    /// The end of `<link2>`, or that of `<link1>`.
+    /// The end of `<link2>`, or the end of `<link1>`.
     pub(crate) fn end_mut(&mut self, b: bool) -> &mut UrdfLoopEnd {
         if b { &mut self.b } else { &mut self.a }
     }
@@ -278,7 +278,7 @@ pub struct UrdfLoopEnd {
     pub rpy: [f64; 3],
 }
 
-/// What a joint that closes a loop leaves free.
+/// The motions that a joint that closes a loop leaves free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LoopType {
@@ -294,7 +294,7 @@ pub enum LoopType {
     Spherical,
     /// Translations across the axis and rotation about it.
     Planar,
-    /// Nothing.
+    /// No motion is free.
     Fixed,
     /// Everything but the distance of two points.
     Distance,
@@ -307,7 +307,7 @@ impl LoopType {
     }
 }
 
-/// Joint limits; `None` where the file says nothing.
+/// Joint limits; `None` where the file has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     /// Smallest position [rad or m].

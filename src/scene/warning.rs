@@ -1,4 +1,4 @@
-//! Warnings about the input, in three groups: what is not simulated, what is odd in the file, and what is ignored.
+//! Warnings about the input, in three groups: parts that are not simulated, odd parts of the file, and ignored ones.
 
 use crate::mechanism::ground::words::counted;
 use crate::scene::error::{Element, place};
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What a warning says of the part of the file that it is about, in the order in which people are told.
+/// The statement of a warning about its part of the file. The order is the order in which people read them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum WarningGroup {
@@ -14,14 +14,14 @@ pub enum WarningGroup {
     Taken,
     /// The part means something for the motion, and the motion goes without it.
     NotSimulated,
-    /// The part is missing, wrong or unusual; the message says what was made of it.
+    /// The part is missing, wrong or unusual; the message says how it was read.
     Odd,
     /// Tags and attributes that are ignored; a list of warnings has one line for all of a file.
     Ignored,
 }
 
 impl WarningGroup {
-    /// What stands above the warnings of this group.
+    /// The title above the warnings of this group.
     pub fn title(self) -> &'static str {
         match self {
             WarningGroup::Taken => "Taken from the file",
@@ -35,7 +35,7 @@ impl WarningGroup {
 /// Something that was repaired, left out, or will not be simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    /// What it says of the file.
+    /// Its statement about the file.
     pub group: WarningGroup,
     /// The file.
     pub file: PathBuf,
@@ -43,7 +43,7 @@ pub struct Warning {
     pub line: Option<usize>,
     /// The link or joint.
     pub element: Option<Element>,
-    /// What was done; of what is ignored: its name, and how often it is there.
+    /// The treatment of the part; for an ignored part its name, and its number of occurrences.
     pub message: String,
 }
 
@@ -77,7 +77,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The lines that people read, group by group; what is ignored is one line for each file.
+/// The lines that people read, group by group; ignored parts are one line for each file.
 pub fn warning_lines(warnings: &[Warning]) -> Vec<(WarningGroup, String)> {
     let of = |group| warnings.iter().filter(move |warning| warning.group == group);
     let mut paths = LongPaths::of(warnings);

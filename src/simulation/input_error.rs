@@ -16,7 +16,7 @@ pub enum InputError {
     NotFinite {
         /// The joint.
         joint: String,
-        /// What was given [N m or N].
+        /// The given effort [N m or N].
         effort: f64,
     },
 }

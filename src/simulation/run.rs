@@ -30,14 +30,13 @@ pub struct SimulationOptions<'o> {
     pub duration: f64,
     /// How steps are chosen.
     pub steps: StepChoice,
-    /// Rules that leave nothing out.
+    /// Simplification rules that are switched off.
     pub switched_off: &'o [Rule],
     /// Set from outside to end the run after its current step, or its trial runs.
     pub interrupt: Option<&'o AtomicBool>,
 }
 
-/// A run: a mechanism, its state, what acts on it from outside, what makes the steps of its islands, the accuracy to expect, and who
-/// watches.
+/// A run: a mechanism, its state, the efforts from outside, the integrators of its islands, the accuracy to expect, and its observers.
 ///
 /// ```
 /// use catena::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -64,9 +63,9 @@ pub struct SimulationOptions<'o> {
 pub struct Simulation<'s> {
     pub(super) mechanism: &'s Mechanism,
     pub(super) state: State,
-    /// Where the run begins, if it may restart.
+    /// The state at the beginning of the run, if it may restart.
     pub(super) start: Option<State>,
-    /// CPU time of trial runs, and of what was begun and is void (s).
+    /// CPU time of trial runs, and of discarded parts of the run (s).
     pub(super) spent: f64,
     efforts: Vec<f64>,
     pub(super) integrators: Integrators<'s>,
@@ -103,9 +102,9 @@ impl<'s> Simulation<'s> {
         Self::from_counted(mechanism, state, None, options)
     }
 
-    /// The same without trial runs: the run itself tells its accuracy as it goes along, from the first step on, and [`Simulation::run`] begins it
-    /// again with finer steps where that is not what is wanted. Observers are told ([`Observer::begin_again`]). Under efforts from outside, and up
-    /// to a time that [`Simulation::step_to`] says, it goes on, and the accuracy is what it is.
+    /// The same without trial runs: the run itself estimates its accuracy as it goes along, from the first step on. [`Simulation::run`] restarts it
+    /// with finer steps if the accuracy falls short. Observers are told ([`Observer::begin_again`]). Under efforts from outside, and up to a time of
+    /// [`Simulation::step_to`], it goes on without a restart, and the accuracy may fall short.
     ///
     /// # Errors
     /// As of [`Simulation::new`].
@@ -168,13 +167,14 @@ impl<'s> Simulation<'s> {
         self.observers.push(observer);
     }
 
-    /// Observers see so many samples per simulated second; without this only the first and the last instant. Before the first step.
+    /// Sets the samples that observers see per simulated second; without this they see only the first and the last instant. Call it before the first
+    /// step.
     pub fn sample_at(&mut self, rate: f64) {
         self.options.rate = Some(rate);
     }
 
-    /// Leaves out the figures: energies, constraint errors and times of steps are not computed. The steps are the same. Before the first
-    /// step; parts that nothing connects have their figures all the same.
+    /// Leaves out the figures: energies, constraint errors and times of steps are not computed. The steps are the same. Call it before the first
+    /// step. Unconnected parts have their figures all the same.
     pub(crate) fn leave_out_figures(&mut self) {
         self.figures = false;
     }

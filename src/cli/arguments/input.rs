@@ -1,6 +1,6 @@
-//! The options that say what is simulated: shared by every verb that reads a robot or a scene.
+//! The options of the simulated robot or scene, shared by every verb that reads one.
 //!
-//! What they mean is worked out by [`catena::session::World`].
+//! [`catena::session::World`] works out their meaning.
 
 use crate::cli::arguments::contact_args::ContactArgs;
 use crate::cli::arguments::numbers::numbers;
@@ -32,7 +32,7 @@ pub struct InputArgs {
     pub keep: Vec<Rule>,
 }
 
-/// Where a robot stands, and where its files are.
+/// The place of a robot, and of its files.
 #[derive(Clone, Debug, clap::Args)]
 pub struct WorldArgs {
     /// Whether the root link is fixed in the world or floats freely [default: fixed]
@@ -47,7 +47,7 @@ pub struct WorldArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     pub gravity: Option<[f64; 3]>,
 
-    /// What is left out of the simulation although the files say it.
+    /// Parts of the files that are left out of the simulation.
     #[arg(long, value_name = "WHAT", help = without_help())]
     pub without: Vec<Left>,
 
@@ -86,7 +86,7 @@ impl InputArgs {
     /// Reads and reduces the robot or scene. Every error here is bad input (exit code 2).
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link, joint or key.
+    /// The defect of the file, with file, line, and link, joint or key.
     pub fn load(&self) -> anyhow::Result<Loaded> {
         self.world.load(&self.input)
     }
@@ -118,7 +118,7 @@ impl WorldArgs {
     /// Reads and reduces a robot or scene. Every error here is bad input (exit code 2).
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link, joint or key.
+    /// The defect of the file, with file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> anyhow::Result<Loaded> {
         Ok(self.world().load(input)?)
     }
@@ -131,7 +131,7 @@ impl WorldArgs {
         Ok(self.world().scene(input)?)
     }
 
-    /// What they say.
+    /// The world that they describe.
     pub fn world(&self) -> World {
         World {
             base: self.base.map(BaseChoice::base),

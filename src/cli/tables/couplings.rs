@@ -152,7 +152,7 @@ pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
     vec![loops, mimics, springs, acting]
 }
 
-/// What the first line says after the degrees of freedom.
+/// The part of the first line after the degrees of freedom.
 pub fn summary(model: &Model) -> String {
     let mechanism = &model.mechanism;
     let mut text = String::new();

@@ -14,13 +14,13 @@ use catena::simulation::parallel::partition::Plan;
 use catena::stepping::trees::other_tree::other_tree;
 use serde_json::{Value, json};
 
-/// What a rule does here.
+/// The effect of a rule here.
 struct Applied {
     name: &'static str,
     condition: &'static str,
     /// How many links, islands or bodies it is about.
     count: usize,
-    /// In words; empty if it does nothing.
+    /// The saving in words; empty without an effect.
     saved: String,
     /// How to switch it off, if that is possible.
     switch: Option<Rule>,

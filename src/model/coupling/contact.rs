@@ -1,7 +1,7 @@
-//! What may touch: from the collision shapes of links and the obstacles of a scene to colliders and pairs of the mechanism.
+//! Possible contacts: from the collision shapes of links and the obstacles of a scene to colliders and pairs of the mechanism.
 //!
-//! With the frame `L` of a link in the body that carries it and the frame `S` of a shape in the link, the shape lies at `L S` in the body, or in the
-//! world where the link does not move. Where nothing can touch (no obstacle, or `pairs = "none"`) no shape is looked at.
+//! `L` is the frame of a link in the body that carries it, and `S` the frame of a shape in the link. The shape lies at `L S` in the body, or in the
+//! world if the link does not move. Shapes are not read if contacts are impossible (no obstacle, or `pairs = "none"`).
 
 use crate::mechanism::description::contact::Collider;
 use crate::mechanism::motion::kinematics::body_states;
@@ -20,8 +20,8 @@ impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
     ///
     /// # Errors
-    /// [`ModelError`] for shapes of links without size, meshes that are there and cannot be used, names that nothing has, and obstacles with the
-    /// name of a link. Meshes of links that are not found are left out, with a warning.
+    /// [`ModelError`] for shapes of links without size, meshes that are there and cannot be used, unknown names, and obstacles with the name of a
+    /// link. Meshes of links that are not found are left out, with a warning.
     pub fn set_contact(&mut self, settings: &ContactSettings) -> Result<(), ModelError> {
         let of_rules = self.check_contact_names(settings)?;
         let moving = settings.touching == Touching::All && self.robots.len() > 1;
@@ -64,7 +64,7 @@ impl Model {
         Ok((colliders, reader.warnings))
     }
 
-    /// Takes back that shapes are out of reach of each other: what was proved by the limits of joints no longer holds.
+    /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds.
     pub(crate) fn forget_reach(&mut self) {
         let out_of_reach = |left: &LeftOutPair| left.because == NeverTouch::OutOfReach;
         let pairs = &mut self.mechanism.nonsmooth.pairs;
@@ -103,7 +103,7 @@ impl Model {
         Ok(())
     }
 
-    /// Refuses names that nothing has, and names that two things have; warns of rules that name no two things that may touch.
+    /// Refuses unknown and ambiguous names; warns of rules that name no two things that may touch.
     fn check_contact_names(&self, settings: &ContactSettings) -> Result<Vec<Warning>, ModelError> {
         let file = self.path().to_path_buf();
         for obstacle in &settings.obstacles {

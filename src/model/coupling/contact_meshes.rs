@@ -19,7 +19,7 @@ const MOST_PIECES: u32 = 16;
 pub(crate) struct ShapeReader {
     /// The meshes that were read, each once for each robot.
     pub meshes: Vec<MeshSource>,
-    /// Of meshes that were not found, and of pieces that are approximate.
+    /// Warnings of meshes that were not found, and of pieces that are approximate.
     pub warnings: Vec<Warning>,
 }
 
@@ -113,7 +113,7 @@ impl ShapeReader {
     }
 }
 
-/// The convex hulls of a mesh and whether they are what was asked for exactly, or why there are none.
+/// The convex hulls of a mesh and whether they are exact, or the reason why it cannot be used.
 fn hulls(source: &MeshSource, mesh: &MeshFile, choice: LinkShapes) -> Result<(Vec<Shape>, bool), Unusable> {
     let surface = collision_surface(std::path::Path::new(&mesh.path), &source.bytes, &mesh.scale);
     let surface = surface.map_err(|error| Unusable::Mesh(error.to_string()))?;
@@ -140,6 +140,6 @@ fn hulls(source: &MeshSource, mesh: &MeshFile, choice: LinkShapes) -> Result<(Ve
 enum Unusable {
     /// In words.
     Mesh(String),
-    /// Pieces were asked for of what has none.
+    /// The mesh cannot be cut into the requested pieces.
     Pieces(GeometryError),
 }

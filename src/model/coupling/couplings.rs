@@ -1,7 +1,7 @@
 //! Fills the lists of a mechanism that the tree does not have: loops, mimic relations, forces, limits, friction and motors.
 //!
-//! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](crate::model::LinkFrame::in_body)) lies at `L X` in the
-//! body, or in the world. What becomes of each kind is in `loops`, `forces`, `joints`, `limits` and `motors`.
+//! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](crate::model::LinkFrame::in_body)) lies at `L X` in the body, or in the
+//! world. The modules `loops`, `forces`, `joints`, `limits` and `motors` build each kind.
 
 use crate::mechanism::description::nonsmooth::Nonsmooth;
 use crate::mechanism::motion::kinematics::body_states;
@@ -86,7 +86,7 @@ impl Model {
         self.joints.iter().enumerate().map(|(index, joint)| (joint.child_link.clone(), index)).collect()
     }
 
-    /// Whether a link was held still because nothing beyond its joint has mass.
+    /// Whether a link was held still because no mass is beyond its joint.
     fn is_dropped(&self, link: usize, above: &HashMap<String, usize>) -> bool {
         let mut joint = above.get(&self.links[link].name);
         while let Some(&index) = joint {

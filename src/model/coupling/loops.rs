@@ -1,15 +1,14 @@
 //! The loops of scene files and of `<loop_joint>` elements, as joints between frames of bodies.
 //!
-//! The axis of an end becomes `z` of its frame, `x` and `y` those of [`axis_rotation`]. Where more than the axis counts, the
-//! start of the scene file decides, so that a closed start stays closed:
+//! The axis of an end becomes `z` of its frame, and [`axis_rotation`] gives `x` and `y`. If more than the axis counts, the start of the scene file
+//! decides, so that a closed start stays closed:
 //!
 //! * prismatic, fixed: `x_b` is `x_a`, made orthogonal to `z_b`;
 //! * fixed without axes: all of frame `b` is parallel to frame `a`;
 //! * distance without a length: the distance.
 //!
-//! The start is that of the file: positions given on the command line move the bodies and not the frames in them. A
-//! `<loop_joint>` gives both frames whole; its `world`, if no link has that name, is the one in which the robot's base has its
-//! pose, as for the joints of the tree.
+//! The start is the start of the file: positions given on the command line move the bodies and not the frames in them. A `<loop_joint>` gives both
+//! frames whole. Its `world`, if no link has that name, is the world in which the robot's base has its pose, as for the joints of the tree.
 
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::{LoopJoint, LoopKind};
@@ -52,7 +51,7 @@ impl Builder<'_> {
         Ok(loops)
     }
 
-    /// Adds the loops of the scene file to those of the robots.
+    /// Adds the loops of the scene file to the loops of the robots.
     pub(crate) fn add_scene_loops(&self, loops: &mut Vec<LoopJoint>) -> Result<(), ModelError> {
         for closing in self.scene.iter().flat_map(|scene| &scene.loops) {
             if loops.iter().any(|other| other.name == closing.name) {
@@ -114,7 +113,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The loop, unless it says nothing or what cannot be.
+    /// The loop, unless it is implied by the tree or contradictory.
     fn checked(&self, closing: LoopJoint, a: &End, b: &End, stand: &Stand) -> Result<LoopJoint, ModelError> {
         if self.model.joints.iter().any(|joint| joint.name == closing.name) {
             return Err(stand.refuse(CouplingProblem::NameTaken));
@@ -134,7 +133,7 @@ impl Builder<'_> {
         Ok(closing)
     }
 
-    /// The bodies with the joints at displacements that close nothing by accident.
+    /// The bodies with the joints at displacements that close no loop by accident.
     fn odd_bodies(&self) -> Vec<BodyState> {
         let mechanism = &self.model.mechanism;
         let mut bodies = vec![WORLD; mechanism.bodies.len()];

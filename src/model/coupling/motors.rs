@@ -27,7 +27,7 @@ impl Builder<'_> {
         all
     }
 
-    /// The speeds of `<limit velocity>`, which are watched. Zero is what writers of URDFs leave where they know of none.
+    /// The speeds of `<limit velocity>`, which are watched. A zero stands for an unknown speed in many URDFs, and is left out.
     pub(crate) fn speeds(&self) -> Vec<SpeedLimit> {
         let speeds = self.urdf_joints().filter_map(|of| {
             let speed = of.joint.limit?.velocity.filter(|speed| *speed > 0.0 && speed.is_finite())?;

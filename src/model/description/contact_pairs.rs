@@ -1,7 +1,7 @@
 //! Which shapes may touch, and with which friction and restitution.
 //!
-//! Candidates are shapes of links with obstacles, and with `pairs = "all"` shapes of links of different robots. What a pair has of friction and
-//! restitution is said by the last `[[contact.pair]]` that names both, else by the obstacle, else by `[contact]`.
+//! Candidates are shapes of links with obstacles, and with `pairs = "all"` shapes of links of different robots. The last `[[contact.pair]]` that
+//! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
 
 use crate::mechanism::description::contact::{Collider, ContactPair};
 use crate::model::description::contact_reach::ContactReach;
@@ -42,7 +42,7 @@ impl NeverTouch {
 /// Two shapes that are not looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOutPair {
-    /// As it would be; its number says nothing.
+    /// The pair as it would be; its number is meaningless.
     pub pair: ContactPair,
     /// Why.
     pub because: NeverTouch,
@@ -57,10 +57,10 @@ pub enum Owner {
     Obstacle(usize),
 }
 
-/// What became of the shapes of a model.
+/// The record of the shapes of a model.
 #[derive(Clone, Debug, Default)]
 pub struct ContactRecord {
-    /// What was asked for.
+    /// The settings of the user.
     pub settings: ContactSettings,
     /// To whom each collider of the mechanism belongs.
     pub owners: Vec<Owner>,

@@ -9,8 +9,8 @@
 //!
 //! A position may be given as it is reported, too: with a quaternion, of any length but zero, for the turn.
 //!
-//! Everything is in the joint's frame on the parent; a floating joint's numbers are of the child *link* frame and its
-//! origin, whereas the state holds the pose of the body's principal frame. With the child link frame `L` in the body,
+//! Everything is in the joint's frame on the parent. The numbers of a floating joint belong to the child *link* frame and its origin, whereas the
+//! state holds the pose of the body's principal frame. Let `L` be the child link frame in the body:
 //!
 //! ```text
 //!     X_body = X_link L⁻¹        v_body = v_link + ω × (p_body − p_link)        w = Rⱼᵀ ω        [m, m/s, rad/s]
@@ -143,7 +143,7 @@ impl Model {
         }
     }
 
-    /// Whether a record is that of the floating base.
+    /// Whether a record belongs to the floating base.
     pub fn is_base(&self, record: &JointRecord) -> bool {
         record.is_base
     }
@@ -225,7 +225,7 @@ impl Model {
     }
 }
 
-/// What the user gives as a position, by name.
+/// The names of the numbers of a position.
 pub fn position_names(kind: UrdfJointKind) -> &'static str {
     match kind {
         UrdfJointKind::Revolute | UrdfJointKind::Continuous => "angle",
@@ -237,7 +237,7 @@ pub fn position_names(kind: UrdfJointKind) -> &'static str {
     }
 }
 
-/// What the user gives as a velocity, by name.
+/// The names of the numbers of a velocity.
 pub fn velocity_names(kind: UrdfJointKind) -> &'static str {
     match kind {
         UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic => "rate",
@@ -281,7 +281,7 @@ fn unit_quaternion(record: &JointRecord, values: &[f64]) -> Result<[f64; 4], Mod
     Ok(with_positive_w(unit.as_slice()))
 }
 
-/// Of joints whose position in the state is an angle; the others keep a rotation.
+/// Refuses angles of too many turns. Only joints whose position in the state is an angle are checked; the others keep a rotation.
 fn refuse_endless_turns(record: &JointRecord, values: &[f64]) -> Result<(), ModelError> {
     let angle = match (record.kind, values) {
         (UrdfJointKind::Revolute | UrdfJointKind::Continuous, &[angle]) | (UrdfJointKind::Planar, &[_, _, angle]) => {
@@ -310,7 +310,7 @@ fn pose_from_numbers(numbers: &[f64]) -> Pose {
     Pose::from_parts(Translation3::new(numbers[0], numbers[1], numbers[2]), rotation)
 }
 
-/// Of the two quaternions of a rotation, the one with w ≥ 0.
+/// The quaternion with w ≥ 0 of the two quaternions of a rotation.
 fn with_positive_w(q: &[f64]) -> [f64; 4] {
     let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
     [sign * q[0], sign * q[1], sign * q[2], sign * q[3]]

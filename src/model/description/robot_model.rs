@@ -1,6 +1,6 @@
 //! A robot ready for simulation: the mechanism, and where every link and joint of the URDF is in it.
 //!
-//! Only what must move is a body ([`crate::model::reduction::reduce`]); a link is a frame fixed in a body, or in the world:
+//! Only parts that must move are bodies ([`crate::model::reduction::reduce`]); a link is a frame fixed in a body, or in the world:
 //!
 //! ```text
 //!     R_link = R_body · L.R       p_link = x_body + R_body L.t       v_c = v_body + ω_body × R_body c
@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// What is simulated, and how the robot of the URDF lies in it.
+/// The simulated mechanism, and the place of the robot of the URDF in it.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// The bodies and joints that move.
@@ -58,24 +58,24 @@ pub struct PlacedRobot {
     pub is_copy: bool,
     /// The URDF.
     pub robot: Robot,
-    /// Where the root link starts: its frame in the world.
+    /// The start of the root link: its frame in the world.
     pub base_pose: Pose,
-    /// Its links among those of the model, in the order of the URDF.
+    /// Its links among the links of the model, in the order of the URDF.
     pub links: Range<usize>,
-    /// Its joints among those of the model, in the order of the URDF; a floating base comes first.
+    /// Its joints among the joints of the model, in the order of the URDF; a floating base comes first.
     pub joints: Range<usize>,
 }
 
-/// A file and what it said.
+/// A file and its text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
 }
 
-/// Where a link of the URDF is.
+/// The place of a link of the URDF.
 #[derive(Clone, Debug)]
 pub struct LinkFrame {
     /// Name of the link.
@@ -92,7 +92,7 @@ pub struct LinkFrame {
     pub parent_joint: Option<String>,
 }
 
-/// What became of a joint of the URDF.
+/// The record of a joint of the URDF.
 #[derive(Clone, Debug)]
 pub struct JointRecord {
     /// Name of the joint.
@@ -139,7 +139,7 @@ pub enum ReductionRule {
     WeldedToWorld,
     /// The link is fixed to its parent.
     FusedWithParent,
-    /// The link has no mass and carries nothing that has, so nothing determines its motion.
+    /// The link has no mass and carries no mass, so its motion is not determined.
     MasslessLeaf,
 }
 
@@ -189,7 +189,7 @@ pub struct LinkState {
 }
 
 impl Model {
-    /// The warnings as people read them: what is not simulated, what is odd in the file, and one line for all that is ignored.
+    /// The warnings as people read them: parts that are not simulated, odd parts of the file, and one line for all ignored parts.
     pub fn warning_lines(&self) -> impl Iterator<Item = String> {
         warning_lines(&self.warnings).into_iter().map(|(_, line)| line)
     }
@@ -199,7 +199,7 @@ impl Model {
         self.scene.as_ref().map_or(&self.robots[0].robot.path, |scene| &scene.path)
     }
 
-    /// All files it is made from: the scene file, the URDFs, the tables, the meshes that were found, those of obstacles.
+    /// All files it is made from: the scene file, the URDFs, the tables, the meshes that were found, and the meshes of obstacles.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let robots = || self.robots.iter().map(|placed| &placed.robot);
         let links = robots().flat_map(|robot| &robot.links);
@@ -253,7 +253,7 @@ impl Model {
         (linear_velocity, angular_velocity)
     }
 
-    /// Pose and motion of a link, from those of the bodies ([`crate::mechanism::motion::kinematics::body_states`]).
+    /// Pose and motion of a link, from the states of the bodies ([`crate::mechanism::motion::kinematics::body_states`]).
     pub fn link_state(&self, bodies: &[BodyState], link: usize) -> LinkState {
         let link = &self.links[link];
         let body = link.body.map_or(&WORLD, |body| &bodies[body]);

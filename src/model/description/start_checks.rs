@@ -9,7 +9,7 @@ use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
 use crate::scene::{Element, Warning};
 
-/// A joint may be beyond a limit by this much [rad or m]: what is left of closing loops.
+/// A joint may be beyond a limit by this much [rad or m]: the error that remains after closing loops.
 const NEGLIGIBLE_EXCESS: f64 = 1e-9;
 
 impl Model {
@@ -58,13 +58,13 @@ impl Model {
         }
     }
 
-    /// What to say of joints that are outside limits which nothing makes them keep.
+    /// The warning of joints outside limits that are not simulated.
     pub fn limit_warning(&self, state: &State) -> Option<Warning> {
         let outside = self.mechanism.limits.iter().filter_map(|limit| self.outside(limit, state));
         Warning::of_kind(outside.collect(), "joint", "joints")
     }
 
-    /// What to say of joints that were wanted outside the limits that are simulated, and start inside.
+    /// The warning of joints whose wanted positions were outside simulated limits, and that start inside.
     pub fn moved_in_warning(&self, wanted: &State, start: &State) -> Option<Warning> {
         let limits = &self.mechanism.nonsmooth.limits;
         let moved = |limit: &JointLimit| -> Option<Warning> {

@@ -7,11 +7,11 @@ use std::str::FromStr;
 /// Something that can be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Left {
-    /// Limits of joints: nothing stops them. Closed loops are still assembled within them.
+    /// Limits of joints, which then do not stop joints. Closed loops are still assembled within them.
     Limits,
     /// Dry friction of joints.
     Friction,
-    /// Viscous damping of joints; that of springs stays.
+    /// Viscous damping of joints; damping of springs stays.
     Damping,
     /// Motors.
     Motors,

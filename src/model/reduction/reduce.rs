@@ -1,4 +1,4 @@
-//! From a [`Robot`] to a [`Model`]: only what must move is a body.
+//! A [`Model`] from a [`Robot`]: only parts that must move are bodies.
 //!
 //! The rules, each a function of its own or of `rigid_groups`:
 //!
@@ -39,12 +39,12 @@ pub enum Base {
     Floating,
 }
 
-/// What the user chooses about a robot, beyond its URDF.
+/// The choices of the user about a robot, besides its URDF.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelOptions {
     /// Whether the root link moves.
     pub base: Base,
-    /// Where the root link is, or starts if it floats: its frame in the world.
+    /// The frame of the root link in the world; at the start if it floats.
     pub base_pose: Pose,
     /// Acceleration of gravity in the world [m/s²].
     pub gravity: Vector3<f64>,
@@ -57,7 +57,7 @@ impl Default for ModelOptions {
 }
 
 impl Model {
-    /// Reduces a robot to what must be simulated.
+    /// Reduces a robot to the parts that must be simulated.
     ///
     /// # Errors
     /// [`ModelError`] when the base cannot float, a motion has no or negative inertia, or a loop cannot be.
@@ -135,7 +135,7 @@ fn refuse_bad_options(robot: &Robot, options: &ModelOptions) -> Result<(), Model
     Ok(())
 }
 
-/// Sums and products of finite numbers may be infinite; what is derived below must not start from that.
+/// Sums and products of finite numbers may be infinite; the derivations below must not start from infinite values.
 fn refuse_overflow(robot: &Robot, groups: &Groups) -> Result<(), ModelError> {
     let refuse = |link: usize| {
         let (line, name) = (robot.links[link].line, robot.links[link].name.clone());
@@ -170,7 +170,7 @@ fn base_joint_name(robot: &Robot) -> String {
     name
 }
 
-/// What all rules look at.
+/// The common data of all rules.
 struct Build<'b> {
     robot: &'b Robot,
     tree: &'b LinkTree,

@@ -31,8 +31,8 @@
 //! | `contact.friction`, `contact.restitution`, `contact.pair.1.friction`  | as `[contact]` and its pairs, from 1                        |
 //! | `simulation.duration`, `.tolerance`, `.stages`, `.step`, `.rate`      | as `[simulation]`                                           |
 //!
-//! The first word may be left out, of robots the first two, where one number remains: `link7.mass`, `positions.joint1`, `gravity.z`. Where a scene
-//! has several robots, links and joints are called `robot/name`. Shapes and colours for viewers have no key path.
+//! The first word of a key path, or the first two for robots, may be left out if the rest names one number: `link7.mass`, `positions.joint1`,
+//! `gravity.z`. If a scene has several robots, links and joints are called `robot/name`. Shapes and colours for viewers have no key path.
 
 mod keys;
 mod place;
@@ -46,7 +46,7 @@ use crate::scene::error::{Problem, SceneError};
 use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, Friction, NotNegative, Positive, STAGES};
 use place::Place;
 
-/// A number of a scene: where it is, what it may be, and what the files say it is.
+/// A number of a scene: its place, its range, and its value in the files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     key: String,
@@ -56,7 +56,7 @@ pub struct Parameter {
     said: Option<f64>,
 }
 
-/// What a number may be, as its table in the scene file has it.
+/// The range of a number, as its table in the scene file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Range {
     Finite,
@@ -64,7 +64,7 @@ enum Range {
     Positive,
     /// Not negative, perhaps infinite.
     Bound,
-    /// From 0 to 1.
+    /// Between 0 and 1.
     Fraction,
     /// A friction coefficient.
     Friction,
@@ -75,7 +75,7 @@ enum Range {
 }
 
 impl Range {
-    /// Why the number is none of these, by the rules of the file.
+    /// The reason why the number is not in the range, by the rules of the file.
     fn refuse(self, number: f64) -> Option<String> {
         match self {
             Range::Finite => Finite::try_from(number).err(),

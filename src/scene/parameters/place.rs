@@ -59,13 +59,13 @@ pub(crate) enum Place {
         row: usize,
         column: usize,
     },
-    /// Of the axes in which the inertia of a link is given.
+    /// An angle of the axes in which the inertia of a link is given.
     InertiaTurn {
         robot: usize,
         link: usize,
         angle: usize,
     },
-    /// Of a collision shape.
+    /// A number of a collision shape.
     Collision {
         robot: usize,
         link: usize,
@@ -141,7 +141,7 @@ pub(crate) enum Place {
         b: bool,
         axis: usize,
     },
-    /// Of a `<loop_joint>`, as the two that follow.
+    /// A number of a `<loop_joint>`, as the two variants that follow.
     UrdfLoopAxis {
         robot: usize,
         of: usize,
@@ -235,10 +235,10 @@ pub(crate) enum ShapeNumber {
     Length,
     /// Along an axis.
     Size(usize),
-    /// Of a mesh, along an axis.
+    /// Scale of a mesh, along an axis.
     Scale(usize),
-    /// Where it is in the frame of its link, along an axis.
+    /// Position in the frame of its link, along an axis.
     Position(usize),
-    /// One of the roll, pitch and yaw of its frame in that of its link.
+    /// The roll, pitch or yaw of its frame in the frame of its link.
     Turn(usize),
 }

@@ -173,7 +173,7 @@ fn at(point: &mut Point, axis: usize) -> Option<Slot<'_>> {
     point.position.get_mut(axis).map(Slot::Number)
 }
 
-/// The numbers of a joint that are given last, which count; zeros where none are.
+/// The last given numbers of a joint, which count; zeros if the scene gives no numbers.
 fn values<'v>(given: &'v mut Vec<JointValues>, joint: &str, count: usize, line: usize) -> Option<&'v mut Vec<f64>> {
     let index = given.iter().rposition(|one| one.joint == joint).unwrap_or_else(|| {
         given.push(JointValues { joint: joint.to_string(), values: vec![0.0; count], line });
@@ -209,7 +209,7 @@ fn of_urdf(scene: &mut Scene, robot: usize, joint: usize) -> Option<&mut UrdfJoi
     scene.robots.get_mut(robot)?.robot.joints.get_mut(joint)
 }
 
-/// The `<limit>` of a joint; of one without, one that says nothing.
+/// The `<limit>` of a joint; an empty one is added if it is missing.
 fn bounds(joint: &mut UrdfJoint) -> &mut Limit {
     joint.limit.get_or_insert(Limit { lower: None, upper: None, effort: None, velocity: None })
 }
@@ -256,7 +256,7 @@ fn of_obstacle(obstacle: &mut Obstacle, what: ShapeNumber) -> Option<Slot<'_>> {
     })
 }
 
-/// The `[[joint]]` of a joint, made if there is none, and the joint of the URDF.
+/// The `[[joint]]` of a joint, made if it is missing, and the joint of the URDF.
 fn settings<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut SceneJoint, &'s UrdfJoint)> {
     let robot = scene.robots.get(of.robot)?;
     let urdf = robot.robot.joints.iter().find(|joint| joint.name == of.joint)?;
@@ -276,7 +276,7 @@ fn settings<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut Sc
     Some((scene.joints.get_mut(index)?, urdf))
 }
 
-/// The limits of a joint; infinite where there are none.
+/// The limits of a joint; infinite if it has no limits.
 fn limits<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut f64, &'s mut f64)> {
     let (said, urdf) = settings(scene, of)?;
     let limit = said.limit.get_or_insert_with(|| {

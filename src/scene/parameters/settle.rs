@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 impl Place {
-    /// Works out what follows from the number at this place and those beside it.
+    /// Computes the values that follow from the number at this place and the numbers beside it.
     ///
     /// # Errors
     /// Why these numbers cannot be together.

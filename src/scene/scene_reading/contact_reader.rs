@@ -1,4 +1,4 @@
-//! From the tables `[[obstacle]]`, `[contact]` and `[[link]]` to the contact settings of a scene: names resolved, keys that belong together checked,
+//! The contact settings of a scene, from the tables `[[obstacle]]`, `[contact]` and `[[link]]`: names resolved, keys that belong together checked,
 //! meshes read.
 
 use crate::geometry::check_shape;

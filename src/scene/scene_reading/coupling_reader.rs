@@ -1,4 +1,4 @@
-//! From the tables of a scene file to loops, springs and loads: names resolved, axes of length one.
+//! Loops, springs and loads, from the tables of a scene file: names resolved, axes of length one.
 
 use crate::scene::coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
@@ -15,7 +15,7 @@ use crate::scene::world::WORLD_LINK;
 use std::ops::Range;
 use toml::Spanned;
 
-/// What all tables need.
+/// The common data of all tables.
 pub(crate) struct CouplingReader<'r> {
     pub text: &'r TomlText<'r>,
     pub robots: &'r [SceneRobot],

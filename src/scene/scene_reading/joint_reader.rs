@@ -1,4 +1,4 @@
-//! From the tables `[[motor]]` and `[[joint]]` to motors and settings of joints: names resolved, keys that belong together checked.
+//! Motors and settings of joints, from the tables `[[motor]]` and `[[joint]]`: names resolved, keys that belong together checked.
 
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::coupling::{JointReference, SceneLoop};

@@ -1,4 +1,4 @@
-//! Reads a scene file: robots, what couples them, what acts on them, and how to run them.
+//! Reads a scene file: robots, their couplings, the forces on them, and the settings of the run.
 //!
 //! | table        | keys                                                                                          |
 //! |--------------|-----------------------------------------------------------------------------------------------|
@@ -49,8 +49,8 @@ pub fn read_scene(path: &Path, packages: &PackagePath) -> Result<Scene, SceneErr
     scene_from_text(&read_text(path)?, path, &mut FilesOnDisk(packages))
 }
 
-/// Reads and validates the text of a scene file; `path` names it in messages, and the files that it names are relative to it. Of
-/// `files` the robots are read first, one after the other, then the CSV files of targets, each once, then the meshes of obstacles.
+/// Reads and validates the text of a scene file; `path` names it in messages, and the files that it names are relative to it. The robots are read
+/// first from `files`, one after the other, then the CSV files of targets, each once, then the meshes of obstacles.
 ///
 /// # Errors
 /// As [`read_scene`].
@@ -245,7 +245,7 @@ impl RobotReader<'_> {
     }
 }
 
-/// What a table `[simulation]` says.
+/// The settings of a table `[simulation]`.
 pub(crate) fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<SimulationSettings, SceneError> {
     let SimulationTable { duration, tolerance, estimate, stages, step, rate } = table.get_ref();
     let refuse = |span, message| Err(text.error(&span, None, Problem::Keys(message)));

@@ -6,7 +6,7 @@ use crate::scene::numbers::check_friction;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::fmt;
 
-/// What the number of stages may be.
+/// The possible numbers of stages.
 pub(crate) const STAGES: std::ops::RangeInclusive<usize> = 2..=16;
 
 /// A finite number.
@@ -29,7 +29,7 @@ pub(crate) struct Friction(pub f64);
 #[serde(try_from = "f64")]
 pub(crate) struct Positive(pub f64);
 
-/// Where something is (m), and its roll, pitch and yaw (rad).
+/// A place (m), and its roll, pitch and yaw (rad).
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct PoseTable {
@@ -193,7 +193,7 @@ impl TryFrom<f64> for Positive {
     }
 }
 
-/// A number that is not negative; infinity is none.
+/// A finite number that is not negative.
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(try_from = "f64")]
 pub(crate) struct Bound(pub f64);

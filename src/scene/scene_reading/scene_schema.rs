@@ -1,4 +1,4 @@
-//! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
+//! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` gives their meaning.
 
 use crate::scene::robot::LoopType;
 use crate::scene::scene_reading::body_schema::BodyTable;

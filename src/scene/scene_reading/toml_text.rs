@@ -7,7 +7,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A table of which there may be several: its key, the keys of its names, and what it is in messages.
+/// A table that may occur several times: its key, the keys of its names, and its element in messages.
 type Named = (&'static str, &'static [&'static str], fn(&[&str]) -> Option<Element>);
 
 const NAMED: [Named; 9] = [
@@ -59,7 +59,7 @@ impl TomlText<'_> {
         1 + before.iter().filter(|&&byte| byte == b'\n').count()
     }
 
-    /// The error of what is wrong at a span.
+    /// The error of a defect at a span.
     pub fn error(&self, span: &Range<usize>, element: Option<Element>, problem: Problem) -> SceneError {
         let line = Some(self.line(span));
         SceneError { file: self.file.to_path_buf(), line, element, problem: Box::new(problem) }
@@ -125,7 +125,7 @@ fn holds(table: &Spanned<DeValue>, offset: usize) -> bool {
     table.span().contains(&offset) || !found.is_empty()
 }
 
-/// A message of the reader in the words of scene files, instead of those of its data types.
+/// A message of the reader in the words of scene files, instead of the words of its data types.
 fn plain(message: &str) -> String {
     let Some((found, expected)) = message.rsplit_once(", expected ") else { return message.to_string() };
     let (count, many) = (expected.strip_prefix("an array of length "), expected.strip_prefix("struct "));

@@ -1,7 +1,7 @@
-//! From the XML document to a valid URDF: only elements of the schema, only valid numbers.
+//! A valid URDF, from the XML document: only elements of the schema, only valid numbers.
 //!
-//! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
-//! reading. The result is also written out again as XML for viewers.
+//! If the intent is plain, the file is repaired and a warning says so. Otherwise the first error ends the reading. The result is also written out
+//! again as XML for viewers.
 
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::{numbers, shown};
@@ -21,7 +21,7 @@ pub(crate) struct Ignored {
     pub count: usize,
 }
 
-/// What cleaning produces.
+/// The result of cleaning.
 pub(crate) struct Cleaned {
     pub robot: CleanElement,
     pub warnings: Vec<Warning>,
@@ -49,7 +49,7 @@ pub(crate) fn clean(xml: &XmlText, schema: &'static Schema) -> Result<Cleaned, S
 
 struct Cleaner<'x> {
     xml: &'x XmlText,
-    /// Namespace of `<robot>` itself: that of its elements too.
+    /// Namespace of `<robot>` itself, which is also the namespace of its elements.
     namespace: Option<String>,
     /// The link or joint being read.
     owner: Option<Element>,
@@ -277,7 +277,7 @@ fn unusable_geometry(shape: Node) -> Option<String> {
     (form.tag_name().name() == "mesh" && no_file).then(|| "its mesh has no filename".to_string())
 }
 
-/// Where an error about this file, line and link or joint belongs.
+/// The error about this file, line and link or joint.
 pub(crate) fn error_at(file: &Path, line: usize, element: Option<Element>, problem: Problem) -> SceneError {
     SceneError { file: file.to_path_buf(), line: Some(line), element, problem: Box::new(problem) }
 }

@@ -1,4 +1,4 @@
-//! From the elements of a valid URDF to a [`Robot`]'s links and joints.
+//! Links and joints of a [`Robot`], from the elements of a valid URDF.
 
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::{normalised, turn, unit};
@@ -15,7 +15,7 @@ use crate::scene::world::WORLD_LINK;
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4};
 use std::path::Path;
 
-/// What all conversions need.
+/// The common data of all conversions.
 pub(crate) struct Converter<'c> {
     pub file: &'c Path,
     pub meshes: &'c MeshFiles,
@@ -23,7 +23,7 @@ pub(crate) struct Converter<'c> {
     /// Whether the file's version (1.1 and later) knows `quat_xyzw`.
     pub quaternions: bool,
     pub warnings: Vec<Warning>,
-    /// Of inertias that no body has.
+    /// Warnings of inertias that no body has.
     pub impossible_inertias: Vec<Warning>,
 }
 
@@ -41,7 +41,7 @@ impl Converter<'_> {
         Ok(Link { name, inertial, visuals, collisions, surface: Surface::default(), line: element.line })
     }
 
-    /// The shapes of a link; those of collisions have no colour.
+    /// The shapes of a link; collision shapes have no colour.
     fn shapes(&mut self, link: &CleanElement, kind: &str, owner: &Element) -> Result<Vec<Shape>, SceneError> {
         let mut shapes = Vec::new();
         for element in link.children_named(kind) {

@@ -119,7 +119,7 @@ impl Robot {
     /// robots: their frames in the log have the same names.
     pub fn prefixed_description(&self, prefix: &str) -> String {
         let read = XmlText::new(&self.path, &self.description).and_then(|xml| clean(&xml, &ROBOT));
-        // What was written by this program is read by it.
+        // The reader accepts every file that this program writes.
         let Ok(Cleaned { mut robot, .. }) = read else { return self.description.clone() };
         for element in &mut robot.children {
             let names: &[(&str, &str)] = match element.name {

@@ -21,11 +21,11 @@ use std::sync::Arc;
 
 /// The integrator of a run, or of an island.
 pub enum RunIntegrator {
-    /// Of a smooth motion.
+    /// The integrator of a smooth motion.
     Smooth(Box<Lobatto>),
-    /// Of a smooth motion on another spanning tree than the file's.
+    /// The integrator of a smooth motion on another spanning tree than the file's.
     OnOtherTree(Box<OnOtherTree>),
-    /// Of one with events.
+    /// The integrator of a motion with events.
     Eventful(Box<Eventful>),
     /// Of one with locked joints, which no step knows.
     WithoutLocked(Box<WithoutLockedRun>),
@@ -41,7 +41,7 @@ impl From<Lobatto> for RunIntegrator {
 }
 
 impl RunIntegrator {
-    /// The one for a mechanism, with these steps and rules that leave nothing out.
+    /// The integrator for a mechanism, with these steps; `kept` are the rules that are switched off.
     ///
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
@@ -82,7 +82,7 @@ impl RunIntegrator {
         }
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
     pub(crate) fn between(&self) -> Option<f64> {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.between(),
@@ -136,8 +136,8 @@ impl RunIntegrator {
         }
     }
 
-    /// Carries a companion from the first step on, where that tells the errors of the steps: until the first event, if there are any; returns whether it
-    /// does.
+    /// Carries a companion from the first step on, where that tells the errors of the steps: until the first event, if there are any; returns whether
+    /// it does.
     pub(crate) fn accompany(&mut self, mechanism: &Mechanism) -> bool {
         match self {
             _ if mechanism.has_closures() => return false,
@@ -163,7 +163,7 @@ impl RunIntegrator {
         }
     }
 
-    /// Its probes after the last step, which has left the run in `state`; `None` if there is none, or none any more.
+    /// Its probes after the last step, which has left the run in `state`; `None` without a companion.
     pub(crate) fn companion_probes(&self, mechanism: &Mechanism, state: &State) -> Option<Vec<Vector3<f64>>> {
         match self {
             RunIntegrator::Smooth(lobatto) => {

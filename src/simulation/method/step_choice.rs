@@ -21,7 +21,7 @@ pub enum StepChoice {
         /// Length of the steps (s).
         step: f64,
     },
-    /// With the pace of the motion, from a first step on, so that very long runs do not drift.
+    /// Steps follow the pace of the motion, from a first step on, so that very long runs do not drift.
     Reversible {
         /// Number of stages.
         stages: usize,
@@ -87,7 +87,7 @@ impl StepChoice {
         }
     }
 
-    /// The integrator, without trial runs for the accuracy; these rules leave nothing out.
+    /// The integrator, without trial runs for the accuracy; `kept` are the rules that are switched off.
     ///
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.

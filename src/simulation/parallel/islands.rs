@@ -1,16 +1,16 @@
 //! Runs of independent mechanisms in parallel: each island with its own integrator. Islands at rest are not integrated.
 //!
-//! Nothing couples the islands ([`crate::mechanism::structure::islands`]). So each has its own loop ([`crate::simulation`]) and steps, as if it
-//! were alone. Afterwards their results are merged in order of time:
+//! The islands are not coupled ([`crate::mechanism::structure::islands`]). So each has its own loop ([`crate::simulation`]) and steps, as if it were
+//! alone. Afterwards their results are merged in order of time:
 //!
 //! - a sample of the whole consists of the samples of all islands at the same instant, from their own dense outputs;
 //! - the figures of a run add up over the ends of all steps of all islands: the energy balance at an instant is the sum of the
 //!   balances at each island's last step;
 //! - the figures of a sample are those at its instant, because the islands have no common end of a step.
 //!
-//! Small islands are faster together ([`Plan::grouped`](crate::simulation::parallel::partition::Plan::grouped)). Islands advance in windows of simulated
-//! time, in parallel on the available threads. An island depends neither on the windows nor on the others, and merging is in order of time and
-//! number. So every result is bit-identical, whatever the windows and the number of threads.
+//! Small islands are faster together ([`Plan::grouped`](crate::simulation::parallel::partition::Plan::grouped)). Islands advance in windows of
+//! simulated time, in parallel on the available threads. An island depends neither on the windows nor on the others, and merging is in order of time
+//! and number. So every result is bit-identical, whatever the windows and the number of threads.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
@@ -35,7 +35,7 @@ use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
 const WINDOW: f64 = 0.02;
-/// Without samples for observers the run still takes so many, so that a failed run has a last state.
+/// Samples that the run takes without observers, so that a failed run has a last state.
 const CHECKPOINTS: f64 = 16.0;
 
 /// The integrators of all islands of a mechanism.

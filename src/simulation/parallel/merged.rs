@@ -17,7 +17,7 @@ use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, pushes};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::sync::atomic::Ordering;
 
-/// The run of the whole mechanism, merged from those of the islands.
+/// The run of the whole mechanism, merged from the runs of the islands.
 pub(crate) struct MergedRun {
     pub(crate) start: f64,
     pub(crate) end: f64,
@@ -38,7 +38,7 @@ pub(crate) struct MergedRun {
     steps_before: usize,
     /// Steps to be merged, with the numbers of their islands.
     waiting: Vec<(StepEnd, usize)>,
-    /// Number of samples after the first that were shown while nothing moved.
+    /// Number of samples after the first that were shown while every island was at rest.
     rested: u64,
     /// The first events.
     pub(crate) events: Vec<Event>,
@@ -118,7 +118,7 @@ impl MergedRun {
             let of_whole = |event: Event| Event { body: island.body_of_whole(event.body), ..event };
             happened.extend(shown.events.drain(..count).map(of_whole));
         }
-        // Stable: those of one instant stay in the order of the islands.
+        // The sort is stable: events of one instant stay in the order of the islands.
         happened.sort_by(|a, b| a.time.total_cmp(&b.time));
         for event in &happened {
             self.summary.events.count(event.kind);

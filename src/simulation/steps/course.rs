@@ -61,7 +61,7 @@ pub fn run(
     (course.summary(), ended)
 }
 
-/// Where a run is halted.
+/// The time at which a run is halted.
 #[derive(Clone, Copy)]
 pub(crate) struct Aim {
     /// Until a step ends at or after this time (s).
@@ -99,9 +99,9 @@ pub(crate) struct Course {
     /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
-    /// How far forces at the end of the last step are from their cones (N), and the number of first-order steps until then. They count once what is closed
-    /// there has lasted: where an event at the same instant opens it again, or a step of first order follows, which has impulses of its own, no such
-    /// force has acted.
+    /// Distance of forces at the end of the last step from their cones (N), and the number of first-order steps until then. They count once the
+    /// closed contacts there have lasted. If an event at the same instant opens a contact again, or a step of first order with its own impulses
+    /// follows, no such force has acted.
     not_lasted: (f64, usize),
 }
 
@@ -129,7 +129,7 @@ impl Course {
         }
     }
 
-    /// Disables the figures: those of steps that observers receive keep their values at the start.
+    /// Disables the figures: figures of steps that observers receive keep their values at the start.
     pub(crate) fn without_figures(self) -> Self {
         Course { figures: false, ..self }
     }
@@ -150,7 +150,7 @@ impl Course {
         }
     }
 
-    /// Passes the start to the observers. Because no step has decided yet what holds there, its contacts are worked out from the state.
+    /// Passes the start to the observers. Because no step has decided yet which contacts hold there, its contacts are worked out from the state.
     pub(crate) fn begin(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         self.sampled = 1;
         if let Some(start) = self.sampled_state.as_ref().filter(|_| !observers.is_empty()) {

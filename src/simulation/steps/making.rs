@@ -16,7 +16,7 @@ use crate::stepping::integrator::Lobatto;
 pub enum Making<'a> {
     /// An integrator alone.
     Alone(RunIntegrator),
-    /// With an estimate of its error; it may restart.
+    /// An integrator with an estimate of its error; it may restart.
     Telling(Box<Assessed<'a>>),
 }
 

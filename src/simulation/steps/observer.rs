@@ -30,7 +30,7 @@ pub struct StepEnd {
     pub exchange: Exchange,
     /// Constraint violation there.
     pub violation: Violation,
-    /// What the step cost.
+    /// The cost of the step.
     pub outcome: StepOutcome,
     /// Accepted steps, their iterations and rejected attempts, from the start of the run to here.
     pub so_far: Counts,
@@ -71,7 +71,7 @@ pub trait Observer: Send {
     fn step(&mut self, _end: &StepEnd) {}
 
     /// An event, before the end of the step at whose end it happened. Independent islands pass on their events between two samples of the whole;
-    /// those of one instant come in the order of the islands.
+    /// events of one instant come in the order of the islands.
     fn event(&mut self, _event: &Event) {}
 
     /// The accuracy up to the end of the last step. It is called from time to time, and only in runs with a tolerance that estimate their own error

@@ -21,14 +21,14 @@ pub struct Summary {
     pub steps: usize,
     /// Iterations of all steps.
     pub iterations: usize,
-    /// Those of them that kept the factors of the articulated inertias of an earlier one.
+    /// Iterations of them that kept the factors of the articulated inertias of an earlier one.
     pub kept_iterations: usize,
     /// Attempts thrown away.
     pub rejected_steps: usize,
-    /// Accepted steps whose equations the exact Newton method solved: all with closed loops, and where nothing else converges.
+    /// Accepted steps whose equations the exact Newton method solved: all with closed loops, and steps in which no other iteration converges.
     pub exact_steps: usize,
-    /// CPU time in the integrator alone (s): that of the thread, divided as the clock on the wall divides it. To ask for the
-    /// thread's own time is a call of the system, which would take as long as a small step.
+    /// CPU time in the integrator alone (s): the time of the thread, divided in proportion to wall-clock time. A reading of the thread's own time is
+    /// a system call, which would take as long as a small step.
     pub solve_cpu_seconds: f64,
     /// Energy at the start.
     pub initial_energy: Energy,
@@ -36,8 +36,8 @@ pub struct Summary {
     pub final_energy: Energy,
     /// Energy dissipated over the run, and work put in by forces without a potential (J).
     pub exchange: Exchange,
-    /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
-    /// the largest kinetic energy seen.
+    /// Largest deviation of the total energy, plus the dissipated energy, less the work put in, from its start, relative to the largest kinetic
+    /// energy seen.
     pub max_relative_energy_error: f64,
     /// That deviation (J).
     pub max_energy_error: f64,
@@ -55,14 +55,14 @@ pub struct Summary {
     pub contact: ContactFigures,
 }
 
-/// Kinetic energies below this part of the others are those of a robot at rest.
+/// Kinetic energies below this part of the others belong to a robot at rest.
 const AT_REST: f64 = 1e-9;
 
-/// So many events of a run are kept, the first ones.
+/// Events of a run that are kept, the first ones.
 pub(crate) const KEPT_EVENTS: usize = 1000;
 
 impl Summary {
-    /// Counts an accepted step, at whose end the constraints are violated by so much.
+    /// Counts an accepted step, with the constraint errors at its end.
     pub(crate) fn count(&mut self, outcome: &StepOutcome, violation: Violation) {
         self.steps += 1;
         self.iterations += outcome.iterations;
@@ -82,7 +82,7 @@ pub(crate) struct Bookkeeper {
     largest_deviation: f64,
     /// Whether there are motors.
     driven: bool,
-    /// What rounding has cut off the sums of dissipated energy and work.
+    /// The rounding errors of the sums of dissipated energy and work.
     rest: Exchange,
 }
 
@@ -127,7 +127,7 @@ impl Bookkeeper {
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
-        // What impacts took was kinetic before, also where the step ends with them.
+        // Energy that impacts took was kinetic before, also if the step ends with them.
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));

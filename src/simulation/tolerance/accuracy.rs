@@ -1,8 +1,8 @@
 //! Finds the local accuracy of steps that gives a wanted accuracy of the run, by trial runs.
 //!
-//! The motion amplifies the error of a step until the end of the run: by 10² for a pendulum over seconds, by 10⁶ for a falling arm, without bound
-//! for chaos. Two trial runs with iteration stops `ε` and `ε/30` measure this. Where their distance is `d`, the error of the coarser one is about
-//! `d`. Errors are proportional to the stop. So the stop that keeps every error near a tenth of the wanted accuracy `E` is
+//! The motion amplifies the error of a step until the end of the run: by 10² for a pendulum over seconds, by 10⁶ for a falling arm, without bound for
+//! chaos. Two trial runs with iteration stops `ε` and `ε/30` measure this. If their distance is `d`, the error of the coarser one is about `d`.
+//! Errors are proportional to the stop. So the stop that keeps every error near a tenth of the wanted accuracy `E` is
 //!
 //! ```text
 //!     ε_run = ε E / (10 max_t d(t))
@@ -21,8 +21,8 @@
 //! Rounding errors do not fall with the stop. If `ε_run` is near rounding, and the coarser trial run missed the tolerance, one more trial run with
 //! `ε_run` measures them.
 //!
-//! Trial runs have the number of stages of the run ([`crate::stepping::length::stage_choice`]); later pairs that of a tolerance that would begin with them.
-//! A pair with few stages whose first steps are limited by stability, not by accuracy, restarts with more stages.
+//! Trial runs have the number of stages of the run ([`crate::stepping::length::stage_choice`]); later pairs have the stages of a tolerance that would
+//! begin with them. A pair with few stages whose first steps are limited by stability, not by accuracy, restarts with more stages.
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -53,8 +53,8 @@ const COARSEST: f64 = 1e-3;
 const CALM: f64 = 0.03;
 /// and at this part if forces exchange energy, which costs a digit.
 const CALM_WITH_FORCES: f64 = 0.01;
-/// The least energy change that trial runs may make, over their stops. With the bound of the run, coarse trial runs would take more steps than the
-/// run.
+/// The least energy change that trial runs may make, over their stops. If they had the bound of the run, coarse trial runs would take more steps than
+/// the run.
 const ENERGY: f64 = 300.0;
 /// The run aims at this part of the tolerance, because two runs of one motion with different steps differ by about this factor.
 const AIM: f64 = 10.0;
@@ -97,7 +97,7 @@ pub struct Calibration {
     pub stages: StageChoice,
     /// The estimated error at the end of the worst step of the run (m).
     pub estimate: f64,
-    /// The error of samples inside the steps, beside that of their ends (m); `None` where it is not known.
+    /// The error of samples inside the steps, beside the error of their ends (m); `None` if it is not known.
     pub between_steps: Option<f64>,
     /// The last instant up to which the estimated error meets the tolerance (s); the end of the run if it always does.
     pub holds_until: f64,
@@ -202,7 +202,7 @@ pub(crate) fn calibrate_counted(
     let mut worst = amplification * stop;
     if !parted && stop < ROUNDED && coarse.worst() > tolerance {
         let trial = search.trial(stop, &fine, go_on)?;
-        // With the stop of the finer trial run it is the same run, so it gives no estimate.
+        // A run with the stop of the finer trial run is the same run, so it gives no estimate.
         let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
         worst = worst.max(seen.worst());
         for (error, &seen) in errors.iter_mut().zip(&seen.apart) {
@@ -211,7 +211,7 @@ pub(crate) fn calibrate_counted(
     }
     let held = errors.iter().take_while(|&&error| error <= tolerance).count();
     let holds_until = if held == 0 { state.time } else { coarse.trail[held - 1].0 };
-    // Different events that change almost nothing are not reported.
+    // Different events with negligible effect are not reported.
     let compared = if errors.len() > held { coarse.trail.get(coarse.apart.len() - 1) } else { None };
     let differ = compared.and_then(|&(end, _)| {
         let until =
@@ -281,8 +281,8 @@ impl<'s> Search<'s> {
         (self.tolerance / (AIM * amplification)).min(self.coarsest).clamp(FINEST, COARSEST_STOP)
     }
 
-    /// The stop with which a pair would not have parted, if errors grow exponentially as before: between the times up to which the pair `before`
-    /// and this one lasted, or from the start if there was none before.
+    /// The stop with which a pair would not have parted, if errors grow exponentially as before: between the times up to which the pair `before` and
+    /// this one lasted, or from the start without such a pair.
     fn enough(&self, stop: f64, lasted: f64, before: Option<(f64, f64)>) -> f64 {
         let Course { start, end, apart } = self.course;
         match before {
@@ -341,7 +341,7 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// A trial run with another stop than those of a pair, compared with the finer one.
+    /// A trial run with another stop than the stops of a pair, compared with the finer one.
     fn trial(&mut self, stop: f64, fine: &TrialRun, go_on: GoOn) -> Result<TrialRun<'s>, CalibrationError> {
         let mut trial = self.pilot(stop, fine.stages)?;
         trial.follow(fine, go_on)?;

@@ -7,10 +7,10 @@
 //! ```
 //!
 //! A tree integrates its companion with its own steps, for half of their cost. The companion has the errors that iterations leave removed
-//! ([`crate::stepping::length::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside those of
-//! the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop that is
-//! [`RATIO`] times coarser; errors are proportional to the stop. Motions further apart than a hundredth of the mechanism's size have parted and
-//! give no estimate.
+//! ([`crate::stepping::length::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside the
+//! errors of the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop
+//! that is [`RATIO`] times coarser; errors are proportional to the stop. Motions further apart than a hundredth of the mechanism's size have parted
+//! and give no estimate.
 //!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds.
 
@@ -53,9 +53,9 @@ const EARLY: f64 = 1.0 / 16.0;
 
 /// How the error of a run is estimated.
 enum By {
-    /// From a companion that is integrated with the run's own steps.
+    /// The estimate comes from a companion that is integrated with the run's own steps.
     Carried,
-    /// From a separate coarser run.
+    /// The estimate comes from a separate coarser run.
     Beside(Box<Beside>),
     /// Not any more.
     Nothing,
@@ -274,7 +274,7 @@ impl<'a> Assessed<'a> {
         }
         // If the separate run was interrupted before this time, the last estimate is kept.
         let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
-        // Different events that change almost nothing are not reported.
+        // Different events with negligible effect are not reported.
         let differ = if holds_until < time { self.differ.or_else(|| self.difference()) } else { None };
         Ok(Calibration {
             stop: self.stop,

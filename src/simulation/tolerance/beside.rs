@@ -9,9 +9,9 @@ use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::length::control::COARSEST_STOP;
 use crate::stepping::length::stage_choice::StageChoice;
 
-/// Stop of this run over that of the run.
+/// Stop of this run over the stop of the run beside it.
 pub(crate) const RATIO: f64 = 30.0;
-/// The least energy change that may be made, over the stop. With the bound of the run, a coarse companion would take more steps than the run.
+/// The least energy change that may be made, over the stop. If it had the bound of the run, a coarse companion would take more steps than the run.
 const ENERGY: f64 = 300.0;
 
 /// Why a separate run has not reached the time that was asked for.
@@ -51,7 +51,7 @@ impl Beside {
         Some(Beside { run, state: state.clone(), events: Vec::new() })
     }
 
-    /// Advances to a time (s), where a step ends. Because its steps end there and those of the finer run do not, the steps of the two runs differ.
+    /// Advances to a time (s), at which a step ends. The steps of the finer run do not end there, so the steps of the two runs differ.
     ///
     /// # Errors
     /// [`Behind`] if it does not reach that time.

@@ -12,16 +12,16 @@ use crate::stepping::recipe::Steps;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What is wanted of a run, and how it may be made.
+/// The wanted accuracy of a run, and its settings.
 pub(crate) struct Terms<'a> {
     /// The accuracy (m).
     pub tolerance: f64,
     /// When the run begins and ends (s).
     pub start: f64,
     pub end: f64,
-    /// Rules that leave nothing out.
+    /// Simplification rules that are switched off.
     pub kept: Vec<Rule>,
-    /// What was counted of the closures at the start.
+    /// The rank counts of the closures at the start.
     pub counted: Option<Arc<Counted>>,
     /// A flag that ends the run when it is set.
     pub interrupt: Option<&'a AtomicBool>,
