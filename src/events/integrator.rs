@@ -10,6 +10,7 @@ use crate::events::finding::detection::Looking;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
+use crate::events::modes::drives::Commands;
 use crate::events::modes::held::Held;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{Closures, JointMode, Mode, MotorMode};
@@ -22,6 +23,7 @@ use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
@@ -31,6 +33,7 @@ use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Recipe;
 use nalgebra::Vector3;
 use std::cell::RefCell;
+use std::sync::Arc;
 
 /// A start that is outside its limits by so many times what counts as being on them is put there.
 const NEARLY: f64 = 1e5;
@@ -38,15 +41,16 @@ const NEARLY: f64 = 1e5;
 const HEIGHT: f64 = 1e-13;
 
 /// The constrained Lobatto IIIA–IIIB scheme with events.
+#[derive(Clone)]
 pub struct Eventful {
-    pub(super) whole: Mechanism,
+    pub(super) whole: Arc<Mechanism>,
     pub(super) elements: Elements,
     pub(super) recipe: PieceRecipe,
     pub(super) response: Response,
-    pub(super) touching: Touching,
+    pub(super) touching: Arc<Touching>,
     pub(super) mode: Mode,
     pub(super) memory: Memory,
-    pub(super) pieces: Vec<Piece>,
+    pub(super) pieces: Vec<Shared<Piece>>,
     /// The piece in use, and that of the last step.
     pub(super) current: usize,
     pub(super) last: usize,
@@ -113,6 +117,8 @@ pub struct Eventful {
     pub(super) reporting: RefCell<Reporting>,
     /// Whether a companion goes along until the first event.
     pub(super) accompanied: bool,
+    /// Targets of motors that were given since the last step.
+    pub(super) commands: Commands,
 }
 
 /// The larger of two errors, if both are known.
@@ -144,7 +150,7 @@ impl Eventful {
             contacts: Vec::new(),
             idle: Vec::new(),
         };
-        let touching = Touching::new(mechanism);
+        let touching = Arc::new(Touching::new(mechanism));
         let state = State::zero(mechanism);
         let mut response = Response::new(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
@@ -202,7 +208,8 @@ impl Eventful {
             stepped_in: None,
             reporting: RefCell::new(Reporting::new(mechanism)),
             accompanied: false,
-            whole: mechanism.clone(),
+            commands: Commands::Known,
+            whole: Arc::new(mechanism.clone()),
         })
     }
 
@@ -263,10 +270,10 @@ impl Eventful {
     /// Takes a state that no step has left.
     pub(super) fn begin(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State) -> Result<(), StepError> {
         if self.is_other(mechanism) {
-            self.whole = mechanism.clone();
+            self.whole = Arc::new(mechanism.clone());
             self.response = Response::new(mechanism);
             self.reporting = RefCell::new(Reporting::new(mechanism));
-            self.touching = Touching::new(mechanism);
+            self.touching = Arc::new(Touching::new(mechanism));
             self.pieces.clear();
         }
         if self.left.is_none() {

@@ -28,6 +28,7 @@
 
 mod as_integrator;
 mod closing;
+mod commanded;
 mod contact_points;
 mod crowding;
 mod effects;

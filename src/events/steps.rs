@@ -236,7 +236,7 @@ impl Eventful {
     }
 
     /// Whether anything is held or pressed, which other efforts may let go.
-    fn rests(&self) -> bool {
+    pub(super) fn rests(&self) -> bool {
         let held = self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
         held || !self.mode.contacts.is_empty()
     }
@@ -281,7 +281,7 @@ impl Eventful {
                 friction += f64::from(*sliding) * moved * joint.friction;
             }
         }
-        let Piece { drives, steps, small, small_start, .. } = &mut self.pieces[self.current];
+        let Piece { drives, steps, small, small_start, .. } = &mut *self.pieces[self.current];
         let (given, taken) =
             steps.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own.as_ref(), small_start, small));
         // Without dampers it is all of the motors, and no rounding of a difference.

@@ -30,6 +30,7 @@ const CONTACT_ROUNDING: f64 = 1e-13;
 const SHARED_ROUNDING: f64 = 1e-9;
 
 /// Works out what holds the joints of one mode.
+#[derive(Clone)]
 pub(crate) struct Holding {
     /// Index among the elements, and degree of freedom, of each held joint.
     joints: Vec<(usize, usize)>,
@@ -45,6 +46,7 @@ pub(crate) struct Holding {
     how: How,
 }
 
+#[derive(Clone)]
 enum How {
     /// Nothing is held.
     Nothing,
@@ -55,6 +57,7 @@ enum How {
 }
 
 /// The workspace for a tree.
+#[derive(Clone)]
 struct Tree {
     /// Of what moves.
     response: Response,

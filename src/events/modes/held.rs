@@ -22,6 +22,7 @@ use crate::model::Composite;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// What is left of a mechanism to move, and where it is in the whole.
+#[derive(Clone)]
 pub(crate) struct Held {
     /// What moves.
     pub mechanism: Mechanism,

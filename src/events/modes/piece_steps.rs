@@ -66,7 +66,10 @@ impl PieceRecipe {
 }
 
 /// Steps that can end at events.
-pub(crate) trait PieceSteps: Integrator + Send {
+pub(crate) trait PieceSteps: Integrator + Send + Sync {
+    /// The same steps with the same past: they go on to the same bits.
+    fn duplicate(&self) -> Box<dyn PieceSteps>;
+
     /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are those of the step.
     ///
     /// # Errors
@@ -120,7 +123,17 @@ pub(crate) trait PieceSteps: Integrator + Send {
     }
 }
 
+impl Clone for Box<dyn PieceSteps> {
+    fn clone(&self) -> Self {
+        self.duplicate()
+    }
+}
+
 impl PieceSteps for Lobatto {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
     fn again(
         &mut self,
         mechanism: &Mechanism,
@@ -179,6 +192,10 @@ impl PieceSteps for Lobatto {
 }
 
 impl PieceSteps for OnOtherTree {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
     fn again(
         &mut self,
         mechanism: &Mechanism,
@@ -216,6 +233,10 @@ impl PieceSteps for OnOtherTree {
 
 /// It chooses its first step anew in every piece.
 impl PieceSteps for Dop853 {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
     fn again(
         &mut self,
         mechanism: &Mechanism,

@@ -35,6 +35,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Where bodies and closures are in space.
+#[derive(Clone)]
 pub struct Space<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<SpatialLoop>,

@@ -53,9 +53,9 @@ pub type Screw<V> = [V; TWIST];
 /// What the system is made of: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
     /// What is constant of the mechanism.
-    type Plan: Send;
+    type Plan: Clone + Send + Sync;
     /// The known start of a step.
-    type Start: Send;
+    type Start: Clone + Send + Sync;
     /// Number of components of a twist.
     const WIDTH: usize;
 
@@ -107,6 +107,7 @@ pub(crate) struct Resistance {
 }
 
 /// The linear system of a step, and what it is made of.
+#[derive(Clone)]
 pub struct Coupled<V: Lanes> {
     pub(crate) elimination: Elimination,
     pub(crate) fronts: Fronts<V>,

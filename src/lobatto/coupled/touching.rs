@@ -22,6 +22,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use std::ops::Range;
 
 /// The closed contacts, in the order of their equations.
+#[derive(Clone)]
 pub struct Touching<V> {
     touches: Vec<SpatialTouch<V>>,
     /// For every body whether it rolls and whether it slips where it touches, and the rates of those that do: of the scheme, and those of slips.

@@ -39,6 +39,7 @@ pub(crate) struct Recorded {
 }
 
 /// The workspace of the ends of two motions.
+#[derive(Clone)]
 pub(crate) struct TwoEndings<L> {
     /// Their starts, and those of the next step.
     pub(crate) starts: TwoStarts<L>,
@@ -47,6 +48,7 @@ pub(crate) struct TwoEndings<L> {
 }
 
 /// What both ends have in common: how long gravity and forces count (s), and the same times gravity [m/s].
+#[derive(Clone)]
 pub(crate) struct TwoMomenta {
     impulse: f64,
     gravity: [f64; 3],

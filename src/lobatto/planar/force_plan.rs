@@ -17,12 +17,14 @@ use catena_mechanism::structure::plane::Plane;
 use nalgebra::Vector3;
 
 /// The constant data of all forces that do not act in joints.
+#[derive(Clone)]
 pub(crate) struct ForcesPlan {
     pub lines: Vec<LinePlan>,
     pub wrenches: Vec<WrenchPlan>,
 }
 
 /// A spring between two points.
+#[derive(Clone)]
 pub(crate) struct LinePlan {
     pub ends: [End; 2],
     /// z (m).
@@ -31,6 +33,7 @@ pub(crate) struct LinePlan {
 }
 
 /// A point of a body, or of the world.
+#[derive(Clone)]
 pub(crate) struct End {
     pub body: Option<usize>,
     /// From the anchor of the body at zero displacement, or from the origin of the world (m).
@@ -64,6 +67,7 @@ impl Ends<'_> {
 }
 
 /// A constant wrench.
+#[derive(Clone)]
 pub(crate) struct WrenchPlan {
     pub body: usize,
     /// From the anchor to where it acts, at zero displacement (m).
@@ -75,6 +79,7 @@ pub(crate) struct WrenchPlan {
 }
 
 /// What forces need of the start of a step.
+#[derive(Clone)]
 pub(crate) struct ForcesStart {
     /// Extension of each joint spring (rad or m).
     pub extensions: Vec<f64>,

@@ -40,6 +40,7 @@ impl<V: Lanes> Columns<V> {
 }
 
 /// The past, and the guesses that it allows.
+#[derive(Clone)]
 pub struct Extrapolation<V> {
     /// Displacements from the new start, one entry a degree of freedom: in the last lane in use that of stage 1, in the others those of
     /// the stages 2 … s − 1.

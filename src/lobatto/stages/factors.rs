@@ -9,6 +9,7 @@ use crate::numbers::arithmetic::Arithmetic;
 use crate::plan::tree::Plan;
 use crate::stages::articulated::{Articulated, Eliminated};
 /// What the sweep from the leaves leaves for the one back, and where branches meet.
+#[derive(Clone)]
 pub struct Factors<V> {
     /// One entry a degree of freedom.
     pub eliminated: Vec<Eliminated<V>>,

@@ -18,6 +18,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The integrator of a run, or of an island.
+#[derive(Clone)]
 pub enum RunIntegrator {
     /// Of a smooth motion.
     Smooth(Box<Lobatto>),
@@ -122,6 +123,13 @@ impl RunIntegrator {
                 eventful.place_companion(&mut there).then(|| probes(mechanism, &there))
             }
             RunIntegrator::OnOtherTree(_) => None,
+        }
+    }
+
+    /// Gives a motor a target from now on; without motors there is none to take it.
+    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
+        if let RunIntegrator::Eventful(eventful) = self {
+            eventful.aim(motor, value);
         }
     }
 

@@ -79,6 +79,11 @@ pub enum UnknownAccuracy {
     /// External efforts act, which the companion of the error estimate does not have.
     #[error("a program sets efforts on the joints, and the error estimate does not know its law")]
     Driven,
+    /// A program makes the steps of the run.
+    #[error(
+        "a program makes this run step by step: each step keeps to its share of the tolerance, and the error at the end is not estimated"
+    )]
+    Stepped,
     /// A trial run failed, and the run will fail for the same reason.
     #[error("a trial run failed: {0}")]
     TrialFailed(StepError),

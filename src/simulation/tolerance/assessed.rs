@@ -103,9 +103,7 @@ impl<'a> Assessed<'a> {
     /// # Errors
     /// [`MethodError`] for invalid steps.
     pub(crate) fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<Self, MethodError> {
-        let smooth = mechanism.nonsmooth.is_empty();
-        let part = if smooth { OPTIMISTIC } else { CAREFUL };
-        let stop = (terms.tolerance / part).clamp(FINEST, COARSEST_STOP);
+        let stop = first_stop(mechanism, terms.tolerance);
         let stages = StageChoice::of(mechanism, terms.tolerance);
         let run = terms.run(mechanism, stop, stages)?;
         let wanted = wanted(mechanism, &terms, stop);
@@ -133,6 +131,14 @@ impl<'a> Assessed<'a> {
         };
         assessed.accompany(mechanism);
         Ok(assessed)
+    }
+
+    /// Gives a motor a target from now on, which the companion does not have.
+    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
+        self.driven = true;
+        self.by = By::Nothing;
+        self.run.leave_companion();
+        self.run.aim(motor, value);
     }
 
     /// Forbids restarts, whatever the error.
@@ -289,6 +295,12 @@ impl<'a> Assessed<'a> {
             begun: self.begun,
         })
     }
+}
+
+/// The stop of a run with this tolerance (m) at its first beginning.
+pub(crate) fn first_stop(mechanism: &Mechanism, tolerance: f64) -> f64 {
+    let part = if mechanism.nonsmooth.is_empty() { OPTIMISTIC } else { CAREFUL };
+    (tolerance / part).clamp(FINEST, COARSEST_STOP)
 }
 
 fn wanted(mechanism: &Mechanism, terms: &Terms, stop: f64) -> Wanted {

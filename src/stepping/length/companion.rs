@@ -22,6 +22,7 @@ const TRUNCATED: f64 = 0.5;
 const MANY_FREEDOMS: f64 = 8.0;
 
 /// The motion beside that of the run.
+#[derive(Clone)]
 pub struct Companion {
     state: State,
     /// Where it is at the end of a finished step, if it went through it [with the run](Companion::finish).

@@ -85,6 +85,7 @@ pub enum Decision {
 }
 
 /// Chooses steps.
+#[derive(Clone)]
 pub struct Control {
     pub tolerance: f64,
     pub stages: usize,
@@ -124,7 +125,7 @@ pub enum Kink {
 }
 
 /// What the controller remembers of the motion.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Memory {
     /// Length of the next step (s); zero before the first.
     pub step: f64,

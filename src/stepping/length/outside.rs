@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// What acts on a mechanism, as a kernel was made for it.
+#[derive(Clone)]
 pub(crate) struct Outside {
     gravity: Vector3<f64>,
     forces: Forces,

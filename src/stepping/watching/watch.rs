@@ -41,6 +41,7 @@ pub struct Transient {
 }
 
 /// When to look at the frequency, and what has been seen.
+#[derive(Clone)]
 pub struct Watch {
     tableau: &'static Tableau,
     /// Steps until the first look,
