@@ -1,4 +1,4 @@
-//! What it brings to simulate apart what nothing connects, and what looking for it costs where there is nothing to find.
+//! Measures the gain of simulating unconnected bodies apart, and the cost of the search for such bodies in scenes without them.
 //!
 //! Each scene is run as a whole and by its islands, in turns, and the median of each is printed: CPU time of the process and
 //! wall time, pilot runs of the tolerance included. On a shared machine the CPU time is the one to look at for one thread, and the ratio
@@ -73,7 +73,7 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// So many robots side by side, each started a little differently.
+/// `count` robots side by side, each started a little differently.
 fn several(robot: &models::Model, count: usize) -> models::Model {
     let mut bodies = Vec::new();
     let mut state = State { time: 0.0, position: vec![], compensation: vec![], velocity: vec![] };

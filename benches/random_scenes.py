@@ -47,7 +47,7 @@ def body(draw, kind, name, folder):
     if kind == "ball":
         shape, inertia, up, wide = f'<sphere radius="{r}"/>', [0.4 * mass * r * r] * 3, r, r
     elif kind in ("cylinder", "capsule"):
-        # Half the length is s; of a capsule that of its straight part. The inertia is that of a cylinder.
+        # s is half the length, for a capsule half the length of its straight part. The inertia is that of a cylinder.
         across = mass * (r * r / 4 + s * s / 3)
         shape = f'<{kind} radius="{r}" length="{2 * s}"/>'
         inertia, up, wide = [across, across, mass * r * r / 2], s + (r if kind == "capsule" else 0.0), r

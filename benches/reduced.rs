@@ -1,4 +1,4 @@
-//! What an evaluation of the comparator costs: the articulated-body algorithm alone, and inside DOP853.
+//! Measures an evaluation of the comparator: the articulated-body algorithm alone, and inside DOP853.
 //!
 //! `articulated_body/N` is one evaluation of a chain of N revolute links; divide by N for the time per link.
 //! `dop853/N` is one step with a fixed length, which is 12 evaluations; its excess over 12 × N links of the first is

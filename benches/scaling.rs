@@ -1,9 +1,9 @@
 //! How time and memory grow with the number of bodies: chains of 10 to 10 000 links.
 //!
-//! For every length the same steps from the same kind of start are timed, the lengths taking turns round by round so that
-//! what else the machine does hits all of them alike, and the fastest round counts. Printed are the time per body and
-//! step, the exponent p of cost ∝ links^p fitted through all lengths (least squares of the logarithms), and the resident
-//! memory per body, measured in a process of its own for every length because freed memory is used again.
+//! For every length the same steps from the same kind of start are timed, the lengths taking turns round by round so that other programs disturb all
+//! of them alike, and the fastest round counts. Printed are the time per body and step, the exponent p of cost ∝ links^p fitted through all lengths
+//! (least squares of the logarithms), and the resident memory per body, measured in a process of its own for every length because freed memory is
+//! used again.
 
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
@@ -18,10 +18,10 @@ const STAGES: usize = 5;
 const STEP: f64 = 1e-3;
 const WARM_UP: usize = 4;
 const STEPS: usize = 12;
-/// Short chains are timed over so many runs at least as make this many bodies: a clock needs something to measure.
+/// Short chains are timed over enough runs to make at least this number of bodies: a clock needs something to measure.
 const BODIES_TO_TIME: usize = 1000;
 const ROUNDS: usize = 7;
-/// Tells the process that it is to measure the memory of a chain of so many links.
+/// Tells the process to measure the memory of a chain with this number of links.
 const MEMORY: &str = "CATENA_BENCH_MEMORY_LINKS";
 
 struct Length {
@@ -90,7 +90,7 @@ fn stepped(links: usize) -> (Length, State) {
     (length, state)
 }
 
-/// Prints what building and stepping a chain adds to the resident memory [bytes].
+/// Prints the resident memory that building and stepping a chain adds [bytes].
 fn print_memory(links: usize) {
     // Code and tables come into memory when they are first used; they belong to the program.
     let small = stepped(2);

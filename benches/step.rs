@@ -1,9 +1,8 @@
-//! What a step of the scheme costs: by number of stages, by kind of joint, by length of chain, and in a plane.
+//! Measures a step of the scheme: by number of stages, by kind of joint, by length of chain, and in a plane.
 //!
-//! The throughput that criterion prints is bodies per second, so its inverse is the cost of a step per body. The line
-//! below each measurement says the same in nanoseconds, the fastest sample counting, and divides it by the number of
-//! iterations as well: the cost per body and iteration is what the kernel is to be held to, while the number of
-//! iterations belongs to the motion and the step.
+//! The throughput that criterion prints is bodies per second, so its inverse is the cost of a step per body. The line below each measurement says the
+//! same in nanoseconds, the fastest sample counting, and divides it by the number of iterations as well: the cost per body and iteration is the
+//! property of the kernel, while the number of iterations belongs to the motion and the step.
 
 use catena::mechanism::description::joint::JointKind;
 use catena::mechanism::description::mechanism::Mechanism;
@@ -23,10 +22,10 @@ mod models;
 const STEPS: usize = 8;
 /// Steps before the first look: the predictor needs a past.
 const WARM_UP: usize = 8;
-/// The run starts over after so many steps, so that every sample sees the same motion.
+/// The run starts over after this number of steps, so that every sample sees the same motion.
 const STEPS_OF_A_RUN: usize = 104;
 
-/// A run that starts over when it is at its end, and counts what it does.
+/// A run that starts over at its end, and counts its iterations.
 struct Run<'m> {
     mechanism: &'m Mechanism,
     start: &'m State,

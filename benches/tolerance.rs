@@ -1,4 +1,4 @@
-//! What a wanted accuracy costs: a run with a tolerance, from setting it up to its report, over the steps of the run that was accepted.
+//! Measures the cost of a wanted accuracy: a run with a tolerance, from setting it up to its report, over the steps of the run that was accepted.
 //!
 //! ```text
 //!     ms              CPU time of the accepted run's steps alone, without estimate and figures
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The runs are made in turns and the fastest of each counts, so that a loaded machine changes the ratios little. Models are read before, and limits
-//! are left out. With arguments only the scenes that are named: `cargo bench --bench tolerance -- arm7`.
+//! are left out. Arguments select scenes: `cargo bench --bench tolerance -- arm7`.
 
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
@@ -35,7 +35,7 @@ struct Scene {
     tolerances: &'static [f64],
 }
 
-/// Writes a chain of so many links of 0.1 m and 0.1 kg whose axes alternate, as `robots/make_chain.py` does.
+/// Writes a chain of `links` links of 0.1 m and 0.1 kg whose axes alternate, as `robots/make_chain.py` does.
 fn chain(links: usize) -> PathBuf {
     let mut urdf = String::from("<robot name=\"chain\"><link name=\"base\"/>");
     for link in 1..=links {

@@ -58,7 +58,7 @@ class Robot:
             # Second moments of a line: m/6 (2 a a + 2 b b + a b + b a).
             second = lambda i, j: m / 6 * (2 * ends[0][i] * ends[0][j] + 2 * ends[1][i] * ends[1][j]
                                            + ends[0][i] * ends[1][j] + ends[1][i] * ends[0][j])
-            # A little thickness about every axis, but none of it across the plane of motion.
+            # A little thickness about every axis, except across the plane of motion.
             xx, zz, xz = xx + second(0, 0), zz + second(1, 1), xz + second(0, 1)
         thin = mass * thickness**2 / 12
         visuals = ""

@@ -74,7 +74,7 @@ def mujoco(scene: Scene) -> Iterator[Measured]:
         if noslip and not scene.friction:
             continue
         if scene.restitution:
-            # A spring and damper of this ratio give back so much of the speed; four steps resolve their motion.
+            # A spring and damper of this ratio give back the fraction `restitution` of the speed; four steps resolve their motion.
             logarithm = math.log(scene.restitution)
             ratio = -logarithm / math.hypot(math.pi, logarithm)
             constant = constant and 4.0 / ratio

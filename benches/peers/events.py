@@ -33,7 +33,7 @@ from scene import Start, read_scene
 ROBOTS = Path(__file__).resolve().parents[2] / "robots"
 TOLERANCE, WHOLE_PROCESS = "catena, tolerance", "catena, tolerance, whole process"
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-9)
-# A run is repeated so often, and runs of MuJoCo of more than LONG seconds are not.
+# Number of repetitions of a run; runs of MuJoCo of more than LONG seconds are made once.
 REPEATS = 5
 LONG = 0.3
 
@@ -71,7 +71,7 @@ class Measured:
     setting: str
     error: float
     cpu_seconds_per_simulated_second: float
-    # Of our whole process, also per simulated second: start, reading, trial runs and run.
+    # Cost of our whole process, also per simulated second: start, reading, trial runs and run.
     process_cpu_seconds: float | str
     steps: int
 

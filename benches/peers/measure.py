@@ -11,11 +11,10 @@ import numpy as np
 
 from scene import Scene
 
-# A run is repeated until the clock has seen so many seconds; the fastest counts, because whatever else the machine does
-# only ever makes a run slower.
+# A run is repeated until the clock has seen this time (s); the fastest counts, because other programs only ever make a run slower.
 REPEAT_UNTIL = 0.15
 REPEATS = 3
-# Runs of so many seconds are not repeated.
+# Runs of this length (s) are not repeated.
 LONG = 1.0
 
 
@@ -37,7 +36,7 @@ class Run:
     cpu_seconds: float
     placements: list[tuple[np.ndarray, np.ndarray]]
     steps: int = 0
-    # Other costs of the same run under other names, for peers whose Python layer would otherwise be what is measured.
+    # Other costs of the same run under other names, for peers whose Python layer would otherwise be measured.
     other_costs: dict[str, float] | None = None
 
     def spent(self) -> float:

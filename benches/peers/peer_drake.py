@@ -45,7 +45,7 @@ class Peer:
         plant = MultibodyPlant(time_step)
         plant.mutable_gravity_field().set_gravity_vector(np.array(self.scene.gravity))
         if time_step > 0.0:
-            # Nobody reads outputs between steps; sampling them is work for nothing.
+            # Outputs between steps are not used, so sampling them would waste time.
             plant.SetUseSampledOutputPorts(False)
         bodies = []
         for index, body in enumerate(self.scene.bodies):

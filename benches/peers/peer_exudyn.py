@@ -54,7 +54,7 @@ class Peer:
         simulation.solutionSettings.writeSolutionToFile = False
         simulation.solutionSettings.sensorsWritePeriod = self.scene.duration
         if setting.kind == "step":
-            # A step that fails is a failure; halving it in secret would blur what is compared.
+            # A step that fails is a failure; halving it in secret would blur the comparison.
             integration.automaticStepSize = False
             integration.numberOfSteps = steps_of(self.scene, setting)[0]
         else:

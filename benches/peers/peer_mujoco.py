@@ -58,7 +58,7 @@ class Peer:
     def __init__(self, scene: Scene):
         self.scene = scene
         self.model = mujoco.MjModel.from_xml_string(document(scene))
-        # Nothing touches and nothing is limited: spare MuJoCo the look.
+        # The scene has no contacts and no limits, so MuJoCo need not check for them.
         for flag in (mujoco.mjtDisableBit.mjDSBL_CONTACT, mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
             self.model.opt.disableflags |= int(flag)
         self.data = mujoco.MjData(self.model)

@@ -22,7 +22,7 @@ REPEATS = 3
 # Runs of more than LONG seconds are not repeated.
 LONG = 3.0
 STEPS = (1e-2, 1e-3)
-# Our own runs are broken off after so many seconds of wall time.
+# Our own runs are broken off after this wall time (s).
 PATIENCE = 60.0
 RAPIER = Path(os.environ.get("RAPIER_STANDING", Path(__file__).parent / "rapier" / "target" / "release" / "standing"))
 # Rotation and origin of each link.
@@ -147,7 +147,8 @@ def mujoco(scene: Scene) -> Iterator[Measured]:
                 yield _row(scene, f"MuJoCo, {softness}{noslip}, {scheme}", f"step={step!r}", seen.__getitem__, best)
 
 
-# Of boxes pressed on each other Drake's point contact has one point; the cube is compliant and the pads are rigid, as Drake wants.
+# Drake's point contact has one point for two boxes that are pressed on each other; so the cube is compliant and the pads are rigid, as hydroelastic
+# contact requires.
 _DRAKE = '<drake:proximity_properties>{how}<drake:mu_static value="{mu!r}"/><drake:mu_dynamic value="{mu!r}"/></drake:proximity_properties>'
 _SOFT = (
     '<drake:compliant_hydroelastic/><drake:hydroelastic_modulus value="1e8"/><drake:mesh_resolution_hint value="0.01"/>'

@@ -23,9 +23,9 @@ from scene import Scene, probes
 
 NOT_INSTALLED = 3
 NOT_FOR_THIS_SCENE = 4
-# Where every ladder of steps begins [s].
+# The first step of every ladder [s].
 LONGEST_STEP = 0.16
-# So many rungs in a row that are no better than the best before them: rounding has won.
+# Number of rungs in a row without improvement after which rounding has won.
 FUTILE = 3
 
 

@@ -14,10 +14,10 @@ from . import _catena
 from ._clusters import Made, Shard, cluster_of
 from ._errors import InputError, RunError
 
-# Shards for each core of a cluster, unless the caller says how many: those that are hard are evened out by the others.
+# Shards for each core of a cluster, unless the caller gives a number: the others even out hard shards.
 _SHARDS_PER_CORE = 4
 
-# So many shards that fail are named.
+# Number of failed shards that are named.
 _NAMED = 5
 
 
@@ -136,7 +136,7 @@ def sweep(
             + "; ".join(told[:_NAMED] + more)
         ) from next(iter(failures.values()))
     _catena.merge([shard.folder for shard in todo], output)
-    # Only what is whole in its new place is removed from the old.
+    # Only files that are whole in their new place are removed from the old.
     if read.rows_in(output, format) != read.runs:
         raise RunError(f"{output} changed while rows were merged into it: call again")
     for shard in todo:

@@ -1,6 +1,6 @@
-//! The Python module `catena._catena`: models, runs, what runs leave, and the command line.
+//! The Python module `catena._catena`: models, runs, their results, and the command line.
 //!
-//! Everything is worked out by `catena::session`, on which the command line builds, too. What is pleasant in Python (names of joints as keys,
+//! Everything is worked out by `catena::session`, on which the command line builds, too. The convenient layer for Python (names of joints as keys,
 //! tables, plots) is in `catena/*.py`.
 
 mod model;

@@ -31,7 +31,7 @@ fn matrix<'py>(py: Python<'py>, matrix: &catena::nalgebra::DMatrix<f64>) -> PyRe
     Ok(PyArray2::from_vec2(py, &rows)?)
 }
 
-/// Numbers along v, or why there are none.
+/// Numbers along v, or the reason for their absence.
 fn vector<'py>(py: Python<'py>, numbers: Result<DVector<f64>, Error>) -> PyResult<Vector<'py>> {
     Ok(numbers.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
 }

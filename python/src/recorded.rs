@@ -1,4 +1,4 @@
-//! `catena._catena.Recorded`: what a run leaves, as arrays and files.
+//! `catena._catena.Recorded`: the results of a run, as arrays and files.
 
 use crate::model::{numbers, seven};
 use crate::refusal::{input, refuse};
@@ -153,8 +153,8 @@ impl Recorded {
         rows(py, all, self.recording.times.len())
     }
 
-    /// The closed contacts of all samples, a row each: the index of the sample; the pair `a|b`; point (m), normal from b to a, force on a (N), all in the
-    /// world, and gap (m); whether it sticks.
+    /// The closed contacts of all samples, a row each: the index of the sample; the pair `a|b`; point (m), normal from b to a, force on a (N), all in
+    /// the world, and gap (m); whether it sticks.
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Contacts<'py>> {
         let names = self.model.contact_pairs();
         let all =

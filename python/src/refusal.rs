@@ -1,4 +1,5 @@
-//! Errors of the library as exceptions of Python: the messages of the command line, `InputError` for what was given, `RunError` for what happened.
+//! Errors of the library as exceptions of Python, with the messages of the command line: `InputError` for wrong input, `RunError` for a run that
+//! fails.
 
 use catena::session::Error;
 use pyo3::exceptions::PyRuntimeError;
@@ -14,7 +15,7 @@ pub fn named(py: Python<'_>, class: &str, message: String) -> PyErr {
     }
 }
 
-/// What was given is wrong.
+/// The exception for wrong input.
 pub fn input(py: Python<'_>, message: impl ToString) -> PyErr {
     named(py, "InputError", message.to_string())
 }
@@ -29,7 +30,7 @@ pub fn refuse(py: Python<'_>, error: Error) -> PyErr {
     exception
 }
 
-/// What a controller failed with.
+/// The failure of a controller.
 fn raised(error: &Error) -> Option<&catena::session::ControllerFailure> {
     match error {
         Error::Controller { failure, .. } => Some(failure),

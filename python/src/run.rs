@@ -18,7 +18,7 @@ pub struct Run {
     inner: Mutex<Option<Simulation>>,
     recording: SharedRecording,
     interrupt: Arc<AtomicBool>,
-    /// q and v as they were written last: what somebody has changed since is another start.
+    /// q and v as they were written last: a later change by the user is another start.
     written: Mutex<[Vec<f64>; 2]>,
 }
 
@@ -154,7 +154,7 @@ impl Run {
         self.with(py, |simulation| simulation.set_efforts(&efforts))
     }
 
-    /// `controller(t, q, v)` is asked now and every period (s), and returns efforts, or `None` for none.
+    /// `controller(t, q, v)` is asked now and every period (s), and returns efforts, or `None` for zero efforts.
     fn set_controller(&self, py: Python<'_>, period: f64, controller: Py<PyAny>) -> PyResult<()> {
         let law = move |now: &Moment, efforts: &mut [f64]| -> Result<(), ControllerFailure> {
             Python::attach(|py| Ok(ask(py, &controller, now, efforts)?))
@@ -170,7 +170,7 @@ impl Run {
         self.detached(py, Simulation::run)
     }
 
-    /// Ends it, and what it leaves.
+    /// Ends the run, and returns its results.
     fn finish(&self, py: Python<'_>) -> PyResult<Recorded> {
         let simulation = self.lock(py)?.take();
         let Some(simulation) = simulation else { return Err(input(py, "the run has ended; start a new one")) };

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// How often Python is asked.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// Asks Python whether the user wants an end; it is to be on the main thread, or nothing is ever wanted.
+/// Asks Python whether the user wants an end. It must be called on the main thread, because signals arrive only there.
 pub struct Watcher {
     interrupt: Arc<AtomicBool>,
     asked: Instant,

@@ -12,7 +12,7 @@ use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::available_parallelism;
 
-/// What `make` has done: runs made, those of them that failed, index and reason of the first of those.
+/// Result of `make`: runs made, failed runs, and index and reason of the first failure.
 type Made = (u64, u64, Option<(u64, String)>);
 
 /// A sweep file that was read, with all that it names.
@@ -63,15 +63,15 @@ impl Sweep {
         self.inner.warnings.clone()
     }
 
-    /// Makes the folder if there is none, checks that it is of this sweep, and says how many rows it holds.
+    /// Makes the folder if it is missing, checks that it is of this sweep, and says how many rows it holds.
     fn rows_in(&self, py: Python<'_>, folder: PathBuf, format: Option<&str>) -> PyResult<u64> {
         let format = format_of(py, format)?;
         let opened = py.detach(|| Folder::open(&folder, &self.inner, Shard::WHOLE, format));
         Ok(opened.map_err(|error| refuse(py, &error))?.done())
     }
 
-    /// Makes the runs of a shard (`K/N`) that its folder lacks, on so many threads, or on all cores; tells `progress` twice a second how many of how
-    /// many rows are on the disk.
+    /// Makes the runs of a shard (`K/N`) that its folder lacks, on `jobs` threads, or on all cores; calls `progress` twice a second with the number
+    /// of rows on the disk and the number of all rows.
     #[pyo3(signature = (folder, shard, jobs, format, progress))]
     fn make(
         &self,
@@ -85,7 +85,7 @@ impl Sweep {
         let (shard, format) = (parsed(py, shard)?, format_of(py, format)?);
         let jobs = jobs.unwrap_or_else(|| available_parallelism().map_or(1, usize::from));
         let interrupt = AtomicBool::new(false);
-        // What `progress` raised, which ends the work.
+        // The exception raised by `progress`, which ends the work.
         let mut raised = None;
         let made = watched(py, &interrupt, || {
             let mut told = |done: &Done| {

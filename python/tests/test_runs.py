@@ -51,7 +51,7 @@ def test_contacts_carry_the_weight_of_what_stands(robots):
     contacts, forces = result.contacts, result.contact_forces
     feet = sorted(set(contacts["pair"]))
     assert len(feet) == 4 and set(forces) == {*feet, "trunk|floor"} and not forces["trunk|floor"].any()
-    # The feet meet the floor after 0.101 s; nothing touches before.
+    # The feet meet the floor after 0.101 s; before, no contact is closed.
     assert 0.1 < contacts["t"][0] < 0.12
     last = contacts["t"] == result.t[-1]
     assert last.sum() == 4 and contacts["sticks"][last].all()
@@ -91,7 +91,7 @@ def test_steps_and_changes_between_them(double_pendulum):
     before = sim.energy()["total"]
     sim.v["shoulder"] += 1.0
     sim.step(0.1)
-    # A push is felt: the motion starts again from what was written.
+    # A push acts: the motion starts again from the written state.
     assert sim.energy()["total"] > before + 0.1
     sim.reset()
     assert sim.time == 0.0 and sim.q["elbow"] == 0.0
@@ -105,11 +105,11 @@ def test_q_and_v_are_the_same_memory_whatever_is_run(robots):
     for _ in range(5):
         sim.step(0.1)
         assert sim.q is q and sim.v is v and np.shares_memory(place, q)
-        # The origin of the frame is the centre of mass here, or turns about it: what was taken once is where it is now.
+        # The origin of the frame is the centre of mass here, or turns about it: a pose taken once follows the present state.
         assert np.array_equal(place, sim.pose(sim.model.link_names[0])[:3])
     sim.run(0.5)
     assert sim.q is q and abs(sim.time - 1.0) < 1e-12 and np.array_equal(place, sim.q[base][:3])
-    # What is written through a part that was taken once is where it goes on.
+    # A value written through a part that was taken once is the value the run continues from.
     place[:] = [7, 8, 9]
     result = sim.run(0.1, rate=10)
     assert np.array_equal(result.q[base][0, :3], [7, 8, 9])

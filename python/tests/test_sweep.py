@@ -11,7 +11,7 @@ import time
 import catena
 import pytest
 
-# Some runs of 5 ms each, with steps of a fixed length, so that nobody is ready before he is looked at.
+# Each run of 5 ms takes fixed steps, so that no run is ready before it is checked.
 SLOW = """
 [sweep]
 scene = "{robots}/double_pendulum.urdf"

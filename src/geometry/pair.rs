@@ -23,7 +23,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Two rims are at the same place up to this part of their radii.
 const CROSSES: f64 = 1e-6;
 
-/// A stand-in is that of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
+/// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
 const STANDS_IN: f64 = 5e-12;
 
 /// Two colliders, prepared for questions.
@@ -92,7 +92,7 @@ impl PairGeometry {
         self.reach
     }
 
-    /// What tolerances are made of.
+    /// The lengths from which tolerances are made.
     pub fn extents(&self) -> Extents {
         self.extents
     }
@@ -154,10 +154,9 @@ impl PairGeometry {
         if self.exchanged { found.into_iter().map(TouchPlace::exchanged).collect() } else { found }
     }
 
-    /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges
-    /// and the planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane; of a stand-in, how far the shapes are from where it says
-    /// they are. Zero where another feature takes over, negative
-    /// beyond; infinite if there are no borders.
+    /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges and the
+    /// planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane; of a stand-in, how far the shapes are from where it
+    /// says they are. Zero where another feature takes over, negative beyond; infinite if there are no borders.
     pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
         if place.is_stand_in() {
             return self.extents.within(STANDS_IN) - self.distance(a, b).distance.abs();
@@ -214,8 +213,8 @@ impl PairGeometry {
         form.min(of_first).min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
     }
 
-    /// How far what is not part of `closed` features is from the tangent plane of one of these places, which has this normal, from collider a to
-    /// collider b, and this point (m), in the world: the shapes overlap nowhere else while it is not negative. `None` unless both are convex.
+    /// The distance of all features outside `closed` from the tangent plane of one of these places, which has this normal, from collider a to
+    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative.
     pub fn beyond(
         &self,
         place: &PlaceId,
@@ -237,8 +236,8 @@ impl PairGeometry {
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
     }
 
-    /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not. The other
-    /// point may lie beside the face: [`PairGeometry::margin`] tells.
+    /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not.
+    /// The other point may lie beside the face: [`PairGeometry::margin`] tells.
     pub fn rim_place(&self, known: &TouchPlace, towards: &Vector3<f64>, a: &Pose, b: &Pose) -> Option<TouchPlace> {
         self.renamed(known, [a, b], |core, name, rotation| rim_point(core, name, &(rotation * towards)))
     }
@@ -285,8 +284,8 @@ impl PairGeometry {
         Some(if self.exchanged { found.exchanged() } else { found })
     }
 
-    /// Where a rim touches what is round, or another rim, as the joint has it: with the normal and the points from the first body to the second, in the frame of
-    /// the first. `None` for a place of other features.
+    /// The place at which a rim touches a round feature, or another rim, as the joint has it: with the normal and the points from the first body to
+    /// the second, in the frame of the first.
     fn rim_meets(&self, place: &TouchPlace, poses: [&Pose; 2]) -> Option<Meeting> {
         let of = |feature: usize| {
             let pose = poses[usize::from((feature == 1) != place.swapped)] * place.frames[feature];

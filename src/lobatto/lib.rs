@@ -1,5 +1,8 @@
 //! One step of the method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
+//! Equation numbers such as (2.5.11) are from section 2.5 of T. M. Tyranowski, "Geometric integration applied to moving mesh methods and degenerate
+//! Lagrangians", PhD thesis, California Institute of Technology, 2014. `doc/method.md` lists these equations and derives the form that is solved.
+//!
 //! The modules are in the order in which a step is computed:
 //!
 //! | module | what is in it |

@@ -51,7 +51,7 @@ pub struct Lobatto {
     isa: Isa,
     /// Whether steps are solved to 32 digits.
     precise: bool,
-    /// Rules that leave nothing out.
+    /// Disabled simplification rules.
     kept: Vec<Rule>,
 }
 
@@ -64,7 +64,7 @@ enum Mode {
 }
 
 impl Lobatto {
-    /// Carries a companion from the next step on, which shows what errors the steps make: of trees, with chosen steps.
+    /// Carries a companion from the next step on, which shows the errors of the steps: for trees, with chosen steps.
     pub fn accompany(&mut self, mechanism: &Mechanism) {
         self.stepper.companion = Some(Box::new(Companion::new(mechanism, self.stepper.tableau)));
     }
@@ -74,7 +74,7 @@ impl Lobatto {
         self.stepper.companion = None;
     }
 
-    /// The motion beside that of the run.
+    /// The companion of the run.
     pub fn companion(&self) -> Option<&Companion> {
         self.stepper.companion.as_deref()
     }
@@ -89,7 +89,7 @@ impl Lobatto {
         matches!(&self.mode, Mode::Chosen(control) if control.was_held())
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: steps that were given.
+    /// The error of samples inside the steps so far, besides the error of their ends (m); `None` if it is unknown: given steps.
     pub fn between(&self) -> Option<f64> {
         match &self.mode {
             Mode::Chosen(control) => control.between(),
@@ -97,16 +97,16 @@ impl Lobatto {
         }
     }
 
-    /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
+    /// The largest error of samples inside steps that were too long for a damper (m), which the error of their ends does not include.
     pub fn ringing_inside(&self) -> f64 {
         self.stepper.ringing_inside()
     }
 }
 
-/// What the location of events asks of the steps.
+/// Requests of the location of events to the steps.
 impl Lobatto {
-    /// Makes the last step again from its start with another length (s), near the first, solved to rounding: moves `state` to the new end.
-    /// The inputs are those of the step.
+    /// Makes the last step again from its start with another length (s), near the first, solved to rounding: moves `state` to the new end. The inputs
+    /// are the inputs of the step.
     ///
     /// # Errors
     /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
@@ -126,8 +126,8 @@ impl Lobatto {
         self.stepper.sample(mechanism, time, position, velocity);
     }
 
-    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], with the weights of the stages: what a damper along it
-    /// has turned into heat is `h Σ_k b_k c ẏ_k²`.
+    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], with the weights of the stages: a damper along it has turned
+    /// `h Σ_k b_k c ẏ_k²` into heat.
     pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) -> &'static [f64] {
         self.stepper.stage_rates(freedom, rates);
         &self.stepper.tableau.weights
@@ -159,7 +159,7 @@ impl Lobatto {
         }
     }
 
-    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.
     pub fn give_up_below(&mut self, length: f64) {
         if let Mode::Chosen(control) = &mut self.mode {
             control.given_up_below = length;
@@ -183,9 +183,9 @@ pub enum StepPace {
         /// s.
         origin: f64,
     },
-    /// With a step that was chosen.
+    /// Chosen steps.
     Step {
-        /// s; zero if none was.
+        /// Length (s); zero before the first step.
         length: f64,
         /// The largest kinetic energy that was seen (J).
         kinetic: f64,
@@ -193,7 +193,7 @@ pub enum StepPace {
 }
 
 impl Lobatto {
-    /// Makes a kernel for what acts now.
+    /// Makes a kernel for the present gravity, forces and inputs.
     fn renew(&mut self, mechanism: &Mechanism, inputs: Inputs, time: f64) -> Result<(), StepError> {
         let now = self.stepper.learn(mechanism, inputs);
         let tableau = self.stepper.tableau;

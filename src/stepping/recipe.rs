@@ -1,16 +1,16 @@
-//! How an integrator is made: for the mechanism of a run, and for what moves of it while some joints are held.
+//! The recipe of an integrator: for the mechanism of a run, and for the reduced mechanism while some joints are held.
 
 use crate::integrator::{Lobatto, MethodError};
 use crate::length::stage_choice::StageChoice;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 
-/// What [`Lobatto`]s of one run have in common.
+/// Settings that all [`Lobatto`]s of one run share.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// How their steps are chosen.
     pub steps: Steps,
-    /// Rules that leave nothing out.
+    /// Disabled simplification rules.
     pub kept: Vec<Rule>,
 }
 
@@ -24,11 +24,11 @@ pub enum Steps {
         /// Length of the steps (s).
         step: f64,
     },
-    /// From an iteration stop, with so many stages.
+    /// Chosen for an iteration stop, with this number of stages.
     Chosen {
         /// The tolerance of the run (m).
         tolerance: f64,
-        /// Where the iteration stops [m or rad].
+        /// The increment at which the iteration stops [m or rad].
         stop: f64,
         /// The number of stages.
         stages: StageChoice,

@@ -234,7 +234,7 @@ fn run_to(name: &str, link: &str, point: Vector3<f64>, stages: usize, step: f64,
 #[test]
 fn mechanisms_with_loops_move_as_published_from_their_files() {
     let up = Vector3::z();
-    // Published to 17 digits (benchmarks.md, A02 and A04); a step of the order 6 errs by some 1e-7 and 1e-9 here.
+    // Problems A02 and A04 of the IFToMM library (lim.ii.udc.es/IFToMM), computed to 17 digits; a step of the order 6 errs by some 1e-7 and 1e-9 here.
     for (name, end) in [
         ("four_bar_1", Vector3::new(-0.260_712_675_183_650_4, 0.0, -0.965_416_439_159_073_2)),
         ("four_bar_2", Vector3::new(-0.195_020_301_949_435_1, 0.0, -0.980_799_205_662_173_8)),
@@ -257,7 +257,7 @@ fn joint_after(name: &str, joint: &str, stages: usize, step: f64, until: f64) ->
 
 #[test]
 fn mechanisms_with_springs_dampers_and_loads_move_as_published_from_their_files() {
-    // Computed in quadruple precision (benchmarks.md, A03, A05, A01 and the damped pendulum), and an exact solution. The
+    // Problems A03, A05 and A01 of the IFToMM library and a damped pendulum, computed in quadruple precision, and an exact solution. The
     // bounds are some ten times what these steps leave.
     let oscillator = {
         let frequency = 96.0_f64.sqrt();

@@ -147,6 +147,6 @@ fn energy_drifts_by_less_than_one_rounding_a_step_over_ten_million_steps() {
         late / kinetic
     );
     // Not the random walk that one would like (that would be 1e-11): what is left is a quarter of a rounding a step, always to
-    // the same side, what the last iterate is off (doc/findings/2026-11-notes.md). A whole one (1.1e-16) would make 1.1e-9.
+    // the same side, what the last iterate is off (doc/decisions/003-simplified-newton-iteration.md). A whole one (1.1e-16) would make 1.1e-9.
     assert!(late / kinetic < 1.1e-9, "{:.1e}", late / kinetic);
 }

@@ -1,8 +1,8 @@
 //! The best of several candidates: the one with the least error.
 //!
 //! The distance is not less than the largest separation S of all normals that were tried. So the error of a candidate with the certificate ε and the
-//! separation s is `max(ε, S − s)`: of those whose points face each other the one of the largest separation is the best, and points that do not face each
-//! other are worse, whatever their normal.
+//! separation s is `max(ε, S − s)`. Among candidates whose points face each other, the one of the largest separation is the best. Points that do not
+//! face each other are worse, whatever their normal.
 
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::FeatureId;
@@ -20,7 +20,7 @@ pub struct Best<'a> {
 }
 
 impl<'a> Best<'a> {
-    /// None yet.
+    /// No candidate yet.
     pub fn new(both: &'a Both<'a>) -> Self {
         Best { both, found: None, steepest: (f64::NEG_INFINITY, both.centres()) }
     }
@@ -44,7 +44,8 @@ impl<'a> Best<'a> {
         self.found
     }
 
-    /// A length (m) that neither the distance nor the depth exceeds, if the points of the best so far lie on both shapes; infinite if there is none.
+    /// A length (m) that neither the distance nor the depth exceeds, if the points of the best so far lie on both shapes; infinite without a
+    /// candidate.
     pub fn reach(&self) -> f64 {
         let apart = self.found.map_or(f64::INFINITY, |found| (found.points[1] - found.points[0]).norm());
         apart.max(-self.steepest.0) + TOUCHING * self.both.size()

@@ -1,7 +1,7 @@
-//! Where two convex shapes that touch at one place touch next: distances of all other features from that place's tangent plane.
+//! The next contact of two convex shapes that touch at one place: distances of all other features from that place's tangent plane.
 //!
-//! Two convex shapes that touch at a point with the normal n overlap nowhere as long as the tangent plane separates them. With a point p of the
-//! contact that is, for what is not part of the features that touch,
+//! Two convex shapes that touch at a point with the normal n do not overlap elsewhere as long as the tangent plane separates them. Let p be a point
+//! of the contact. The condition for all features that do not touch is
 //!
 //! ```text
 //!     min over b of n · (q − p) ≥ 0,     min over a of n · (p − q) ≥ 0                 [m], q vertices, and of a rim its nearest point
@@ -10,18 +10,18 @@
 //! Unlike the gaps of pairs of features this is there for everything at any distance, and no faster than the bodies: a function that can be
 //! bracketed.
 //!
-//! Vertices that other places hold in the plane are left out, because their heights are roundings: those that touch themselves, the ends of an edge on which
-//! two places are, and the corners of a face on which three are. One place on an edge holds neither of its ends: shapes that lie on each other may tilt
-//! about two corners of what they have in common.
+//! Vertices that other places hold in the plane are left out, because their heights are roundings: vertices that touch themselves, the ends of an
+//! edge with two places on it, and the corners of a face with three. One place on an edge holds neither of its ends, because shapes that lie on each
+//! other may tilt about two corners of their common area.
 
 use crate::features::feature::{FeatureId, Part, part};
 use crate::shapes::convex::{Convex, Core};
 use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
-/// The least height of a core over the tangent plane of a place, without what touches (m). The plane has this normal into the core's side and goes through
-/// `foot`, all in the frame of the body; `own` is the core's feature of the place, which is among those that are closed. Infinite if that is flat: what else
-/// the body has is behind it for ever.
+/// The least height of a core over the tangent plane of a place, without the touching features (m). The plane has this normal into the core's side
+/// and goes through `foot`, all in the frame of the body; `own` is the core's feature of the place, which is one of the closed ones. Infinite for a
+/// flat feature: the rest of the body is always behind it.
 pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foot]: [&Vector3<f64>; 2]) -> f64 {
     if matches!(own, FeatureId::Face(_) | FeatureId::Cap(_)) {
         return f64::INFINITY;
@@ -43,7 +43,7 @@ pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foo
                 let mut points = closed
                     .iter()
                     .filter(|feature| matches!(feature, FeatureId::RimPoint { end: own, .. } if *own == end));
-                // Where one point touches alone the cylinder tilts in a plane, and the opposite one is next.
+                // If one point touches alone, the cylinder tilts in a plane, and the opposite point is next.
                 match (points.next().map(|&point| part(&shape.core, point)), points.next()) {
                     (Some(Part::Point(point)), None) => normal.dot(&(centre * 2.0 - point - foot)),
                     _ => normal.dot(&(centre - foot)) - cylinder.radius * across,
@@ -54,7 +54,7 @@ pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foo
     }
 }
 
-/// Of each vertex whether it is in the tangent plane of a place with this feature while these places are closed.
+/// For each vertex whether it is in the tangent plane of a place with this feature while these places are closed.
 fn held_vertices(polytope: &Polytope, own: FeatureId, closed: &[FeatureId]) -> Vec<bool> {
     let corners = |feature: &FeatureId| -> &[usize] {
         match *feature {
@@ -88,7 +88,7 @@ fn held_vertices(polytope: &Polytope, own: FeatureId, closed: &[FeatureId]) -> V
     held
 }
 
-/// [`height`] in another frame than that of the body, which has this rotation and translation (m) in it.
+/// [`height`] in a frame in which the body has this rotation and translation (m).
 pub fn height_of_moved(
     shape: &Convex,
     own: FeatureId,

@@ -1,7 +1,7 @@
 //! The normal of the largest separation of a rim and another feature of shapes that overlap.
 //!
-//! Where two shapes overlap deeper than a rim is curved, its nearest points to the other feature are no minimum of the distance. The normal is a maximum of the
-//! separation, at any depth. With the support points p of a and q of b for n and −n,
+//! If two shapes overlap deeper than a rim is curved, its nearest points to the other feature are no minimum of the distance. The normal is a maximum
+//! of the separation, at any depth. The support points are p of a and q of b, for n and −n:
 //!
 //! ```text
 //!     sep(n) = n · (q − p)         ∇ = q − p              p = c + ρ m,   m = (n − (n·k) k)/|…|     of a circle
@@ -87,7 +87,7 @@ pub fn deepest(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vect
         }
     }
     let ((p, _), (q, _)) = (support(a, &normal)?, support(b, &-normal)?);
-    // Of a line the point that faces the other.
+    // On a line, the point that faces the other part.
     let facing = |line: &Part, at: Vector3<f64>, towards: &Vector3<f64>| {
         along(line).map_or(at, |along| at + along * along.dot(&(towards - at)))
     };

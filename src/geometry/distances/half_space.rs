@@ -29,7 +29,7 @@ impl HalfSpace {
         Part::Plane(self.point, self.normal)
     }
 
-    /// The lowest point of a convex core whose frame has this rotation and translation (m) in that of the half space.
+    /// The lowest point of a convex core whose frame has this rotation and translation (m) in the frame of the half space.
     pub fn nearest(&self, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Candidate {
         let down = -rotation.tr_mul(&self.normal);
         let q = rotation * b.core.support_point(&down) + translation;

@@ -1,10 +1,10 @@
 //! All places where two convex shapes nearly touch.
 //!
-//! Of two shapes at a distance d, points whose distance is below a bound ε lie within ε − d of the support planes along the normal. The
-//! pairs of features within these slabs whose points lie on them, whose gap is below ε and whose own normal separates the shapes up to
-//! 10 ε are the places: for two faces the corners of the area that they share (vertices of either in the face of the other, and edges
-//! that cross). Places at the same point are one. Of places in one plane with gaps that are linear over it those inside of their hull
-//! are left out, because the others decide about them.
+//! Two shapes are at a distance d. Points whose distance is below a bound ε lie within ε − d of the support planes along the normal. The pairs of
+//! features within these slabs whose points lie on them, whose gap is below ε and whose own normal separates the shapes up to 10 ε are the places:
+//! for two faces the corners of the area that they share (vertices of either in the face of the other, and edges that cross). Places at the same
+//! point are one. Among places in one plane with gaps that are linear over it, the ones inside their hull are left out, because the others decide
+//! about them.
 
 use crate::distances::nearest::{nearest, spans_plane};
 use crate::features::arcs::points_on_faces;

@@ -1,7 +1,7 @@
 //! A surface of triangles that stands still for convex shapes to touch, without ghost edges.
 //!
-//! Vertices at the same place are one. n₁ and n₂ are the normals of the triangles beside an edge. Its class is that of the opposite vertex
-//! of one triangle against the plane of the other:
+//! Vertices at the same place are one. n₁ and n₂ are the normals of the triangles beside an edge. Its class is the class of the opposite vertex of
+//! one triangle against the plane of the other:
 //!
 //! | class | opposite vertex | can be touched with normals |
 //! |---|---|---|
@@ -36,7 +36,7 @@ use std::sync::Arc;
 
 /// Flat, relative to the size of the triangles.
 const FLAT: f64 = 1e-9;
-/// Normals that lean over a neighbour by less than this angle (rad) are those of the border.
+/// Normals that lean over a neighbour by less than this angle (rad) belong to the border.
 const ALONG: f64 = 1e-9;
 
 /// A surface of triangles in the frame of its body.
@@ -92,7 +92,7 @@ impl Mesh {
             let [a, b, c] = corners.map(|corner| vertices[corner]);
             let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
             let doubled = (b - a).cross(&(c - a));
-            // What has no area has no side, and its neighbours cover it.
+            // A triangle without area has no side, and its neighbours cover it.
             if doubled.norm() <= 1e-12 * longest * longest {
                 continue;
             }
@@ -196,7 +196,7 @@ impl Mesh {
         across * towards
     }
 
-    /// The nearest points of the surface and a convex core whose frame has this rotation and translation (m) in that of the mesh.
+    /// The nearest points of the surface and a convex core whose frame has this rotation and translation (m) in the frame of the mesh.
     pub fn nearest(&self, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Option<Candidate> {
         if !translation.iter().chain(rotation).all(|entry| entry.abs() < 1e150) {
             return None;
@@ -326,7 +326,7 @@ impl Mesh {
     }
 }
 
-/// Vertices in the frame of the body, those at the same place once, and the new number of each.
+/// Vertices in the frame of the body, vertices at the same place once, and the new number of each.
 fn merged(vertices: &[Vector3<f64>], pose: &Pose) -> (Vec<Vector3<f64>>, Vec<usize>) {
     let mut numbers: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let mut kept = Vec::new();

@@ -1,8 +1,8 @@
 //! The distance of two convex cores by their features, exact to rounding.
 //!
 //! Every pair of features proposes its normal and points ([`crate::features::meet`]); the one of the largest separation is the distance, and its
-//! certificate proves it. GJK says where to look first: features within δ of its support planes; δ grows until the certificate holds.
-//! Of cores that overlap or nearly touch GJK's normal means nothing: there the normals of the faces and of crossing edges are tried.
+//! certificate proves it. GJK says where to look first: features within δ of its support planes; δ grows until the certificate holds. If cores
+//! overlap or nearly touch, GJK's normal is meaningless: there the normals of the faces and of crossing edges are tried.
 
 use crate::distances::best::Best;
 use crate::distances::deepest::deepest;
@@ -22,7 +22,7 @@ const MOST_PAIRS: usize = 50_000;
 /// Outside of a feature by rounding, relative to the size.
 const ROUNDING: f64 = 1e-12;
 
-/// The nearest points of two cores, or those of the least depth; `None` only if a pose is not finite.
+/// The nearest points of two cores, or the points of the least depth; `None` only if a pose is not finite.
 pub fn nearest(both: &Both) -> Option<Candidate> {
     if !both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
         return None;
@@ -49,7 +49,7 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
     best.found().filter(|found| best.error(found) <= bound.certificate()).or(Some(bound))
 }
 
-/// Moves the two apart along the best normal, asks GJK there, and searches along what it finds: the normal of a small depth.
+/// Moves the two apart along the best normal, runs GJK there, and searches along its normal: the normal of a small depth.
 fn search_apart(best: &mut Best, both: &Both) {
     for apart in [0.1, 1e-2, 1e-3, 1e-4] {
         let (separation, normal) = best.steepest();
@@ -61,7 +61,7 @@ fn search_apart(best: &mut Best, both: &Both) {
     search(best, both, &start);
 }
 
-/// Offers what lies near the support planes of a normal, until the best is exact.
+/// Offers the features near the support planes of a normal, until the best is exact.
 fn search(best: &mut Best, both: &Both, normal: &Vector3<f64>) {
     for depth in DEPTHS {
         offer_features(best, both, normal, depth * both.size(), false);
@@ -71,7 +71,7 @@ fn search(best: &mut Best, both: &Both, normal: &Vector3<f64>) {
     }
 }
 
-/// Tries the normals across two edges, or across what is like an edge of a cylinder.
+/// Tries the normals across two edges, or across parts of a cylinder that are like edges.
 fn try_crossings(best: &mut Best, both: &Both) {
     let (a, b) = (&both.a.core, &both.b.core);
     let (Core::Polytope(one), Core::Polytope(other)) = (a, b) else {
@@ -98,7 +98,7 @@ fn try_crossings(best: &mut Best, both: &Both) {
     }
 }
 
-/// Tries the normals of faces and caps, and those straight out of the sides of cylinders.
+/// Tries the normals of faces and caps, and the normals straight out of the sides of cylinders.
 fn try_normals(best: &mut Best, both: &Both) {
     let towards = both.centres();
     let radial = |core: &Core, towards: Vector3<f64>| match core {
@@ -118,7 +118,7 @@ fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f6
     let own = both.rotation.tr_mul(normal);
     let (least_a, least_b) = (a.support(normal) - depth, b.support(&-own) - depth);
     let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)), at_point: false };
-    // What was found so far lies on both, so no pair that is farther apart is nearer, or less deep.
+    // The points found so far lie on both, so no pair that is farther apart is nearer, or less deep.
     let reach = if everywhere { best.reach() } else { f64::INFINITY };
     for one in features(a).filter(|&feature| lies_near(a, feature, normal, least_a)) {
         let on_a = part(a, one);
@@ -134,7 +134,7 @@ fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f6
                 let Some((found, points)) = meet(&on_a, &on_b, &guess) else { continue };
                 if lie_on(both, [one, other], &points) {
                     best.offer(found, points, [one, other]);
-                    // A guess of a place says nothing of the side on which the normal is.
+                    // A guess of a place does not determine the side of the normal.
                     if guess.at_point {
                         best.offer(-found, points, [one, other]);
                     }
@@ -168,8 +168,8 @@ pub fn spans_plane(a: &Part, b: &Part) -> bool {
     sharp(a) + sharp(b) >= 2
 }
 
-/// Whether the product of two edges can be a normal of both shapes: the arc of normals of one and that of the opposite of the other cross.
-/// Segments have no arcs, and those of plates are half circles, on which the test says nothing.
+/// Whether the product of two edges can be a normal of both shapes: the arc of normals of one and the opposite arc of the other cross. Segments have
+/// no arcs, and arcs of plates are half circles, for which the test cannot decide.
 fn arcs_cross(one: &Option<[Vector3<f64>; 2]>, other: &Option<[Vector3<f64>; 2]>) -> bool {
     let (Some([n, m]), Some([u, v])) = (one, other) else { return true };
     if n.dot(m) < -0.999_999 || u.dot(v) < -0.999_999 {

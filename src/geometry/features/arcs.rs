@@ -5,8 +5,9 @@
 //!     φ = (φ₁ + φ₂)/2                          the middle of an arc between two crossings
 //! ```
 //!
-//! All in the plane of the face, in m and rad from the centre of the disc. A load between the chord and the arc would have nothing to stand on, so an arc that
-//! lies in the face has its middle as a point, if none of the fixed points of the rim is in the face. Where one is, others are added as loads need them.
+//! All in the plane of the face, in m and rad from the centre of the disc. A load between the chord and the arc would have no support, so an arc that
+//! lies in the face has its middle as a point, if no fixed point of the rim is in the face. Beside a fixed point, other points are added as loads
+//! need them.
 
 use crate::features::both::Both;
 use crate::features::feature::{FeatureId, Part, part, rim_point_towards};
@@ -17,9 +18,10 @@ use crate::shapes::polytope::Polytope;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Arcs with less than this half angle (rad) have no point: that is at both of their ends,
+/// Arcs with less than this half angle (rad) have no point of their own: their ends are at the same place.
 const LEAST: f64 = 1e-6;
-/// and arcs beside one edge with less than this have none, because the middle of the edge touches there ([`crate::features::crossing`]).
+/// Arcs beside one edge with less than this half angle (rad) have no point, because the middle of the edge touches there
+/// ([`crate::features::crossing`]).
 const LEAST_BESIDE: f64 = 1e-2;
 
 /// A disc, seen along the normal: its rim is a circle about the origin.
@@ -49,7 +51,7 @@ impl Disc<'_> {
         Some(face.corners.iter().map(|&corner| self.flat(!self.second, polytope.vertices[corner])).collect())
     }
 
-    /// Where the edges of a face cross the rim: angles (rad) in their order, with the number of the edge.
+    /// The crossings of the edges of a face with the rim: angles (rad) in their order, with the number of the edge.
     fn crossings(&self, corners: &[Vector2<f64>]) -> Vec<(f64, usize)> {
         let mut crossings = Vec::new();
         for (edge, (from, to)) in corners.iter().zip(corners.iter().cycle().skip(1)).enumerate() {
@@ -84,8 +86,8 @@ fn angle(place: Vector2<f64>) -> f64 {
     place.y.atan2(place.x).rem_euclid(TAU)
 }
 
-/// Adds points of the arcs of a rim that lie in a face of the other shape and have none; `normal` points from the first to the second. The arcs on a triangle
-/// of a mesh go on in its neighbours, and have none.
+/// Adds points of the arcs of a rim that lie in a face of the other shape and are without points; `normal` points from the first to the second. Arcs
+/// on a triangle of a mesh continue in its neighbours, and get no points.
 pub fn points_on_faces(both: &Both, normal: &Vector3<f64>, of_a: &mut Vec<FeatureId>, of_b: &mut Vec<FeatureId>) {
     let (core, polytope, features, second) = match (&both.a.core, &both.b.core) {
         (core, Core::Polytope(polytope)) => (core, polytope, of_a, false),

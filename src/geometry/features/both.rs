@@ -4,9 +4,9 @@
 //!     sep(n) = min_b n · q − max_a n · p  ≤  distance      for every unit n from a to b
 //! ```
 //!
-//! The largest sep(n) is the distance of the cores; if they overlap, it is minus the depth. With points p of a and q of b,
-//! n · (q − p) − sep(n) ≥ 0 is the *certificate*: an upper bound of the error of the distance, whoever proposed n, p and q.
-//! GJK (parry) only proposes: its tolerances are absolute, so it is asked in units of the size.
+//! The largest sep(n) is the distance of the cores; if they overlap, it is minus the depth. Let p be a point of a and q of b. Then n · (q − p) −
+//! sep(n) ≥ 0 is the *certificate*: an upper bound of the error of the distance, whatever the source of n, p and q. GJK (parry) only proposes: its
+//! tolerances are absolute, so it is asked in units of the size.
 
 use crate::features::feature::FeatureId;
 use crate::shapes::convex::{Convex, Core};
@@ -21,18 +21,18 @@ pub struct Both<'a> {
     pub a: &'a Convex,
     /// The second, in its own body frame.
     pub b: &'a Convex,
-    /// From the second body frame to the first.
+    /// Rotation from the second body frame to the first.
     pub rotation: Matrix3<f64>,
-    /// Of the second body in the first (m).
+    /// Place of the second body in the first (m).
     pub translation: Vector3<f64>,
 }
 
-/// What may be the nearest points of the cores, in the frame of the first body.
+/// Possible nearest points of the cores, in the frame of the first body.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// Unit normal from a to b.
     pub normal: Vector3<f64>,
-    /// On the core of a and on that of b (m).
+    /// Points on the core of a and on the core of b (m).
     pub points: [Vector3<f64>; 2],
     /// The features that they lie on.
     pub features: [FeatureId; 2],
@@ -85,7 +85,7 @@ impl Both<'_> {
         self.low(normal) - self.high(normal)
     }
 
-    /// From the middle of a to that of b, as a unit vector.
+    /// The direction from the middle of a to the middle of b, as a unit vector.
     pub fn centres(&self) -> Vector3<f64> {
         let between = self.of_b(&self.b.centre) - self.a.centre;
         between.try_normalize(0.0).unwrap_or_else(Vector3::z)

@@ -1,7 +1,7 @@
 //! How an edge crosses the rim of a cylinder: the form of their gap that suits it, as features of a joint.
 //!
-//! With the unit vector f along the edge, the axis k of the rim and the direction m from the axis to where they touch, the edge goes through the plane of
-//! the rim as fast as `k·f` and out of the rim as fast as `m·f`. What is larger says which pair it is
+//! The unit vector along the edge is f, the axis of the rim k, and m is the direction from the axis to the touching place. The edge goes through the
+//! plane of the rim as fast as `k·f` and out of the rim as fast as `m·f`. The larger of both decides which pair it is
 //! ([`catena_mechanism::motion::contact_geometry`]): line–rim if it is steep, rim–line if it is flat. A closed contact changes to the other pair once
 //! its own is a third of it, not where both are equal, so that it does not change to and fro.
 
@@ -9,20 +9,21 @@ use crate::features::feature::{FeatureId, Part};
 use catena_mechanism::description::contact::Feature;
 use nalgebra::Vector3;
 
-/// A gap up to this part of the radius of the rim is that of the pair: only where it is closed is it the distance.
+/// A gap up to this part of the radius of the rim is the gap of the pair, which equals the distance at a closed contact only.
 const CLOSED: f64 = 1e-6;
 /// An edge that leaves the tangent of the rim by less than this (rad) has no certain point on it.
 const TANGENT: f64 = 1e-3;
-/// Nor has one in the plane of the rim that leaves it by less than this: both its places run together ever faster, and what each of them carries is a difference.
+/// An edge in the plane of the rim that leaves the tangent by less than this has no certain point either: both its places run together ever faster,
+/// and the force of each of them is a difference.
 const FLAT_TANGENT: f64 = 1e-2;
 /// An edge is in the plane of a rim if it leaves it by less than this (rad).
 const FLAT: f64 = 1e-6;
 /// An edge that is nearer than this (rad) to the plane of a rim, or to its tangent, is in it.
 const LEVEL: f64 = 1e-13;
-/// A pair is kept until it suits so many times less than the other.
+/// A pair is kept until it suits less than the other by this factor.
 const KEPT: f64 = 3.0;
 
-/// Normals whose cosine with that of a cap is more than this are along it.
+/// Normals whose cosine with the normal of a cap is more than this are along it.
 const OUT_OF_CAP: f64 = 1.0 - 1e-6;
 
 /// How an edge and a rim are a pair of a joint.
@@ -74,8 +75,8 @@ fn least_angle(steep: f64) -> f64 {
     if steep.abs() < FLAT { FLAT_TANGENT } else { TANGENT }
 }
 
-/// How two parts in one frame are such a pair, with their points (m), the normal from the first to the second, and their gap (m). `None` if they are not: other
-/// features, an edge along the rim, or parts that are too far from each other.
+/// How two parts in one frame are such a pair, with their points (m), the normal from the first to the second, and their gap (m). `None` if they are
+/// not: other features, an edge along the rim, or parts that are too far from each other.
 pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>, gap: f64) -> Option<Crossing> {
     let LineAndCircle { ends, circle, radius, line_first } = line_and_circle(parts)?;
     let point = points[usize::from(line_first)];
@@ -95,8 +96,8 @@ pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<
     Some(Crossing { line_first: steeper, reversed, side: if across.dot(&from_first) < 0.0 { -1.0 } else { 1.0 } })
 }
 
-/// The point that stands for what of an edge lies on a cap beside the tangent of its rim, where the edge is about to leave the cap or has just come over it: the
-/// two places where it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
+/// The point that stands for the part of an edge on a cap beside the tangent of its rim, if the edge is about to leave the cap or has just come over
+/// it: the two places at which it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
 pub struct Beside {
     /// As a part of the way from the first to the second end.
     pub part: f64,
@@ -106,7 +107,8 @@ pub struct Beside {
     pub normal: Vector3<f64>,
 }
 
-/// That point of a sharp edge and the circle of a rim, if the edge is along the tangent of the rim at their place (m) and their normal is along the axis.
+/// That point of a sharp edge and the circle of a rim, if the edge is along the tangent of the rim at their place (m) and their normal is along the
+/// axis.
 pub fn beside_tangent(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>) -> Option<Beside> {
     let LineAndCircle { ends, circle: [centre, axis], radius, line_first } = line_and_circle(parts)?;
     let (along, [steep, outwards]) = slopes(ends, [centre, axis], &points[usize::from(line_first)]);
@@ -124,8 +126,9 @@ pub fn beside_tangent(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Ve
     on.then_some(Beside { part, points: [at, at - axis * height], normal: axis * up.signum() })
 }
 
-/// How far two features that cross so are from another place (m): where the other pair suits better, or where the edge lies on the cap or on the side beside
-/// the rim, and would go into the cylinder beyond. Negative there; infinite for other features. The parts, in one frame, have these names and points (m).
+/// How far two features that cross so are from another place (m): where the other pair suits better, or where the edge lies on the cap or on the side
+/// beside the rim, and would go into the cylinder beyond. Negative there; infinite for other features. The parts, in one frame, have these names and
+/// points (m).
 pub fn off_crossing(
     features: &[Feature; 2],
     names: [FeatureId; 2],
@@ -144,7 +147,8 @@ pub fn off_crossing(
         [Feature::Rim { .. }, Feature::Line { .. }] => (outwards, steep),
         _ => return f64::INFINITY,
     };
-    // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards. One that is level but for rounding goes neither way.
+    // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards. One that is level but for rounding goes neither
+    // way.
     let outside = if other.abs() <= LEVEL { f64::INFINITY } else { -own.signum() * other };
     radius * (own.abs() - other.abs() / KEPT).min(own.abs() - least).min(outside)
 }

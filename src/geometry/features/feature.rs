@@ -1,4 +1,4 @@
-//! The features of a convex core: their names, which stay the same over time, and what they are.
+//! The features of a convex core: their names, which stay the same over time, and their shapes.
 //!
 //! | name | of | it is |
 //! |---|---|---|
@@ -32,7 +32,7 @@ pub enum FeatureId {
         /// The bits of its angle in turns, from 0 to 1.
         turn: u64,
     },
-    /// A point of an edge that stands for what of it lies on a cap, where that is short.
+    /// A point of an edge that stands for its part on a cap, if that is short.
     EdgePoint {
         /// The number of the edge.
         edge: u32,
@@ -43,12 +43,12 @@ pub enum FeatureId {
     Vertex(u32),
 }
 
-/// What a feature is, in the frame of the first body.
+/// The geometry of a feature, in the frame of the first body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Part {
     /// A point (m).
     Point(Vector3<f64>),
-    /// What is nearer than a radius (m) to the line through two points (m).
+    /// All points nearer than a radius (m) to the line through two points (m).
     Line([Vector3<f64>; 2], f64),
     /// A plane through a point (m), with its unit normal out of the body.
     Plane(Vector3<f64>, Vector3<f64>),
@@ -121,16 +121,17 @@ fn rim_point(cylinder: &Cylinder, end: usize, turn: f64) -> Vector3<f64> {
 pub fn rim_point_towards(cylinder: &Cylinder, end: u32, direction: &Vector3<f64>) -> FeatureId {
     let (x, y) = across(&cylinder.axis);
     let turn = (y.dot(direction).atan2(x.dot(direction)) / TAU).rem_euclid(1.0);
-    // What is a rounding below zero is a whole turn.
+    // A rounding below zero is a whole turn.
     FeatureId::RimPoint { end, turn: (if turn < 1.0 { turn } else { 0.0 }).to_bits() }
 }
 
 /// A point of a rim touches in its place while the tilt across it is less than this: the rim runs then.
 const STRAIGHT: f64 = 1e-9;
 
-/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim: the radius (m) where it is in that plane, and zero where it
-/// is out of it by [`STRAIGHT`]; the plane that it touches has this normal in the frame of its body. Infinite for other features. In lengths of the size of the
-/// cylinder, because the nearest border is the least of several: one that is always next to zero would hide the others until they are crossed.
+/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim: the radius (m) where it is in that plane, and
+/// zero where it is out of it by [`STRAIGHT`]; the plane that it touches has this normal in the frame of its body. Infinite for other features. In
+/// lengths of the size of the cylinder, because the nearest border is the least of several: one that is always next to zero would hide the others
+/// until they are crossed.
 pub fn off_tilt(core: &Core, name: FeatureId, normal: &Vector3<f64>) -> f64 {
     match (core, name) {
         (Core::Cylinder(cylinder), FeatureId::RimPoint { end, turn }) => {
@@ -156,8 +157,8 @@ pub fn features(core: &Core) -> impl Iterator<Item = FeatureId> {
 /// The end of a cylinder is flat on a plane if its rim rises by less than this part of its radius.
 const FLAT: f64 = 1e-9;
 
-/// The features that can touch a plane with this normal into it. Of a rim all of which lies within a depth (m) of its lowest point these are four
-/// points, too, which tell when it comes down flat; and they stand for it once it is flat.
+/// The features that can touch a plane with this normal into it. If a whole rim lies within a depth (m) of its lowest point, the features are four of
+/// its points, too. They tell when it comes down flat, and stand for it once it is flat.
 pub fn contact_features(core: &Core, normal: &Vector3<f64>, depth: f64) -> impl Iterator<Item = FeatureId> {
     let (low, flat) = match core {
         Core::Cylinder(cylinder) => {

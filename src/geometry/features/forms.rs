@@ -7,14 +7,15 @@
 //! | edge, circle | line–rim or rim–line | [`crate::features::crossing`] |
 //! | circle, point or line with a radius; circle, circle | rim first | [`crate::features::rims`] |
 //!
-//! The others have none: a place of them is a point and its tangent plane, which has the right gap and the right rate at one instant only.
+//! The other pairs have no form: a place of them is a point and its tangent plane, which has the right gap and the right rate at one instant only.
 
 use crate::features::crossing::crossing;
 use crate::features::feature::Part;
 use crate::features::rims::{Form, beside, rims};
 use nalgebra::Vector3;
 
-/// The form of two parts in one frame, with radii about them (m), the points of their surfaces (m), the normal from the first to the second, and the gap (m).
+/// The form of two parts in one frame, with radii about them (m), the points of their surfaces (m), the normal from the first to the second, and the
+/// gap (m).
 pub fn form(
     parts: [&Part; 2],
     radii: [f64; 2],

@@ -1,7 +1,8 @@
-//! Where the nearest points of two features are looked for.
+//! Starting points of the search for the nearest points of two features.
 //!
-//! An edge goes through a rim's cylinder at two places, and two rims cross at up to four: where either goes through the plane of the other. From each of them
-//! [`crate::features::meet`] finds what is near. With the circles (a, k, ρ) and (b, l, τ), d = b − a, and x, y in the plane of the second, x up from that of the first:
+//! An edge goes through a rim's cylinder at two places, and two rims cross at up to four: where either goes through the plane of the other.
+//! [`crate::features::meet`] starts from each of them. The circles are (a, k, ρ) and (b, l, τ), d = b − a, and x, y are in the plane of the second, x
+//! up from the plane of the first:
 //!
 //! ```text
 //!     b + τ (x cos β + y sin β),        cos β = −k·d/(τ |k × l|)
@@ -20,7 +21,7 @@ pub fn guesses(a: &Part, b: &Part, first: Guess) -> impl Iterator<Item = Guess> 
     match (a, b) {
         (Part::Line(ends, _), Part::Circle(_, axis, _)) | (Part::Circle(_, axis, _), Part::Line(ends, _)) => {
             for (place, end) in all[1..].iter_mut().zip(ends) {
-                // A normal along the axis says nothing of where on the rim.
+                // A normal along the axis does not determine the place on the rim.
                 *place = Some(Guess { normal: *axis, point: *end, at_point: true });
             }
         }
@@ -36,7 +37,7 @@ pub fn guesses(a: &Part, b: &Part, first: Guess) -> impl Iterator<Item = Guess> 
     all.into_iter().flatten()
 }
 
-/// Where a circle goes through the plane of another (m).
+/// The points at which a circle goes through the plane of another (m).
 fn through_plane(plane: &Part, circle: &Part) -> Option<[Vector3<f64>; 2]> {
     let (Part::Circle(origin, normal, _), Part::Circle(centre, axis, radius)) = (plane, circle) else { return None };
     let up = normal - axis * axis.dot(normal);
@@ -50,9 +51,9 @@ fn through_plane(plane: &Part, circle: &Part) -> Option<[Vector3<f64>; 2]> {
     Some([sine, -sine].map(|sine| centre + (x * cosine + y * sine) * *radius))
 }
 
-/// Whether a circle and a point, or an edge, are certainly farther from each other than a length (m): the edge lies beyond that length on one side of the
-/// plane of the circle, within its cylinder, or outside of the ball about it. The distances from the plane, from the axis and from the centre are bounded
-/// by those of the ends of the edge and of its nearest point.
+/// Whether a circle and a point, or an edge, are certainly farther from each other than a length (m): the edge lies beyond that length on one side of
+/// the plane of the circle, within its cylinder, or outside of the ball about it. The distances from the plane, from the axis and from the centre are
+/// bounded by the distances of the ends of the edge and of its nearest point.
 pub fn is_beyond(a: &Part, b: &Part, length: f64) -> bool {
     let ((Part::Circle(centre, axis, radius), other) | (other, Part::Circle(centre, axis, radius))) = (a, b) else {
         return false;

@@ -1,4 +1,4 @@
-//! The normal and the points of two features, in closed form or by Newton's method on what has none.
+//! The normal and the points of two features, in closed form or by Newton's method.
 //!
 //! n points from a to b, p lies on a and q on b. Features without bounds: whether p and q lie on them is asked of
 //! [`crate::features::feature::inside`].
@@ -22,12 +22,12 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Points at the same place by rounding, relative to the size of a feature: every normal that separates will do.
 const COINCIDENT: f64 = 1e-13;
-/// What is nearer to an axis than this part of its distance is on it.
+/// A point nearer to an axis than this part of its distance is on it.
 const BESIDE: f64 = 1e-9;
 /// Newton's method has converged long before.
 const ITERATIONS: usize = 40;
 
-/// What is known before: it chooses among several solutions, and where one begins.
+/// A guess: it chooses among several solutions, and is the start of iterations.
 #[derive(Clone, Copy, Debug)]
 pub struct Guess {
     /// About n.
@@ -38,13 +38,13 @@ pub struct Guess {
     pub at_point: bool,
 }
 
-/// Normal and points of two features; `None` for pairs that have none: parallel lines, planes with planes or lines.
+/// Normal and points of two features; `None` for pairs without a unique normal: parallel lines, planes with planes or lines.
 pub fn meet(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vector3<f64>; 2])> {
     let found = match (a, b) {
         (Part::Plane(at, normal), Part::Point(q)) => Some((*normal, [q - normal * normal.dot(&(q - at)), *q])),
         (Part::Plane(at, normal), Part::Circle(centre, axis, radius)) => {
-            // Flat on the plane any point of the circle will do: the one next to where the contact is thought to be.
-            // By cross products, because 1 − (k · n)² loses half of the digits near the axis, and the height of q with them.
+            // Flat on the plane any point of the circle will do: the one next to where the contact is thought to be. Cross products are used because
+            // 1 − (k · n)² loses half of the digits near the axis, and the height of q with them.
             let slant = axis.cross(&normal.cross(axis));
             let towards = guess.point - centre;
             // Above the middle that one has no direction but roundings, which may be along the axis.
@@ -119,7 +119,7 @@ fn from_line(
     let along = (line[1] - line[0]).try_normalize(0.0)?;
     let foot = line[0] + along * along.dot(&(point - line[0]));
     let off = (point - foot).try_normalize(COINCIDENT * (line[1] - line[0]).norm()).unwrap_or(*side);
-    // Of two that nearly touch the direction is uncertain, but never along the line.
+    // If two points nearly touch, their direction is uncertain, but never along the line.
     let normal = (off - along * along.dot(&off)).try_normalize(0.0)?;
     Some((normal, foot))
 }
@@ -131,8 +131,8 @@ fn on_circle(centre: &Vector3<f64>, axis: &Vector3<f64>, radius: f64, point: &Ve
     centre + out.try_normalize(0.0).unwrap_or_else(|| across(axis).0) * radius
 }
 
-/// Nearest points of a circle and a line. Where the line goes out of the cylinder of the circle there is one such place, and one where it goes in
-/// ([`catena_mechanism::motion::rim_and_line`]): of both the one next to the point of the guess.
+/// Nearest points of a circle and a line. A line that goes out of the cylinder of the circle has one such place, and another one at its entry
+/// ([`catena_mechanism::motion::rim_and_line`]): the one next to the point of the guess is taken.
 fn circle_line(
     centre: &Vector3<f64>,
     axis: &Vector3<f64>,
@@ -168,7 +168,7 @@ fn circle_circle(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Ve
         return None;
     };
     let ((x, y), (u, v)) = (across(axis), across(other_axis));
-    // From the points of the circles that are farthest along the normal.
+    // The start is the pair of points of the circles that are farthest along the normal.
     let angle = |centre: &Vector3<f64>, out: Vector3<f64>, x: &Vector3<f64>, y: &Vector3<f64>| {
         let towards = guess.point - centre;
         let from_normal = !guess.at_point && x.dot(&out).hypot(y.dot(&out)) > 1e-3;

@@ -21,7 +21,7 @@ pub struct PlaceId {
 /// Two features that touch, or nearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TouchPlace {
-    /// What it is found again by.
+    /// The name by which it is found again.
     pub identity: PlaceId,
     /// In the order that a joint wants; see `swapped`.
     pub features: [Feature; 2],
@@ -29,11 +29,11 @@ pub struct TouchPlace {
     pub side: f64,
     /// The frames of the features, each in the frame of its body, in the order of `features`.
     pub frames: [Pose; 2],
-    /// Whether the first feature is that of collider b.
+    /// Whether the first feature belongs to collider b.
     pub swapped: bool,
     /// φ (m), negative if the two overlap.
     pub gap: f64,
-    /// From collider a to collider b, in the world.
+    /// Normal from collider a to collider b, in the world.
     pub normal: Vector3<f64>,
     /// The points on the surfaces of a and b (m), in the world.
     pub points: [Vector3<f64>; 2],
@@ -66,11 +66,11 @@ pub fn feature_frame(part: &Part, radius: f64) -> (Feature, Pose) {
 pub struct Bearer {
     /// The feature, in the frame of its body.
     pub part: Part,
-    /// Of its core (m).
+    /// Radius of its core (m).
     pub radius: f64,
 }
 
-/// The place of a candidate in the frame of the first body, given the pose of the second body in it and that of the first in the world.
+/// The place of a candidate in the frame of the first body, given the pose of the second body in it and the pose of the first in the world.
 pub fn place(
     candidate: &Candidate,
     bearers: [Bearer; 2],

@@ -1,11 +1,11 @@
-//! Rims against what is round, and against rims: the form of their gaps as features of a joint, and how far a place is from another one.
+//! Rims against round features, and against rims: the form of their gaps as features of a joint, and the distance of a place from another form.
 //!
-//! A rim is touched with normals n out of it that are between the outward normal k of its cap and the direction m from the axis to the place. Of a line that
-//! lies across the disc of the rim, there are two places, and the line goes outwards at its own. With the distance c of the line from the axis,
-//! ρ of the rim, and β the sine of the angle of the line with the axis, this is so for c < ρβ² ([`catena_mechanism::motion::rim_and_line`]). Of two rims the one
-//! whose tangent is steeper to the plane of the other goes through it; where both are flatter than the angle between them, seen along both axes, they pass each
-//! other ([`catena_mechanism::motion::level_rims`]). A closed contact keeps its form somewhat longer than another one would be given it, so that
-//! it does not change to and fro.
+//! A rim is touched with normals n out of it that are between the outward normal k of its cap and the direction m from the axis to the place. A line
+//! that lies across the disc of the rim has two places, and goes outwards at its own. Let c be the distance of the line from the axis, ρ the radius
+//! of the rim, and β the sine of the angle of the line with the axis. Then this is so for c < ρβ² ([`catena_mechanism::motion::rim_and_line`]). If
+//! one of two rims has the steeper tangent to the plane of the other, it goes through that plane. If both are flatter than the angle between them,
+//! seen along both axes, they pass each other ([`catena_mechanism::motion::level_rims`]). A closed contact keeps its form somewhat longer than
+//! another one would be given it, so that it does not change to and fro.
 
 use crate::features::feature::{FeatureId, Part};
 use catena_mechanism::description::contact::{Feature, Grip, LEVEL, Touch};
@@ -14,20 +14,21 @@ use catena_mechanism::motion::contact_geometry::{Contact, Placed, contact};
 use catena_mechanism::motion::level_rims::level_rims;
 use nalgebra::Vector3;
 
-/// A gap up to this part of the radius of a rim is that of two rims: only where it is closed is it the distance.
+/// A gap up to this part of the radius of a rim is the gap of two rims, which equals the distance at a closed contact only.
 const CLOSED: f64 = 1e-6;
 /// Tangents that leave the plane of the other rim by less than this (rad) have no certain point on it.
 const TANGENT: f64 = 1e-3;
-/// Two rims are nearly in one plane from this cosine of their axes on,
+/// Two rims are nearly in one plane from this cosine of their axes on.
 const PARALLEL: f64 = 0.95;
-/// and keep to it up to this one.
+/// Two such rims keep their form down to this cosine.
 const STILL_PARALLEL: f64 = 0.9;
-/// A pair of rims is kept until the other order suits so many times better.
+/// A pair of rims is kept until the other order suits better by this factor.
 const KEPT: f64 = 3.0;
-/// A line is said to go outwards if c is below this part of ρβ², and it does by this part of β,
+/// The largest c over ρβ² of a line that counts as going outwards.
 const ACROSS: f64 = 1.2;
+/// A line with c above ρβ² must go outwards by more than this part of β.
 const OUTWARDS: f64 = 0.1;
-/// and keeps to it up to this part.
+/// A contact keeps that form up to this c over ρβ².
 const STILL_ACROSS: f64 = 1.4;
 
 /// How two parts are a pair of a joint.
@@ -79,30 +80,31 @@ pub fn beside(circle: &Part, ends: &[Vector3<f64>; 2], point: &Vector3<f64>, swa
     Some(Form { swapped, reversed, side: if side { 1.0 } else { 0.0 } })
 }
 
-/// The sines of the angles at which two circles that touch at a point (m) pass each other: with which the tangent of the first goes through the plane of the second,
-/// that of the second through the plane of the first, and, with its sign, of the angle of the tangents seen along both axes, which point to one side.
+/// The sines of the angles at which two circles that touch at a point (m) pass each other: of the tangent of the first with the plane of the second,
+/// of the tangent of the second with the plane of the first, and, with its sign, of the angle of the tangents seen along both axes, which point to
+/// one side.
 fn slants(centres: [&Vector3<f64>; 2], [k, l]: [&Vector3<f64>; 2], point: &Vector3<f64>) -> [f64; 3] {
     let [m, u] = [outward(centres[0], k, point), outward(centres[1], l, point)];
     let middle = (k + l).try_normalize(0.0).unwrap_or_default();
     [k.cross(&m).dot(l), l.cross(&u).dot(k), middle.dot(&m.cross(&u))]
 }
 
-/// The form of two circles that touch at a point (m), with the normal from the first to the second and a gap (m); `None` where they are tangent or too far from
-/// each other. Of two that are nearly in one plane it is that of [`catena_mechanism::motion::level_rims`].
+/// The form of two circles that touch at a point (m), with the normal from the first to the second and a gap (m); `None` where they are tangent or
+/// too far from each other. Circles nearly in one plane have the form of [`catena_mechanism::motion::level_rims`].
 pub fn rims(parts: [&Part; 2], point: &Vector3<f64>, normal: &Vector3<f64>, gap: f64) -> Option<Form> {
     let [Part::Circle(one, k, radius), Part::Circle(other, l, other_radius)] = parts else { return None };
     let tangents = [k.cross(&outward(one, k, point)), l.cross(&outward(other, l, point))];
     let opposite = k.dot(l) < 0.0;
     let upright = if opposite { -l } else { *l };
     let [_, _, level] = slants([one, other], [k, &upright], point);
-    // How steeply the first goes through the plane of the second, and the second through that of the first.
+    // Slopes of the first at the plane of the second, and of the second at the plane of the first.
     let [first, second] = [tangents[0].dot(l), tangents[1].dot(k)];
     let steep = first.abs().max(second.abs());
     if gap.abs() > CLOSED * radius.min(*other_radius) || steep.max(level.abs()) < TANGENT {
         return None;
     }
     if level.abs() > steep && k.dot(&upright) > PARALLEL {
-        // Of the two places where they pass each other the one at the point.
+        // Among the two places at which they pass each other, the one at the point.
         let off = |down: bool| {
             let [k, l] = [*k, upright].map(|axis| Triple((if down { -axis } else { axis }).into()));
             let passing = level_rims([*radius, *other_radius], 1.0, Triple((other - one).into()), [k, l]);
@@ -132,18 +134,18 @@ pub struct Joined {
     pub placed: [[Vector3<f64>; 2]; 2],
 }
 
-/// The rim and what touches it.
+/// A rim and the feature that touches it.
 pub struct Meeting {
-    /// From the first feature to the second.
+    /// Normal from the first feature to the second.
     pub normal: Vector3<f64>,
     /// On both cores (m).
     pub points: [Vector3<f64>; 2],
-    /// How far the form of the gap is from another one (m); infinite if there is none.
+    /// Difference of the form of the gap from another one (m); infinite without a form.
     pub off_form: f64,
 }
 
 impl Joined {
-    /// Where a rim touches what is round, or another rim; `None` for other features.
+    /// The place at which a rim touches a round feature, or another rim; `None` for other features.
     pub fn meeting(&self) -> Option<Meeting> {
         let [rim, partner] = self.features;
         let Feature::Rim { radius } = rim else { return None };
@@ -176,8 +178,8 @@ impl Joined {
     }
 }
 
-/// How far a place on a rim is from the cap and from the side (m): the height of its partner over both, if that is at a distance (m) along the normal out of
-/// the rim; negative beyond.
+/// How far a place on a rim is from the cap and from the side (m): the height of its partner over both, if that is at a distance (m) along the normal
+/// out of the rim; negative beyond.
 pub fn off_rim(part: &Part, name: FeatureId, point: &Vector3<f64>, normal: &Vector3<f64>, distance: f64) -> f64 {
     let Part::Circle(centre, axis, _) = part else { return f64::INFINITY };
     let up = if name == FeatureId::Rim(0) { -axis } else { *axis };

@@ -1,17 +1,17 @@
 //! Exact convex pieces of a closed surface with few planes: its hull, cut along the planes of the surface until no triangle is inside of a cell.
 //!
-//! A cell that contains parts of the surface in its interior is cut along the plane of one of them, the one that cuts the fewest others. A cell without any lies
-//! inside or outside of the surface as a whole, by the winding number of its middle c:
+//! A cell that contains parts of the surface in its interior is cut along the plane of one of them, the one that cuts the fewest others. A cell
+//! without any lies inside or outside of the surface as a whole, by the winding number of its middle c:
 //!
 //! ```text
 //!     w(c) = Σ Ω/4π,     tan(Ω/2) = a · (b × c) / (abc + (a·b) c + (b·c) a + (c·a) b)        a, b, c from the middle to the corners of a triangle
 //! ```
 //!
-//! Cells inside whose hull encloses as much as both are joined again. The pieces have the vertices of the surface as they are, and points where its edges
-//! go through planes of others, exact to rounding. They do not overlap and enclose together what the surface encloses.
+//! Cells inside whose hull encloses as much as both are joined again. The pieces have the vertices of the surface as they are, and points where its
+//! edges go through planes of others, exact to rounding. They do not overlap, and together enclose the same volume as the surface.
 //!
-//! Source: B. Chazelle, Convex partitions of polyhedra, SIAM Journal on Computing 13 (1984): cuts along the planes of notches. A. van Oosterom, J. Strackee, The solid angle
-//! of a plane triangle, IEEE Transactions on Biomedical Engineering 30 (1983).
+//! Source: B. Chazelle, Convex partitions of polyhedra, SIAM Journal on Computing 13 (1984): cuts along the planes of notches. A. van Oosterom, J.
+//! Strackee, The solid angle of a plane triangle, IEEE Transactions on Biomedical Engineering 30 (1983).
 
 use crate::shapes::hull::convex_hull;
 use crate::shapes::hull_surface::fans;
@@ -56,7 +56,8 @@ impl Plane {
     }
 }
 
-/// The convex pieces of a closed surface with this hull, each by its corners (m); `None` if they are more than wanted, or if the surface has too many planes.
+/// The convex pieces of a closed surface with this hull, each by its corners (m); `None` if they are more than wanted, or if the surface has too many
+/// planes.
 pub fn exact_pieces(surface: &Surface, hull: &Polytope, most: usize) -> Option<Vec<Vec<Vector3<f64>>>> {
     if surface.triangles.len() > MOST_TRIANGLES {
         return None;
@@ -86,7 +87,7 @@ pub fn exact_pieces(surface: &Surface, hull: &Polytope, most: usize) -> Option<V
     (pieces.len() <= most).then_some(pieces)
 }
 
-/// The planes of triangles, and the triangles that do not lie in a face of the hull; what is nearer than `on` (m) to a plane lies in it.
+/// The planes of triangles, and the triangles that do not lie in a face of the hull; points nearer than `on` (m) to a plane lie in it.
 fn fragments(triangles: &[[Vector3<f64>; 3]], hull: &Polytope, on: f64) -> (Vec<Plane>, Vec<Fragment>) {
     let mut planes: Vec<Plane> = Vec::new();
     let mut within = Vec::new();
@@ -98,7 +99,7 @@ fn fragments(triangles: &[[Vector3<f64>; 3]], hull: &Polytope, on: f64) -> (Vec<
     for points in triangles.iter().filter(|points| !on_hull(points)) {
         let [a, b, c] = points;
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-        // What is thinner than a rounding has no plane.
+        // A triangle thinner than a rounding has no plane.
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(on * longest) else { continue };
         let plane = Plane { normal, offset: normal.dot(a) };
         let known = planes.iter().position(|known| {
@@ -113,7 +114,7 @@ fn fragments(triangles: &[[Vector3<f64>; 3]], hull: &Polytope, on: f64) -> (Vec<
     (planes, within)
 }
 
-/// What of a polygon lies below a plane, and what above; what lies in it is in neither.
+/// The part of a polygon below a plane, and the part above; points in the plane are in neither.
 fn clip(points: &[Vector3<f64>], plane: &Plane, on: f64) -> [Vec<Vector3<f64>>; 2] {
     let heights: Vec<f64> = points.iter().map(|point| plane.height(point)).collect();
     let mut parts = [Vec::new(), Vec::new()];
@@ -140,7 +141,7 @@ fn clip(points: &[Vector3<f64>], plane: &Plane, on: f64) -> [Vec<Vector3<f64>>; 
 }
 
 impl Cell {
-    /// The plane that cuts the fewest of the parts of the surface inside, by number; `None` if there are none.
+    /// The plane that cuts the fewest of the parts of the surface inside, by number; `None` without such parts.
     fn cutting(&self, planes: &[Plane], on: f64) -> Option<usize> {
         let mut numbers: Vec<usize> = self.within.iter().map(|fragment| fragment.plane).collect();
         numbers.sort_unstable();
@@ -228,7 +229,7 @@ fn volume(points: &[Vector3<f64>]) -> Option<f64> {
     Some(fans(&hull).map(|corners| sixfold(corners.map(at))).sum::<f64>() / 6.0)
 }
 
-/// Joins cells, each by its corners, whose union is convex, until there are none.
+/// Joins cells, each given by its corners, whose union is convex, until no such pair remains.
 fn joined(cells: Vec<Vec<Vector3<f64>>>, on: f64) -> Option<Vec<Vec<Vector3<f64>>>> {
     let mut pieces =
         cells.into_iter().map(|points| volume(&points).map(|size| (points, size))).collect::<Option<Vec<_>>>()?;
@@ -249,12 +250,12 @@ fn joined(cells: Vec<Vec<Vector3<f64>>>, on: f64) -> Option<Vec<Vec<Vector3<f64>
             Some((second, points, whole)) => {
                 pieces.remove(second);
                 pieces[first] = (points, whole);
-                // What did not fit before may do so now.
+                // An earlier cell may fit the joined one now.
                 first = 0;
             }
             None => first += 1,
         }
     }
-    // Corners that are inside of an edge or a face of a joined piece are none.
+    // Points that are inside an edge or a face of a joined piece are no corners of it.
     pieces.into_iter().map(|(points, _)| convex_hull(&points).ok().map(|hull| hull.vertices)).collect()
 }

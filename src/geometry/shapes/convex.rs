@@ -34,7 +34,7 @@ pub struct Cylinder {
     pub half: f64,
 }
 
-/// What is left of a convex shape without its radius.
+/// The core of a convex shape: the shape without its radius.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Core {
     /// Flat faces and straight edges, or less.
@@ -163,7 +163,7 @@ impl Convex {
 ///
 /// # Errors
 /// [`GeometryError`] for sizes that are no lengths, for points that have no hull, for meshes of too many points or with coordinates that are not
-/// finite, and for what reaches too far from its origin.
+/// finite, and for shapes that reach too far from their origin.
 pub fn check_shape(shape: &Shape) -> Result<(), GeometryError> {
     let reach = match shape {
         Shape::Mesh(surface) => {

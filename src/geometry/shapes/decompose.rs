@@ -1,8 +1,9 @@
-//! Convex pieces of a closed surface: exact ones, or those of parry's VHACD.
+//! Convex pieces of a closed surface: exact ones, or the pieces of parry's VHACD.
 //!
-//! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly. Another one is cut along its own planes
-//! ([`crate::shapes::cells`]), if this gives few enough pieces. A surface with very many planes is cut along planes of voxels, of which the longest side of the surface has
-//! 64, and each piece is the hull of the part of the surface in its voxels: such pieces are approximate, and reach into hollows.
+//! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly. Another one is cut along its own
+//! planes ([`crate::shapes::cells`]), if this gives few enough pieces. A surface with very many planes is cut along planes of voxels, of which the
+//! longest side of the surface has 64, and each piece is the hull of the part of the surface in its voxels: such pieces are approximate, and reach
+//! into hollows.
 //!
 //! Source: Mamou, Volumetric Hierarchical Approximate Convex Decomposition, Game Engine Gems 3, chapter 12.
 
@@ -26,7 +27,7 @@ const MOST_EXACT: usize = 64;
 pub struct Pieces {
     /// The points of the hull of each (m).
     pub hulls: Vec<Vec<Vector3<f64>>>,
-    /// Whether they are together what the surface encloses.
+    /// Whether they enclose exactly the volume of the surface.
     pub exact: bool,
 }
 
@@ -34,7 +35,7 @@ pub struct Pieces {
 ///
 /// # Errors
 /// [`GeometryError`] for a surface without an extent or triangles, with triangles of vertices that do not exist, or with coordinates that are not
-/// finite; and for one that encloses nothing because it is flat or not closed.
+/// finite; and for a flat or open surface, which has no inside.
 pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> {
     check_surface(surface)?;
     let count = surface.vertices.len();
@@ -67,7 +68,7 @@ pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> 
     Ok(Pieces { hulls: hulls.filter(|hull: &Vec<_>| hull.len() > 3).collect(), exact: false })
 }
 
-/// Whether every edge has as many triangles on one side as on the other: what has a border encloses nothing.
+/// Whether every edge has as many triangles on one side as on the other: a surface with a border has no inside.
 fn check_closed(surface: &Surface) -> Result<(), GeometryError> {
     let mut balance: BTreeMap<[u32; 2], i32> = BTreeMap::new();
     for corners in &surface.triangles {

@@ -1,4 +1,4 @@
-//! What can be wrong with a shape, in words without a file: the caller adds the file, the link and the line.
+//! Errors of a shape, in words without a file: the caller adds the file, the link and the line.
 
 /// A shape, or a pair of shapes, whose contact cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -46,14 +46,14 @@ pub enum GeometryError {
     /// The hull was not found.
     #[error("no convex hull was found ({reason}): remove points that nearly coincide")]
     Hull {
-        /// What the algorithm says.
+        /// The message of the algorithm.
         reason: String,
     },
     /// A mesh without triangles that have an area.
     #[error("the mesh has no triangle with an area: export it again with its faces")]
     EmptyMesh,
     /// A flat surface is to be cut into pieces.
-    #[error("the mesh is flat and encloses nothing: give it a thickness, or use its convex hull")]
+    #[error("the mesh is flat and has no volume: give it a thickness, or use its convex hull")]
     EnclosesNothing,
     /// A surface with a border is to be cut into pieces.
     #[error(

@@ -1,42 +1,42 @@
-//! What the tolerances of a pair of shapes are made of.
+//! The lengths from which the tolerances of a pair of shapes are made.
 //!
 //! ```text
 //!     ℓ = max(ℓ_a, ℓ_b),    δ(c) = c ℓ + 1e-14 R
 //! ```
 //!
-//! ℓ_i (m) of what moves is how far it reaches from the centre of mass of its body, of an obstacle the distance of its farthest point from its middle, of a mesh
-//! that of its largest triangle; half spaces have none. R (m) is how far obstacles reach from the origin of the world: the coordinates of what is far away are
-//! rounded by more, but it is no larger.
+//! ℓ_i (m) of a link is its reach from the centre of mass of its body. ℓ_i of an obstacle is the distance of its farthest point from its middle, of a
+//! mesh the same distance for its largest triangle; half spaces have none. R (m) is the reach of obstacles from the origin of the world: distant
+//! coordinates are rounded by more, although the shapes are no larger.
 
 use crate::shapes::convex::Convex;
 use nalgebra::Vector3;
 
-/// Gaps to an obstacle are rounded by some tens of ulps of its coordinates: by so many parts of R.
+/// Gaps to an obstacle are rounded by some tens of ulps of its coordinates, up to this part of R.
 const ROUNDING: f64 = 1e-14;
 
 /// The lengths of one shape (m); infinite for a half space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lengths {
-    /// Of an obstacle the distance of its farthest point from the origin of the world.
+    /// For an obstacle the distance of its farthest point from the origin of the world.
     pub place: f64,
     /// How far it extends.
     pub whole: f64,
-    /// ℓ_i: of a mesh that of a triangle.
+    /// ℓ_i: for a mesh the extent of a triangle.
     pub part: f64,
 }
 
 impl Lengths {
-    /// Of a shape that moves with its body, with the distance of its farthest point from the centre of mass (m).
+    /// Lengths of a shape that moves with its body, with the distance of its farthest point from the centre of mass (m).
     pub(crate) fn of_moving(reach: f64) -> Self {
         Lengths { place: 0.0, whole: reach, part: reach }
     }
 
-    /// Of a convex obstacle.
+    /// Lengths of a convex obstacle.
     pub(crate) fn of_convex(convex: &Convex) -> Self {
         Lengths { place: convex.reach(), whole: convex.size, part: convex.size }
     }
 
-    /// Of a half space with this point on its plane (m).
+    /// Lengths of a half space with this point on its plane (m).
     pub(crate) fn of_plane(point: &Vector3<f64>) -> Self {
         Lengths { place: point.norm(), whole: f64::INFINITY, part: f64::INFINITY }
     }
@@ -56,7 +56,7 @@ pub struct Extents {
 }
 
 impl Extents {
-    /// Of two shapes.
+    /// Extents of two shapes.
     pub(crate) fn new([a, b]: [Lengths; 2]) -> Self {
         let finite = |lengths: [f64; 2]| lengths.into_iter().filter(|length| length.is_finite());
         let larger = finite([a.part, b.part]).fold(0.0, f64::max);

@@ -46,8 +46,8 @@ pub fn convex_hull(points: &[Vector3<f64>]) -> Result<Polytope, GeometryError> {
     merged(vertices, &triangles, size)
 }
 
-/// The numbers of the given points that are nearest to the vertices of their hull, the first of equally near ones. Points are looked at in the order
-/// of their x, from that of the vertex outwards, as long as x alone allows one that is nearer.
+/// The numbers of the given points that are nearest to the vertices of their hull, the first of equally near ones. Points are checked in the order of
+/// their x, from the x of the vertex outwards, as long as x alone allows a nearer one.
 fn given(vertices: &[Vector], points: &[Vector]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&one, &other| points[one].x.total_cmp(&points[other].x));
@@ -126,7 +126,7 @@ fn plane(points: &[Vector3<f64>], middle: &Vector3<f64>) -> (Vector3<f64>, f64) 
     (normal, points.iter().map(|point| normal.dot(&(point - middle)).abs()).fold(0.0, f64::max))
 }
 
-/// The polytope whose faces are the triangles, those in one plane merged.
+/// The polytope whose faces are the triangles; triangles in one plane are merged.
 fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Result<Polytope, GeometryError> {
     let triangles: Vec<[usize; 3]> = triangles.iter().map(|corners| corners.map(|corner| corner as usize)).collect();
     let doubled = |corners: &[usize; 3]| {
@@ -139,7 +139,7 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
             beside.insert([corners[side], corners[(side + 1) % 3]], number);
         }
     }
-    // The largest triangles begin, so that the plane of a face is that of its best-known part.
+    // The largest triangles begin, so that a face has the plane of its best-known part.
     let areas: Vec<f64> = triangles.iter().map(|corners| doubled(corners).norm()).collect();
     let mut order: Vec<usize> = (0..triangles.len()).collect();
     order.sort_by(|&one, &other| areas[other].total_cmp(&areas[one]));

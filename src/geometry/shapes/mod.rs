@@ -1,4 +1,4 @@
-//! The shapes, prepared from what users give: planes, polytopes, hulls, round bodies; convex pieces of surfaces.
+//! The shapes, prepared from user input: planes, polytopes, hulls, round bodies; convex pieces of surfaces.
 
 pub(crate) mod cells;
 pub(crate) mod convex;

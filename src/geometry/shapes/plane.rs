@@ -11,7 +11,7 @@ pub fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (x, axis.cross(&x))
 }
 
-/// The corners of the convex hull of points in the plane (x, y), without those within a length of a side: Andrew's monotone chain.
+/// The corners of the convex hull of points in the plane (x, y), without points within a length of a side: Andrew's monotone chain.
 pub fn corners(places: &[Vector3<f64>], same: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..places.len()).collect();
     order.sort_by(|&one, &other| {

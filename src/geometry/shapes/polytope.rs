@@ -32,7 +32,7 @@ pub struct Polytope {
     pub vertices: Vec<Vector3<f64>>,
     /// In the order of their vertices.
     pub edges: Vec<Edge>,
-    /// Its faces, none for points and segments.
+    /// Its faces; empty for points and segments.
     pub faces: Vec<Face>,
 }
 

@@ -1,4 +1,4 @@
-//! What shapes that touch at some places touch next.
+//! The next contacts of shapes that touch at some places.
 
 use super::scenes::{cuboid, pair};
 use crate::PlaceId;
@@ -24,7 +24,7 @@ fn a_plate_that_tilts_about_two_corners_of_what_it_shares_with_another_is_seen_t
             };
             identities.iter().filter_map(of).reduce(f64::min)
         };
-        // What is held in the plane is left out, and the rest is the height of a plate away; the others hold each corner.
+        // Held vertices are left out, and the rest is the height of a plate away; the others hold each corner.
         let all: Vec<usize> = (0..corners).collect();
         assert!(least(&all, &upper).is_some_and(|height| height >= 0.1 - 1e-12));
         for left_out in 0..corners {

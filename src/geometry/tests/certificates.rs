@@ -7,8 +7,8 @@ use std::ops::Range;
 
 const KINDS: [&str; 6] = ["half space", "sphere", "capsule", "box", "hull", "cylinder"];
 
-/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero. Rounds before the first are drawn,
-/// but not looked at.
+/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero. Rounds before the first are
+/// drawn, but not looked at.
 fn worst_certificate(one: &str, other: &str, size: f64, rounds: Range<usize>) -> (f64, String) {
     let mut numbers = Numbers::new(7);
     let mut worst = (0.0, String::new());
@@ -61,8 +61,8 @@ fn distances_of_all_pairs_are_certified_at_a_kilometre() {
     all_certified(1e3, 300);
 }
 
-/// An edge that leaves over a rim, with its normal 2.5e-4 rad from the axis: only the guess at one end of the edge leads to this place, and what is known of the
-/// normal there has the other sign. The points of the largest separation alone are 1.2e-13 of the size off.
+/// An edge that leaves over a rim, with its normal 2.5e-4 rad from the axis: only the guess at one end of the edge leads to this place, and the guess
+/// of the normal there has the other sign. The points of the largest separation alone are 1.2e-13 of the size off.
 #[test]
 fn an_edge_on_a_rim_is_found_on_either_side_of_the_normal_that_was_guessed() {
     let (worst, at) = worst_certificate("cylinder", "box", 1e-5, 12277..12278);
@@ -177,7 +177,7 @@ fn no_normal_separates_two_shapes_by_more_than_their_distance() {
                         width = (width * 0.99).max(1e-9);
                     }
                 }
-                // The bound of the theory to rounding; that of the search is what it reaches on ridges.
+                // The lower bound is the bound of the theory, to rounding; the upper one is the accuracy of the search on ridges.
                 let off = found.distance - best.0;
                 assert!(
                     off >= -1e-12,

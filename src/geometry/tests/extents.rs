@@ -1,4 +1,4 @@
-//! What the tolerances of a pair are made of.
+//! The lengths from which the tolerances of a pair are made.
 
 use crate::PairGeometry;
 use catena_mechanism::description::contact::{Collider, Shape};

@@ -1,4 +1,4 @@
-//! How many places of contact there are, and that each is what it says.
+//! The number of places of contact, and the properties of each.
 
 use super::scenes::{Numbers, at, collider, cuboid, floor, pair};
 use crate::shapes::plane::across;
@@ -13,7 +13,7 @@ fn turned(x: f64, y: f64, z: f64, by: Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::new(x, y, z), Rotation3::new(by))
 }
 
-/// With its z axis along x.
+/// A pose with its z axis along x.
 fn lying(z: f64) -> Pose {
     turned(0.013, 0.02, z, Vector3::y() * FRAC_PI_2)
 }
@@ -44,7 +44,7 @@ fn gap(place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
             place.side * z.cross(&w).normalize().dot(&(q - p)) - r - s
         }
         [Feature::Plane, Feature::Rim { radius }] => z.dot(&(q - p)) - radius * w.cross(&z).norm(),
-        // An edge across a rim, which it meets at m from the axis: the height of one over the other along what is square to both.
+        // An edge across a rim, which it meets at m from the axis: the height of one over the other along their common normal.
         [Feature::Line { .. }, Feature::Rim { radius }] => {
             let through = p + z * (w.dot(&(q - p)) / w.dot(&z));
             let out = (through - q).normalize();
@@ -59,7 +59,7 @@ fn gap(place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
             let out = level(through - p) / radius;
             place.side * (out * z.dot(&w) - z * out.dot(&w)).normalize().dot(&(through - p - out * radius))
         }
-        // A rim is sampled and halved down to where it is nearest to what is round.
+        // A rim is sampled and halved down to its nearest place to the round feature.
         [Feature::Rim { radius }, Feature::Point { .. } | Feature::Line { .. }] => {
             let (off, round) = match place.features[1] {
                 Feature::Line { radius } => (w, radius),
@@ -80,7 +80,7 @@ fn gap(place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
             }
             far(0.5 * (low + high)) - round
         }
-        // Where the second goes through the plane of the first, downwards.
+        // The place at which the second goes through the plane of the first, downwards.
         [Feature::Rim { radius }, Feature::Rim { radius: other }] => {
             let (x, y) = across(&w);
             let height = |turn: f64| z.dot(&(q + (x * turn.cos() + y * turn.sin()) * other - p));
@@ -176,8 +176,8 @@ fn the_frames_of_a_place_give_its_gap_and_its_normal_also_after_the_bodies_have_
                         "{one}-{other}: {said:e} for {:e}, {place:?}",
                         place.gap
                     );
-                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs. The gap of an edge and a rim,
-                    // and of two rims, is a distance to first order only.
+                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs. The gap of an edge
+                    // and a rim, and of two rims, is a distance to first order only.
                     let crosses = matches!(
                         place.features,
                         [Feature::Line { radius: 0.0 }, Feature::Rim { .. }]
@@ -260,7 +260,7 @@ fn two_discs_that_lie_on_each_other_touch_on_the_arcs_of_both_rims_wherever_they
     for other in [0.3, 0.1, 0.02] {
         let pair = pair(Shape::Cylinder { radius, half }, Shape::Cylinder { radius: other, half });
         for turn in [0.0, 0.4, 1.0, 2.5] {
-            // From next to the middle to where a tenth of the smaller disc is left on the other.
+            // The offsets go from next to the middle to a tenth of the smaller disc left on the other.
             for beside in [1e-6, 0.01, 0.1, 0.2, radius - 0.5 * other, radius, radius + 0.9 * other] {
                 let (sine, cosine) = f64::sin_cos(turn);
                 let upper = at(beside * cosine, beside * sine, 2.0 * half);
@@ -271,7 +271,7 @@ fn two_discs_that_lie_on_each_other_touch_on_the_arcs_of_both_rims_wherever_they
                     // Rim points are on one circle to rounding, and in the other.
                     assert!(apart[0] <= radius + 1e-12 && apart[1] <= other + 1e-12, "{other} {beside}: {apart:?}");
                 }
-                // Twice the area of the largest triangle, for that of the lens: they carry what presses in any direction.
+                // Twice the area of the largest triangle, compared with the lens: the points carry a pressure in any direction.
                 let mut area = 0.0_f64;
                 for a in &on {
                     for b in &on {
@@ -334,10 +334,11 @@ fn a_stand_in_ends_where_the_shapes_are_elsewhere() {
 
 #[test]
 fn a_level_cylinder_above_a_floor_touches_it_nowhere() {
-    // Turned about the vertical its axis has roundings, and the middle of its end is above the place that is nearest to itself: neither is a direction.
+    // Turned about the vertical its axis has roundings, and the middle of its end is above the place that is nearest to itself: neither is a
+    // direction.
     let pair = pair(Shape::HalfSpace, Shape::Cylinder { radius: 0.05, half: 0.0285 });
     for turn in 0..500 {
-        // From a quaternion: the square of its length is one but for rounding.
+        // The rotation comes from a quaternion: the square of its length is one but for rounding.
         let rotation = UnitQuaternion::from_scaled_axis(Vector3::z() * (0.0123 * f64::from(turn))).to_rotation_matrix();
         let above = Pose::from_parts(Translation3::new(-0.0027, 0.0105, 0.0295), rotation);
         let found = pair.touches(&Pose::identity(), &above, 1e-9);

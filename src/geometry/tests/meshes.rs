@@ -53,7 +53,7 @@ fn only_borders_and_ridges_of_a_mesh_can_be_touched() {
         Shape::Mesh(surface) => Mesh::new(&surface, &Pose::identity()).expect("a mesh").open_edges(),
         _ => 0,
     };
-    // 128 triangles with 208 edges: 32 at the border; a valley adds none, a ridge its own 8.
+    // 128 triangles with 208 edges: 32 at the border; a valley leaves that number, a ridge adds its own 8.
     assert_eq!(open(floor(8, 0.1, |x, _| x.max(0.0) * 0.5)), 32);
     assert_eq!(open(floor(8, 0.1, |x, _| x.min(0.0) * 0.5)), 40);
 }

@@ -67,7 +67,7 @@ fn angle() -> Surface {
     grid([&[0.0, 0.05, 0.2], &[-0.05, 0.05], &[0.0, 0.06, 0.2]], |i, _, k| k == 0 || i == 0)
 }
 
-/// A round cup with so many sides, of the radii 0.1 and 0.08 m, 0.15 m high, with a bottom of 0.03 m.
+/// A round cup with `sides` sides, of the radii 0.1 and 0.08 m, 0.15 m high, with a bottom of 0.03 m.
 fn round(sides: u32) -> Surface {
     let ring = |radius: f64, height: f64| {
         let place = move |side: u32| std::f64::consts::TAU * f64::from(side) / f64::from(sides);

@@ -16,22 +16,22 @@ pub(crate) struct Closing<G: Geometry<One>> {
     projection: Projection<G>,
     start: G::Start,
     state: State,
-    /// What was counted in a state from which steps may start.
+    /// The ranks counted in a state from which steps may start.
     counted: Option<Arc<Counted>>,
 }
 
 impl<G: Geometry<One>> Closing<G> {
-    /// With the projection for a mechanism.
+    /// Closures without counted ranks yet, with the projection for a mechanism.
     pub fn new(mechanism: &Mechanism, projection: Projection<G>) -> Self {
         Closing { projection, start: G::start(mechanism), state: State::zero(mechanism), counted: None }
     }
 
-    /// Takes what was counted where steps are going to start.
+    /// Takes the ranks counted at the start of the next steps.
     pub fn expect(&mut self, counted: Arc<Counted>) {
         self.counted = Some(counted);
     }
 
-    /// Decides what is known of the closures in a state from which steps start ([`crate::coupled::deciding`]).
+    /// Determines the ranks of the closures in a state from which steps start ([`crate::coupled::deciding`]).
     pub fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         let counted = self.counted.take().filter(|counted| counted.is_at(state));
         let counted = counted.unwrap_or_else(|| Arc::new(Counted::at(mechanism, state)));
@@ -42,7 +42,7 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.find_empty(&self.start);
     }
 
-    /// What is known of the closures, with the equations that were empty where the latest step ended.
+    /// The ranks and flags of the closures, with the equations that were empty where the latest step ended.
     pub fn known(&self) -> &Known {
         self.projection.known()
     }
@@ -52,7 +52,8 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.lean(leans);
     }
 
-    /// Projects the velocities at the end of a step, which `start` has taken; returns what friction takes there (J). Does not allocate.
+    /// Projects the velocities at the end of a step, which `start` has taken; returns the energy that friction dissipates there (J). Does not
+    /// allocate.
     pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> f64 {
         self.projection.velocities(mechanism, start, velocity);
         let braked = self.projection.braked();

@@ -17,14 +17,14 @@ const ASIDE: f64 = 1e-3;
 /// A neighbour with larger gaps [rad, and over the size of the loops] is not on the closures.
 const CLOSED: f64 = 1e-11;
 
-/// The ranks in a state and beside it, and what light freedoms are lent there.
+/// The ranks in a state and beside it, and the inertia lent to light freedoms there.
 #[derive(Clone, Debug)]
 pub struct Counted {
     /// The state.
     pub(crate) state: State,
     /// The ranks in it.
     pub(crate) ranks: Ranks,
-    /// What every freedom is lent [kg m² or kg]; empty if none is.
+    /// Inertia lent to every freedom [kg m² or kg]; empty if it is zero.
     pub(crate) lent: Vec<f64>,
     neighbours: OnceLock<Vec<State>>,
     beside: OnceLock<Vec<Ranks>>,
@@ -43,7 +43,7 @@ impl Counted {
         self.state.position == state.position && self.state.compensation == state.compensation
     }
 
-    /// What is known where the state is not on the closures yet.
+    /// Ranks and flags for a state that is not on the closures yet.
     pub fn known_nearby(&self) -> Known {
         Known { lent: self.lent.clone(), ..Known::default() }
     }
@@ -85,7 +85,8 @@ impl Counted {
         let mut known = self.known_nearby();
         projection.heed(known.clone());
         let first = projection.positions(mechanism, &mut start, &mut neighbour).gap;
-        // Where much is redundant all equations alike leave roundings; where the position is singular those that are implied here are needed beside.
+        // If all equations are treated alike, a very redundant mechanism leaves roundings of the gaps. At a singular position, equations that are
+        // implied only there are needed beside it.
         known.implied = self.ranks.implied.iter().map(|(_, implied)| *implied).collect();
         projection.heed(known);
         let gap = if first <= CLOSED { first } else { projection.positions(mechanism, &mut start, &mut neighbour).gap };

@@ -5,8 +5,8 @@
 //!     still = freedoms without a part in the null space, here and beside:  a dead point is still here alone
 //! ```
 //!
-//! A position is singular by as many equations as the rank here is less. Steps never count again: beside a singular position nothing changes of what
-//! is decided here. A block whose rank is the number of its freedoms is locked, and needs no neighbours.
+//! A position is singular by as many equations as the rank here is less. Steps never count again: the decisions of the start hold beside a singular
+//! position, too. A block whose rank is the number of its freedoms is locked, and needs no neighbours.
 
 use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
@@ -18,12 +18,12 @@ use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::counting::{ROUNDING, Ranks};
 use catena_mechanism::structure::ranks::rows::{mimic_rows, scales};
 
-/// What the closures say at the start of a run.
+/// Decisions about the closures at the start of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Decided {
-    /// Where the rank is that of the run: here, or beside.
+    /// The ranks at the position with the rank of the run: here, or beside.
     pub ranks: Ranks,
-    /// By how many equations the rank here is less than that of the run.
+    /// The rank of the run less the rank here.
     pub singular: usize,
     /// For every freedom whether it cannot move.
     pub still: Vec<bool>,
@@ -34,7 +34,7 @@ impl Decided {
     pub fn from(counted: &Counted, mechanism: &Mechanism) -> Self {
         let here = &counted.ranks;
         let redundant = here.implied.iter().any(|(_, implied)| *implied);
-        // With as many independent equations as freedoms there is nothing to be gained beside.
+        // If every freedom is determined by an independent equation, the neighbours cannot have a larger rank.
         if here.freedoms() == 0 || !(redundant || here.still.contains(&true)) {
             return Decided { singular: 0, still: here.still.clone(), ranks: here.clone() };
         }
@@ -50,7 +50,7 @@ impl Decided {
     }
 }
 
-/// What those need to know of the closures who ask for multipliers in the state that was counted in, or near it.
+/// The flags of the closures for callers that compute multipliers in the counted state, or near it.
 pub fn known(counted: &Counted, mechanism: &Mechanism) -> Known {
     let here = &counted.ranks;
     // The neighbours are asked only where a freedom is still here.
@@ -61,8 +61,8 @@ pub fn known(counted: &Counted, mechanism: &Mechanism) -> Known {
     Known { still, locked, weak: here.weak, ..counted.known_nearby() }
 }
 
-/// What steps from the state that was counted in need to know of the closures: the equations of a geometry that the others imply, too, where most of
-/// them are independent, here or beside.
+/// The flags of the closures for steps from the counted state: also the equations of a geometry that the others imply, in the position (here or
+/// beside) with the larger rank.
 pub fn known_of_steps<G: Geometry<One>>(
     counted: &Counted,
     mechanism: &Mechanism,

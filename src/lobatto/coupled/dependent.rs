@@ -1,18 +1,18 @@
 //! Contacts of which some imply others: their gaps as far as motions can change them, and the same compliance for all.
 //!
-//! Of more than three contacts on one plane some imply others: those of a box, or of a car with four wheels. With the rates R (m × n) of all gaps between
-//! two trees of bodies at one stage, for each motion of these trees, no motion changes the part of the gaps g that is square to the columns of R. That part is
-//! rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a thousandth of what carries a box. Where contacts slide its
-//! friction turns the box.
+//! If more than three contacts lie on one plane, some imply others: the contacts of a box, or of a car with four wheels. Let R (m × n) be the rates
+//! of all gaps between two trees of bodies at one stage, for each motion of these trees. The part of the gaps g that is orthogonal to the columns of
+//! R is changed by no motion. That part is rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a
+//! thousandth of the weight of a box. The friction of sliding contacts then turns the box.
 //!
 //! ```text
 //!     g ← Q Qᵀ g,     Q (m × r): an orthonormal basis of the columns of R      modified Gram–Schmidt, twice
 //!     columns of R:   the six of the twist of one tree relative to the other, where one floats; one for each joint freedom that moves a contact
 //! ```
 //!
-//! What is left has one answer: multipliers begin a step at zero, and with the same ε for every row z · λ = 0 for each z with zᵀ R = 0. So
+//! The remaining system has one solution: multipliers begin a step at zero, and with the same ε for every row z · λ = 0 for each z with zᵀ R = 0. So
 //! pressures lie on a plane over the place of the points, as between rigid bodies with a foundation of equal springs that are as stiff as one likes.
-//! Decisions at events follow the same law. Loops within a tree are not heeded: what they alone make redundant keeps its ε.
+//! Decisions at events follow the same law. Loops within a tree are not considered: contacts that only such loops make redundant keep their ε.
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
@@ -24,10 +24,10 @@ use std::ops::Range;
 
 /// More equations than this between two trees may imply each other, if contacts slide among them.
 const INDEPENDENT: usize = 3;
-/// What is left of a column is rounding below this part of the largest of its kind, or of what the rate of a joint is the sum of.
+/// The rest of a column is rounding below this part of the largest of its kind, or of the terms that the rate of a joint is the sum of.
 const ROUNDING: f64 = 1e-9;
 
-/// What equations lie between: trees by their first bodies, or bodies. And a row with 1 or −1.
+/// The ends of an equation: trees, named by their first bodies, or bodies. And a row with 1 or −1.
 type Ends = [Option<usize>; 2];
 type Signed = (usize, f64);
 
@@ -42,8 +42,8 @@ pub(crate) struct Dependent {
     /// Whether one tree can move as a whole relative to the other.
     floats: bool,
     joints: Vec<JointColumn>,
-    /// For every stage the columns of R, then of Q, one after the other; and for every joint the sum of the squares of what its rate is the sum of, of the
-    /// row that has the largest.
+    /// For every stage the columns of R, then of Q, one after the other. For every joint the sum of the squares of the terms of its rate, in the row
+    /// with the largest sum.
     columns: Vec<f64>,
     sizes: Vec<f64>,
     gaps: Vec<f64>,
@@ -60,7 +60,7 @@ struct JointColumn {
 }
 
 impl Dependent {
-    /// Those of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
+    /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
         let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
         let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
@@ -68,7 +68,7 @@ impl Dependent {
         for (number, ([a, b], rows)) in mechanism.closing_ends().zip(rows_of_closure).enumerate() {
             let trees = [first_of(a.body), first_of(b.body)];
             let sign = if trees[0] < trees[1] { 1.0 } else { -1.0 };
-            // Of a contact the first row is its gap; what rolls has others, of rates.
+            // The first row of a contact is its gap; a rolling contact has more rows, of rates.
             let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
             let of_these = rows.clone().take(count).map(|row| ((row, sign), [a.body, b.body]));
             match found.iter_mut().find(|(known, _)| *known == sorted(trees)) {
@@ -83,7 +83,7 @@ impl Dependent {
         dependent.map(|(trees, rows)| Dependent::of(mechanism, trees, &rows)).collect()
     }
 
-    /// Those between two trees.
+    /// The group between two trees.
     fn of(mechanism: &Mechanism, trees: Ends, rows: &[Between]) -> Self {
         let is_floating = |body: usize| mechanism.bodies[body].joint.kind == JointKind::Floating;
         let floats = trees[0] != trees[1] && trees.iter().flatten().any(|&first| is_floating(first));
@@ -131,8 +131,8 @@ impl Dependent {
         self.implied
     }
 
-    /// Leaves of the gaps of so many stages what motions change, unless none imply others, with the gradients at the columns' stages and the screws of freedoms
-    /// (body, freedom) there. Does not allocate.
+    /// Reduces the gaps of `stages` stages to the part that motions change, unless all rows are independent; with the gradients at the columns'
+    /// stages and the screws of freedoms (body, freedom) there. Does not allocate.
     pub fn keep<V: Lanes>(
         &mut self,
         stages: usize,
@@ -195,13 +195,13 @@ impl Dependent {
     }
 }
 
-/// A body and those that carry it, up to the first of its tree.
+/// A body and its ancestors, up to the first of its tree.
 fn ancestors(mechanism: &Mechanism, body: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(body), |&body| mechanism.bodies[body].parent)
 }
 
-/// `g ← Q Qᵀ g`: makes Q of the columns in their place: three of forces and three of torques, if a tree floats, and those of joints, of whose entries
-/// these are the squares of what they are the sum of. Returns r.
+/// `g ← Q Qᵀ g`: replaces the columns by Q. If a tree floats, the first three columns are forces and the next three torques; the others belong to
+/// joints, and `sizes` has the sums of the squares of their terms. Returns r.
 fn project(columns: &mut [f64], sizes: &[f64], gaps: &mut [f64]) -> usize {
     let count = gaps.len();
     let total = columns.len() / count;
@@ -229,7 +229,7 @@ fn project(columns: &mut [f64], sizes: &[f64], gaps: &mut [f64]) -> usize {
         independent += usize::from(factor != 0.0);
         column.iter_mut().for_each(|entry| *entry *= factor);
     }
-    // The sum of its parts: not what is left after taking the rest away, which would be rounded by that.
+    // The result is summed from its parts. A difference from the whole would have the rounding of the whole.
     for column in columns.chunks_exact_mut(count) {
         let part = dot(column, gaps);
         column.iter_mut().for_each(|entry| *entry *= part);

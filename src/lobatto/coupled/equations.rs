@@ -1,7 +1,7 @@
 //! The equations of closures at one configuration as kinematics sees them: which of them are empty, and all of them without dimension.
 //!
-//! With the direction `(f, t)` in which the multiplier of a row pushes and the screw `(v, ω)` of a freedom on the circuit of its loop, both about
-//! the common origin ([`crate::coupled::system`]),
+//! Let `(f, t)` be the direction in which the multiplier of a row pushes, and `(v, ω)` the screw of a freedom on the circuit of its loop, both about
+//! the common origin ([`crate::coupled::system`]):
 //!
 //! ```text
 //!     J_ix = ± (f · v + t · ω)        + on the branch of the second end, − on that of the first           [1], [m], [1/m]

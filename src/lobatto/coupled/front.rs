@@ -8,8 +8,8 @@
 //!     x = P⁻¹ (rhs − Σ_c r_c x_c) = z − Σ_c Y_c x_c,         F_mc ← F_mc − l_m Y_c
 //! ```
 //!
-//! For a joint axis with screws `s_i` (`(p × z, z)` in space) about the common origin, `P = s_kᵀ F s_i` and so on, and the twist of the body
-//! is from then on that of its parent, `η_body = η_parent + s x` (method page of the project, newton.md §4c).
+//! A joint axis has screws `s_i` (`(p × z, z)` in space) about the common origin, and `P = s_kᵀ F s_i` and so on. After its elimination the twist of
+//! the body is the twist of its parent, `η_body = η_parent + s x`.
 
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::{Column, Elimination, TWIST};
@@ -26,7 +26,7 @@ pub struct Fronts<V: Lanes> {
     data: Vec<V>,
     /// Columns of the pivot, by slot: `[slot][k]`, lanes i.
     left: Vec<V>,
-    /// Rows of the pivot, by slot, the right-hand side last: `COUNT` vectors each, those above the stages in use zero.
+    /// Rows of the pivot, by slot, the right-hand side last: `COUNT` vectors each, with zeros above the stages in use.
     right: Vec<V>,
     /// The inverse of the pivot.
     inverse: [V; MAX],
@@ -64,7 +64,7 @@ impl<V: Lanes> Fronts<V> {
         self.slots
     }
 
-    /// Where the block of a row slot and a column slot starts.
+    /// Start of the block of a row slot and a column slot.
     #[inline(always)]
     fn at(&self, level: usize, row: usize, column: usize) -> usize {
         ((level * self.slots + row) * (self.slots + 1) + column) * self.active
@@ -217,8 +217,8 @@ impl<V: Lanes> Fronts<V> {
         self.inverse[..active].copy_from_slice(&self.data[source..source + active]);
     }
 
-    /// Eliminates the gathered pivot from the front; writes `Y_c` of the columns and then `z` to `kept`, `COUNT` vectors each,
-    /// of which those above the stages in use stay zero.
+    /// Eliminates the gathered pivot from the front; writes `Y_c` of the columns and then `z` to `kept`, `COUNT` vectors each, which keep zeros above
+    /// the stages in use.
     #[inline(always)]
     pub fn eliminate(&mut self, level: usize, columns: &[Column], kept: &mut [V]) {
         let active = self.active;

@@ -1,15 +1,15 @@
-//! The proximal term of the equations that go at their bodies: what it is a part of.
+//! The scale of the proximal term of equations that are eliminated at their bodies.
 //!
-//! ε is a part of the mobility of an equation. Where a contact with the world goes before any freedom ([`crate::plan::elimination`]), nothing is
-//! eliminated yet that could say its mobility, and that of its body alone takes its place, for a push (f, t) with the torque τ about the centre of mass:
+//! ε is a part of the mobility of an equation. A contact with the world is eliminated before any freedom ([`crate::plan::elimination`]), so its
+//! mobility is not known yet. The mobility of its body alone takes its place, for a push (f, t) with the torque τ about the centre of mass:
 //!
 //! ```text
 //!     (1 + m |τ|²/J) / M  [1/kg],        J = tr(J)/3,        M = min(100 m, whole), but no less than 1e-4 whole
 //! ```
 //!
-//! m is the mass of the body, and the whole that of the mechanism: for a body alone this is its mobility. A foot under a robot moves less easily than alone,
-//! and its ε would be as much larger a part of what it is. But in the matrix the contact is as heavy as M/ε, beside which the inertia of a
-//! light body is rounded; and ε of a feather would be no small part of what the robot presses it with.
+//! m is the mass of the body, `whole` the mass of the mechanism; the value for a body alone is its mobility. A foot under a robot moves less easily
+//! than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as M/ε, beside which the
+//! inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses it.
 
 use catena_mechanism::description::mechanism::Mechanism;
 

@@ -1,24 +1,25 @@
 //! Properties of the closures that kinematics determines before any solve ([`catena_mechanism::structure::ranks`]).
 
-/// Which equations are empty, which freedoms are still, and what light ones are lent.
+/// The flags of the closures: empty equations, still freedoms, and the inertia lent to light ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
-    /// For every equation of the loops whether nothing moves along it here: its gradient is rounding. Such an equation has no scale of its own.
+    /// For every equation of the loops whether it is empty: its gradient is rounding, so motions do not change it. Such an equation has no scale of
+    /// its own.
     pub empty: Vec<bool>,
-    /// For every equation whether the others imply it in the run; empty if none is implied, or nothing is known of that.
+    /// For every equation whether the others imply it in the run; empty if all are independent, or if this is unknown.
     pub implied: Vec<bool>,
     /// For every freedom whether it cannot move; empty if all can.
     pub still: Vec<bool>,
-    /// For every freedom whether it and all that closures tie to it cannot move; empty if there is none such.
+    /// For every freedom whether it and all freedoms that closures tie to it cannot move; empty if all can move.
     pub locked: Vec<bool>,
-    /// Inertia that the matrix has besides that of the bodies, for every freedom [kg m² or kg]; empty if there is none.
+    /// Inertia that the matrix has besides the inertia of the bodies, for every freedom [kg m² or kg]; empty if it is zero.
     pub lent: Vec<f64>,
-    /// Number of independent equations that are weak where steps begin: what a singular position makes redundant.
+    /// Number of independent equations that are weak at the start of the steps: a singular position makes them redundant.
     pub weak: usize,
 }
 
 impl Known {
-    /// Takes over what another knows. Does not allocate once it has.
+    /// Copies another's flags. Does not allocate once it has.
     pub fn copy_from(&mut self, other: &Known) {
         self.empty.clone_from(&other.empty);
         self.implied.clone_from(&other.implied);
@@ -28,12 +29,12 @@ impl Known {
         self.weak = other.weak;
     }
 
-    /// What is known of the freedoms alone: equations are others in a plane and in space.
+    /// The flags of the freedoms alone, because a plane and space have different equations.
     pub fn of_freedoms(&self) -> Known {
         Known { empty: Vec::new(), implied: Vec::new(), ..self.clone() }
     }
 
-    /// What a freedom is lent.
+    /// Inertia lent to a freedom.
     #[inline(always)]
     pub fn lent_to(&self, freedom: usize) -> f64 {
         self.lent.get(freedom).copied().unwrap_or(0.0)
@@ -60,7 +61,7 @@ impl Known {
     }
 }
 
-/// The numbers of what is true.
+/// The indices of the flags that are set.
 fn numbers(flags: &[bool]) -> impl Iterator<Item = usize> {
     flags.iter().enumerate().filter_map(|(number, &flag)| flag.then_some(number))
 }

@@ -1,6 +1,6 @@
 //! Repeated solves where light freedoms have lent inertia ([`catena_mechanism::structure::ranks::lending`]): its effect is removed round by round.
 //!
-//! The matrix has `H + w`, the equations have H. With the correction δ of a round and δμ of its multipliers,
+//! The matrix has `H + w`, the equations have H. The correction of a round is δ, and the correction of its multipliers δμ:
 //!
 //! ```text
 //!     (H + w) δ − Jᵀ δμ = w δ_before,      J δ = −gap
@@ -16,7 +16,7 @@ use crate::plan::tree::Plan;
 /// Largest number of repetitions.
 pub(crate) const ROUNDS: usize = 40;
 
-/// Corrections of velocities and accelerations that leave nothing but rounding.
+/// Corrections of velocities and accelerations below this part of them are rounding.
 const ROUNDED: f64 = 1e-15;
 
 /// When repetitions of a solve end: rounding does not fall any more.
@@ -26,7 +26,7 @@ pub(crate) struct Rounds {
 }
 
 impl Rounds {
-    /// Whether another round is worth it: the gap falls, or what is owed for lent inertia does, and is not rounding.
+    /// Whether another round is worth it: the gap still falls, or the correction owed for lent inertia still falls and is not rounding.
     pub(crate) fn go_on(&mut self, gap: f64, owed: f64) -> bool {
         let Some((last_gap, last_owed)) = self.last else {
             self.last = Some((gap, f64::INFINITY));
@@ -39,7 +39,7 @@ impl Rounds {
 }
 
 impl Coupled<One> {
-    /// Repeats a solve for the present gaps until what light freedoms owe for the inertia that they are lent is rounding; `correction` becomes the
+    /// Repeats a solve for the present gaps until the correction owed by light freedoms for their lent inertia is rounding; `correction` becomes the
     /// sum.
     pub(crate) fn settle_lent(&mut self, tree: &Plan, increment: &mut [One], correction: &mut [f64]) {
         if self.known.lent.is_empty() {
@@ -64,8 +64,8 @@ impl Coupled<One> {
         correction.copy_from_slice(&sum);
     }
 
-    /// Lets light freedoms resist with what the latest correction owes for the inertia that they are lent: the matrix has `H + w`, the
-    /// equation H, so that `(H + w) δ − Jᵀ δμ = w δ_before`.
+    /// Adds an effort to light freedoms: the latest correction times their lent inertia. The matrix has `H + w`, the equation H, so that
+    /// `(H + w) δ − Jᵀ δμ = w δ_before`.
     pub(crate) fn owe(&mut self, correction: &[f64], corrected: bool) {
         for ((effort, &lent), correction) in self.efforts.iter_mut().zip(&self.known.lent).zip(correction) {
             *effort = One::splat(if corrected { lent * correction } else { 0.0 });
@@ -73,7 +73,7 @@ impl Coupled<One> {
     }
 }
 
-/// The largest of the latest corrections of light freedoms, as a part of the largest value; zero if none is lent anything.
+/// The largest of the latest corrections of light freedoms, as a part of the largest value; zero without lent inertia.
 pub(crate) fn owed(known: &Known, correction: &[f64], values: &[f64]) -> f64 {
     if known.lent.is_empty() {
         return 0.0;

@@ -4,7 +4,7 @@
 //!     B_ki of the mass blocks,  Â_ik of the proximal terms,  (Ā B)_ki of velocities in the rows,  a_ij of integrals to a stage
 //! ```
 //!
-//! A row k is a stage as [`row_stage`] says. With one stage all of them are 1: a projection at one configuration.
+//! A row k is a stage as [`row_stage`] says. A system of one stage has ones everywhere: a projection at one configuration.
 
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::stages::coefficients::{moved_rows, row_stage};
@@ -28,7 +28,7 @@ pub struct Mixing<V> {
 }
 
 impl<V: Lanes> Mixing<V> {
-    /// Of a step of the scheme.
+    /// For a step of the scheme.
     pub fn of_stages(tableau: &Tableau) -> Self {
         let active = tableau.stages - 1;
         let row_of_lane = |lane: usize| row_stage(lane, active);
@@ -47,7 +47,7 @@ impl<V: Lanes> Mixing<V> {
         Mixing { active, mass, solve, integral, velocity, moved: moved_rows(active) }
     }
 
-    /// Of a projection at one configuration.
+    /// For a projection at one configuration.
     pub fn of_one() -> Self {
         let one = [V::splat(1.0); MAX_LANES];
         Mixing { active: 1, mass: one, solve: one, integral: one, velocity: one, moved: V::zero() }

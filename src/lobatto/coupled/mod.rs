@@ -5,12 +5,11 @@
 //!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                      closures; ε acts on increments alone
 //! ```
 //!
-//! [`mod@system`] defines the symbols. [`front`] and [`operations`] eliminate in the order of [`crate::plan::elimination`], contacts with the world at their
-//! bodies ([`given`]); of those that imply each other the gaps are made [`dependent`] first. [`space`] is the
-//! geometry in space ([`crate::planar::geometry`] that in a plane), with the contacts of [`touching`]. [`newton`] iterates. [`projection`] and
+//! [`mod@system`] defines the symbols. [`front`] and [`operations`] eliminate in the order of [`crate::plan::elimination`], contacts with the world
+//! at their bodies ([`given`]). [`dependent`] first removes rounding from the gaps of contacts that imply each other. [`space`] is the geometry in
+//! space, with the contacts of [`touching`] ([`crate::planar::geometry`] is the geometry in a plane). [`newton`] iterates. [`projection`] and
 //! [`closing`] project states and velocities onto the closures. Once, at the start of a run, [`deciding`] classifies the closures from the ranks
-//! [`counted`]: which [`equations`] are empty or redundant, which freedoms cannot move ([`known`]), and which inertia is [`lent`] to light
-//! freedoms.
+//! [`counted`]: which [`equations`] are empty or redundant, which freedoms cannot move ([`known`]), and which inertia is [`lent`] to light freedoms.
 
 pub mod closing;
 pub mod counted;

@@ -18,7 +18,7 @@ impl<V: Lanes> Coupled<V> {
         geometry.evaluate(&self.rows_of_loop, &mut self.gaps, &mut self.gradients);
     }
 
-    /// Leaves of the gaps of contacts, or of their rates, what motions can change, for these displacements since the start of the step.
+    /// Reduces the gaps of contacts, or their rates, to the part that motions can change, for these displacements since the start of the step.
     pub(crate) fn keep_gaps_of_motions<G: Geometry<V>>(
         &mut self,
         geometry: &G,

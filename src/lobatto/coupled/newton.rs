@@ -4,9 +4,9 @@
 //!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k),     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i,     λ ← λ + dλ
 //! ```
 //!
-//! with the twists η of all bodies, `E_k` what the bodies resist with [kg m, kg m²: h² times a force and its torque], the multipliers
-//! `λ_k = h² Λ_k` of the closures and their gaps `g_i` (m, rad): [`crate::coupled::system`], which has the elimination. A mimic is a closure
-//! of two freedoms, `g = q_follower − ratio · q_leader − offset`.
+//! The twists of all bodies are η, their residuals `E_k` [kg m, kg m²: h² times a force and its torque], the multipliers of the closures
+//! `λ_k = h² Λ_k` and their gaps `g_i` (m, rad): [`crate::coupled::system`], which has the elimination. A mimic is a closure of two freedoms,
+//! `g = q_follower − ratio · q_leader − offset`.
 
 use crate::coupled::known::Known;
 use crate::coupled::system::{Coupled, Geometry, Screw};
@@ -32,11 +32,11 @@ pub(crate) struct Newton<V: Lanes, G: Geometry<V>> {
 pub(crate) struct StageUnknowns<'s, V: Lanes, G: Geometry<V>> {
     pub plan: &'s G::Plan,
     pub start: &'s G::Start,
-    /// Of every freedom at the stages 2 … s (rad, m).
+    /// Displacement of every freedom at the stages 2 … s (rad, m).
     pub displacement: &'s [V],
     /// To be found (rad, m).
     pub increment: &'s mut [V],
-    /// Of forces along every freedom in the rows [N m, N]; empty without forces.
+    /// Efforts of forces along every freedom in the rows [N m, N]; empty without forces.
     pub efforts: &'s [V],
     /// Length of the step (s).
     pub step: f64,
@@ -49,7 +49,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         Newton { coupled, geometry, mimics: Mimics::new(mechanism) }
     }
 
-    /// Takes the start of a step, and what is known of the closures.
+    /// Takes the start of a step, and the ranks and flags of its closures.
     pub fn begin(&mut self, plan: &G::Plan, start: &G::Start, known: Option<&Known>) {
         if let Some(known) = known {
             self.coupled.known.copy_from(known);
@@ -58,7 +58,8 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         self.coupled.begin();
     }
 
-    /// Where bodies are to be placed before every iteration, and the wrenches they resist with, about the common origin, to be written.
+    /// The geometry, in which the caller places the bodies before every iteration, and the wrenches of the bodies about the common origin, which the
+    /// caller writes.
     pub fn bodies(&mut self) -> (&mut G, &mut [Screw<V>]) {
         (&mut self.geometry, &mut self.coupled.bias)
     }
@@ -68,7 +69,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         self.geometry.touching().filter(|touching| !touching.leans().is_empty())
     }
 
-    /// What friction took in the rows of a solved step (J), after the bodies are placed.
+    /// Energy that friction dissipated in the rows of a solved step (J), after the bodies are placed.
     pub fn braked(&self) -> f64 {
         let Coupled { multipliers, .. } = &self.coupled;
         self.rubbing().map_or(0.0, |touching| touching.braked(self.coupled.rows_of_touches(touching), multipliers))
@@ -103,13 +104,13 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
 struct Mimics(Vec<(Coordinate, Coordinate, f64)>);
 
 impl Mimics {
-    /// Those of a mechanism.
+    /// The method for a mechanism.
     fn new(mechanism: &Mechanism) -> Self {
         let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower, mimic.leader, mimic.multiplier));
         Mimics(mimics.collect())
     }
 
-    /// Their gaps at all stages, from those at the start of the step and the displacements since.
+    /// Their gaps at all stages, from the gaps at the start of the step and the displacements since.
     fn gaps<V: Lanes>(&self, coupled: &mut Coupled<V>, start: &[f64], displacement: &[V]) {
         for (row, (&gap, (follower, leader, ratio))) in coupled.mimic_rows().zip(start.iter().zip(&self.0)) {
             let (follows, leads) = (displacement[follower.freedom], displacement[leader.freedom]);

@@ -7,7 +7,7 @@ use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
 use crate::plan::tree::Plan;
 
-/// A mobility of this part of the largest is less than what the rounding of a gradient leaves beside a body that is lighter by 1e15, which is 1e-32.
+/// Beside a body that is lighter by 1e15, the rounding of a gradient leaves a mobility of 1e-32; this bound is above that.
 const NOTHING: f64 = 1e-30;
 
 impl<V: Lanes> Coupled<V> {
@@ -34,7 +34,7 @@ impl<V: Lanes> Coupled<V> {
         });
     }
 
-    /// What a body resists with, and its ends of loops: (row, slot, sign).
+    /// Adds the mass block and the residual of a body, and its ends of loops: (row, slot, sign).
     pub(crate) fn own(&mut self, level: usize, body: usize, ends: &[(usize, usize, f64)]) {
         in_lanes!(V, {
             let right = self.fronts.right_hand_side();
@@ -135,8 +135,8 @@ impl<V: Lanes> Coupled<V> {
                 if self.references[row] == 0.0 {
                     self.references[row] = 1.0;
                 }
-                // Nothing moves along this equation: any scale will do, but not zero. A small mobility alone does not say so: that of a heavy
-                // body is, beside a light one.
+                // The equation is empty, so any scale except zero will do. A small mobility alone is no proof of that: a heavy body has one, beside a
+                // light one.
                 let empty = self.known.is_empty(row) && self.scales[row] <= PROXIMAL * largest;
                 if empty || self.scales[row] <= NOTHING * largest {
                     self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
@@ -186,7 +186,7 @@ impl<V: Lanes> Coupled<V> {
         });
     }
 
-    /// What acts along a freedom itself: efforts, how joint springs and dampers resist, and mimics: (row, slot, coefficient).
+    /// Adds the forces along the freedom itself: efforts, the resistance of joint springs and dampers, and mimics: (row, slot, coefficient).
     #[inline(always)]
     fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
         let active = self.mixing.active;
@@ -234,7 +234,7 @@ impl<V: Lanes> Coupled<V> {
         self.mixing.velocity[k].mul_add(V::splat(self.step * resistance.damping), stiffness)
     }
 
-    /// The value of an eliminated unknown from those that come after it; a freedom moves on the twist of its body.
+    /// The value of an eliminated unknown from the later ones; a freedom moves on the twist of its body.
     pub(crate) fn back_substitute(
         &mut self,
         tree: &Plan,
@@ -267,7 +267,7 @@ impl<V: Lanes> Coupled<V> {
         });
     }
 
-    /// The value of an eliminated unknown from those that come after it.
+    /// The value of an eliminated unknown from the later ones.
     #[inline(always)]
     fn substitute(&self, kept_at: usize, columns: &[Column]) -> V {
         let active = self.mixing.active;
@@ -291,8 +291,8 @@ impl<V: Lanes> Coupled<V> {
     }
 }
 
-/// Couples the multiplier in a slot to the twist of a body at one end of its loop. A closure's row is its gap alone; the
-/// row of a spring's tension is what its length makes of it, `by_gap`.
+/// Couples the multiplier in a slot to the twist of a body at one end of its loop. A closure's row is its gap alone; the row of a spring's tension is
+/// the derivative by its length, `by_gap`.
 #[inline(always)]
 fn couple<V: Lanes>(
     fronts: &mut Fronts<V>,
@@ -312,7 +312,7 @@ fn couple<V: Lanes>(
     }
 }
 
-/// How easily the multiplier in a slot moves its own equation: the size of its block, by that of Â.
+/// The mobility of the equation in a slot under its own multiplier: the size of its block, over the size of Â.
 #[inline(always)]
 fn mobility<V: Lanes>(fronts: &mut Fronts<V>, level: usize, slot: usize, mixing: &Mixing<V>) -> f64 {
     let mut size = (V::zero(), V::zero());

@@ -5,7 +5,7 @@
 //!     positions:   H dq = Jᵀ μ,  g(q) + J dq = 0, repeated          Newton's method
 //! ```
 //!
-//! The proximal term of the solve leaves a part ε of every gap, so that it is repeated, with the same factors, until nothing is left.
+//! The proximal term of the solve leaves a part ε of every gap. So the solve is repeated, with the same factors, until the gaps are rounding.
 
 use crate::coupled::equations::{equations, find_empty};
 use crate::coupled::known::Known;
@@ -26,8 +26,8 @@ fn one(value: One) -> f64 {
     value.to_array()[0]
 }
 
-/// What counts as nearly implied: the ε of ordinary solves leaves some 1e-8 of every mobility, and a milliradian from the
-/// position 1e-6.
+/// Mobilities below this count as nearly implied: the ε of ordinary solves leaves some 1e-8 of every mobility, and a position one milliradian from a
+/// singular one leaves 1e-6.
 const WEAK: f64 = 1e-6;
 
 /// After a correction smaller than this (rad or m) the factors are good for the next, of which they leave such a part; unless the gaps
@@ -55,7 +55,7 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     near: bool,
     /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
     circuits: Vec<[Vec<usize>; 2]>,
-    /// The positions with the smallest gap so far, and what their roundings left out.
+    /// The positions with the smallest gap so far, and their rounding errors.
     nearest: [Vec<f64>; 2],
 }
 
@@ -76,7 +76,7 @@ impl Projection {
         Projection::of(mechanism, Space::new(mechanism, None), Plan::new(mechanism))
     }
 
-    /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
+    /// The wrench of the multipliers on the second end of a loop: force (N) and torque [N m] about its point, in the world.
     pub fn loop_wrench(&self, closure: usize, multipliers: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
         for (row, multiplier) in multipliers.iter().enumerate() {
@@ -95,7 +95,7 @@ impl<G: Geometry<One>> Projection<G> {
     /// The workspace for a mechanism in its geometry.
     pub fn of(mechanism: &Mechanism, geometry: G, plan: G::Plan) -> Self {
         let mut coupled = Coupled::of_one(mechanism, &geometry);
-        // Room for what every solve finds.
+        // Room for the flags that every solve finds.
         coupled.known.empty = vec![false; coupled.closure_of_row().len()];
         Projection {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
@@ -150,7 +150,7 @@ impl<G: Geometry<One>> Projection<G> {
         worst
     }
 
-    /// Solves for the present gaps; with new factors for this configuration, or again with those at hand.
+    /// Solves for the present gaps; with new factors for this configuration, or again with the present ones.
     fn solve(&mut self, start: &G::Start, again: bool) {
         let Projection { coupled, geometry, plan, .. } = self;
         coupled.keep_gaps_of_motions(geometry, plan, start, &self.displacement);
@@ -189,7 +189,7 @@ impl<G: Geometry<One>> Projection<G> {
         let mut done = Projected::default();
         self.solved = false;
         self.impulses.fill(0.0);
-        // With friction the matrix is not symmetric, and its factors are not kept for another right-hand side.
+        // The matrix with friction is not symmetric, and its factors are not kept for another right-hand side.
         let leans = self.geometry.touching().is_some_and(|touching| !touching.leaning().is_empty());
         let mut rounds = Rounds::default();
         let mut first = 0.0;
@@ -213,7 +213,7 @@ impl<G: Geometry<One>> Projection<G> {
                 done.correction = done.correction.max(correction.abs());
             }
         }
-        // Only now: what moves has its share of what their momenta were.
+        // The rates of locked freedoms become zero only now, so that the moving ones have received their share of the momenta.
         if !self.coupled.known.still.is_empty() {
             self.coupled.known.still_freedoms().for_each(|freedom| velocity[freedom] = 0.0);
             self.evaluate_rates(mechanism, start, velocity);
@@ -284,8 +284,8 @@ impl<G: Geometry<One>> Projection<G> {
         }
     }
 
-    /// Corrects joint accelerations for what the closures forbid, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives`
-    /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
+    /// Corrects joint accelerations so that the closures hold, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives` writes the second
+    /// derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
     pub fn accelerations(
         &mut self,
         start: &G::Start,
@@ -314,33 +314,34 @@ impl<G: Geometry<One>> Projection<G> {
                 *sum += one(*increment);
             }
         }
-        // Only now: what holds them is in the multipliers.
+        // Only now, because the multipliers have the forces that hold them.
         for freedom in self.coupled.known.still_freedoms() {
             acceleration[freedom] = 0.0;
         }
     }
 
-    /// Lets the multipliers of contacts push beside their gradients in the projections that follow; with nothing, along them.
+    /// Lets the multipliers of contacts push beside their gradients in the projections that follow; an empty list makes them push along the
+    /// gradients.
     pub(crate) fn lean(&mut self, leans: &[Lean]) {
         if let Some(touching) = self.geometry.touching_mut() {
             touching.lean(leans);
         }
     }
 
-    /// What the friction at the end of a step took in the latest projection of velocities (J).
+    /// Energy that the friction at the end of a step dissipated in the latest projection of velocities (J).
     pub(crate) fn braked(&self) -> f64 {
         let Some(touching) = self.geometry.touching() else { return 0.0 };
         let leans = touching.leaning().iter().zip(self.coupled.rows_of_touches(touching));
         leans.filter(|(_, rows)| !rows.is_empty()).map(|(lean, rows)| lean.slip * self.impulses[rows.start]).sum()
     }
 
-    /// Takes over what kinematics knows of the closures, but for the equations that are empty, which every solve finds itself.
+    /// Takes over the flags from kinematics, but for the equations that are empty, which every solve finds itself.
     pub fn heed(&mut self, known: Known) {
         let empty = std::mem::take(&mut self.coupled.known.empty);
         self.coupled.known = Known { empty, ..known };
     }
 
-    /// What is known of the closures, with the equations that were empty at the latest solve.
+    /// The ranks and flags of the closures, with the equations that were empty at the latest solve.
     pub fn known(&self) -> &Known {
         &self.coupled.known
     }
@@ -358,7 +359,7 @@ impl<G: Geometry<One>> Projection<G> {
         find_empty(&mut self.coupled, &self.geometry, &self.plan, start, &self.circuits);
     }
 
-    /// The equations at the start of a step, dimensionless with the sizes of the loops and the lengths of the freedoms, but for those of the mimics.
+    /// The equations at the start of a step, dimensionless with the sizes of the loops and the lengths of the freedoms, without the mimic relations.
     pub fn equations(&mut self, start: &G::Start, sizes: &[f64], lengths: &[f64]) -> Vec<Row> {
         self.evaluate(start);
         equations(&self.coupled, &self.geometry, &self.plan, start, &self.circuits, [sizes, lengths])

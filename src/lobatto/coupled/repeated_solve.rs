@@ -1,7 +1,7 @@
-//! Another right-hand side for a system of one configuration that has been factored: what the closures' gaps alone change.
+//! Another right-hand side for a system of one configuration that has been factored: only the closures' gaps differ.
 //!
-//! With one stage the matrix is `[H −Jᵀ; J ε]`, which the elimination keeps symmetric but for the signs between twists and
-//! multipliers: the column `l` of a pivot is `±` its row, `l_m = ± P Y_m`, so that the factors `Y` and `1/P` are all that is needed,
+//! The matrix of one stage is `[H −Jᵀ; J ε]`, which the elimination keeps symmetric but for the signs between twists and multipliers: the column `l`
+//! of a pivot is `±` its row, `l_m = ± P Y_m`, so that the factors `Y` and `1/P` suffice,
 //!
 //! ```text
 //!     z = rhs / P,        RHS_m ← RHS_m ∓ Y_m rhs
@@ -15,7 +15,7 @@ use crate::plan::elimination::{Column, Operation};
 use crate::plan::tree::Plan;
 
 impl Coupled<One> {
-    /// Solves the system that was factored last with the present gaps, for bodies that resist with nothing. Does not allocate.
+    /// Solves the system that was factored last with the present gaps, and with zero residuals of the bodies. Does not allocate.
     pub fn solve_again(&mut self, tree: &Plan, increment: &mut [One]) {
         let operations = std::mem::take(&mut self.elimination.operations);
         let (width, slots) = (self.elimination.width, self.elimination.slots);

@@ -7,7 +7,8 @@
 //!     s_i = (p_i × z_i, z_i) of a rotation about the axis z through p, (e_i, 0) of a translation along e
 //! ```
 //!
-//! about the common origin, x the centre of mass (m); newton.md §4c of the project's method pages.
+//! about the common origin, x the centre of mass (m). D_ki is the derivative of the residual of row k (`equations/residual.rs`) by the twist at stage
+//! i, less the curvature.
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::mixing::Mixing;
@@ -34,7 +35,7 @@ use catena_mechanism::motion::state::State;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Where bodies and closures are in space.
+/// Bodies and closures in space.
 #[derive(Clone)]
 pub struct Space<V> {
     /// The loops, then the lines of the springs.
@@ -75,8 +76,8 @@ impl<V: Lanes> Space<V> {
         }
     }
 
-    /// Places the bodies at the poses of a step, and writes what they resist with there, `E_k` about the common origin, after
-    /// [`Stages::sweep_poses`] and [`Stages::sweep_applied`]; always with all digits of the coefficients.
+    /// Places the bodies at the poses of a step, and writes their residuals `E_k` about the common origin there, after [`Stages::sweep_poses`] and
+    /// [`Stages::sweep_applied`]; always with all digits of the coefficients.
     #[inline(always)]
     pub fn place_stages(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3], bias: &mut [Screw<V>]) {
         self.move_bodies(stages);
@@ -98,13 +99,13 @@ impl<V: Lanes> Space<V> {
         }
     }
 
-    /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
+    /// The place of an anchor at the columns' (0) or the rows' (1) stages, from the common origin.
     #[inline(always)]
     pub fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
         self.moved[body][side].anchor_from(&start.anchor(body), &self.origin)
     }
 
-    /// Where the second end of a loop is at the start, from the common origin (m).
+    /// The place of the second end of a loop at the start, from the common origin (m).
     pub fn end_point(&self, closure: usize) -> [f64; 3] {
         self.closures[closure].start.points[1]
     }
@@ -198,7 +199,7 @@ impl<V: Lanes> Geometry<V> for Space<V> {
         let com = Vector3::from_fn(|axis, _| anchor[axis] - self.origin[axis] + known.com[axis]);
         let [force, torque] = [0, 3].map(|first: usize| Vector3::from_column_slice(&direction[first..first + 3]));
         let [xx, _, _, yy, _, zz] = known.sigma;
-        // Of the second moments Σ, J = tr Σ 1 − Σ has twice the trace.
+        // The trace of J = tr Σ 1 − Σ is twice the trace of the second moments Σ.
         let moment = (xx + yy + zz) * (2.0 / 3.0);
         if moment > 0.0 { known.mass * (torque - com.cross(&force)).norm_squared() / moment } else { 0.0 }
     }

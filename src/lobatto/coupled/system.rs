@@ -1,8 +1,7 @@
-//! The exact Newton step, with all stages coupled: for closed loops, and where nothing simpler converges.
+//! The exact Newton step, with all stages coupled: for closed loops, and for steps on which the simplified iteration does not converge.
 //!
-//! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages
-//! i at once (newton.md §4c, loops.md §1 of the project's method pages). With η the twists about a common origin, for every
-//! body, joint axis and closure
+//! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages i at once. Let η be the
+//! twists about a common origin. For every body, joint axis and closure
 //!
 //! ```text
 //!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k)         rows: projected on the joint axes s_k at the rows' stages
@@ -12,12 +11,11 @@
 //! with the mass blocks D, screws s and gradients J of a [`Geometry`]: [`crate::coupled::space`], where twists have six components, or
 //! [`crate::planar::geometry`], where they have three. The elimination is in `operations`, step by step.
 //!
-//! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
-//! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
-//! carried on. The curvature `d(Jᵀλ)` is left out: what is exact is the mass matrix, with the geometry of every stage, and increments fall by
-//! a factor at each iteration, not quadratically.
+//! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision about rank. The
+//! multipliers start from zero in every step, so that undetermined parts of them are not carried on. The curvature `d(Jᵀλ)` is left out: the mass
+//! matrix is exact, with the geometry of every stage, and increments fall by a factor at each iteration, not quadratically.
 //!
-//! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
+//! For one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
 
 use crate::coupled::dependent::Dependent;
 use crate::coupled::front::{Fronts, Screws};
@@ -36,23 +34,23 @@ use catena_mechanism::motion::state::State;
 /// One configuration, where a step has a lane for each stage.
 pub type One = Portable<1>;
 
-/// ε of all solves: large against the square of the gaps that iterates leave, small against what is weak.
+/// ε of all solves: large against the square of the gaps that iterates leave, small against weak mobilities.
 pub const PROXIMAL: f64 = 1e-8;
 
-/// ε of equations that others imply in the run. What iterates leave in them cannot be met, and is divided by it: with the ε of the others
-/// multipliers that nothing determines become a million times as large as those that hold the mechanism, and their roundings move it.
+/// ε of equations that others imply in the run. Iterates leave gaps in them that cannot be closed, and ε divides these gaps. The ε of the other
+/// equations would make undetermined multipliers a million times as large as the constraint forces of the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
-/// ε of contacts of which some imply others through joints. What the elimination rounds of their gaps is divided by it, and so is a force that friction
-/// feels; a body alone is rounded by less.
+/// ε of contacts of which some imply others through joints. The elimination rounds their gaps, and ε divides this rounding to a force that friction
+/// feels; a body alone has less rounding.
 pub const SHARED: f64 = 1e-6;
 
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
 pub type Screw<V> = [V; TWIST];
 
-/// What the system is made of: the bodies and closures of a mechanism in space, or in a plane.
+/// The geometry of the system: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
-    /// What is constant of the mechanism.
+    /// Constants of the mechanism.
     type Plan: Clone + Send + Sync;
     /// The known start of a step.
     type Start: Clone + Send + Sync;
@@ -71,8 +69,8 @@ pub trait Geometry<V: Lanes> {
     fn rows(&self) -> Vec<usize>;
     /// Takes the start of a step.
     fn begin(&mut self, plan: &Self::Plan, start: &Self::Start);
-    /// Where the bodies are: gaps, and at the columns' stages the gradients, at the rows' stages the directions in which multipliers push, of
-    /// all loops, contacts and lines of springs, which have these rows.
+    /// Evaluates all loops, contacts and lines of springs, which have these rows: gaps, gradients at the columns' stages, and the directions in which
+    /// multipliers push at the rows' stages.
     fn evaluate(&self, rows_of_loop: &[std::ops::Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]);
     /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
     fn screws(
@@ -99,32 +97,33 @@ pub trait Geometry<V: Lanes> {
     fn own(&self, start: &Self::Start, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize);
 }
 
-/// What a force changes by, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
+/// Derivative of a force, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Resistance {
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
 }
 
-/// The linear system of a step, and what it is made of.
+/// The linear system of a step, and its workspace.
 #[derive(Clone)]
 pub struct Coupled<V: Lanes> {
     pub(crate) elimination: Elimination,
     pub(crate) fronts: Fronts<V>,
     pub(crate) mixing: Mixing<V>,
     pub(crate) unit: [V; MAX_LANES],
-    /// Of the loops and contacts, then of the springs, then of the friction that turns with the slip of contacts.
+    /// The rows of the loops and contacts, then of the springs, then of the friction that turns with the slip of contacts.
     pub(crate) rows_of_loop: Vec<std::ops::Range<usize>>,
     /// The bodies at their ends.
     pub(crate) ends: Vec<[Option<usize>; 2]>,
     pub(crate) loops: usize,
-    /// The rows of the mimics; those of the springs' tensions come after them, and those of turning friction.
+    /// The rows of the mimics; the rows of the springs' tensions come after them, and then the rows of turning friction.
     pub(crate) mimic_rows: std::ops::Range<usize>,
-    /// How friction resists that slips turn, row by row: times h² and `Ā B`, what it changes by for a displacement across a slip [kg].
+    /// Resistance of friction to the turning of slips, row by row: times h² and `Ā B` it is the change of the friction for a displacement across a
+    /// slip [kg].
     pub(crate) turning_friction: Vec<V>,
-    /// What the rates of rolling contacts change by besides their gradients, at both ends of a row: times `h a_ij`; of the others nothing.
+    /// Change of the rates of rolling contacts besides their gradients, at both ends of a row, times `h a_ij`; `None` for all other rows.
     pub(crate) rolling: Vec<Option<[Screw<V>; 2]>>,
-    /// Of the point springs, and of every freedom's joint springs and dampers.
+    /// Resistances of the point springs, and of every freedom's joint springs and dampers.
     pub(crate) resistances: Vec<Resistance>,
     pub(crate) in_joints: Vec<Resistance>,
     /// Efforts along the freedoms, times h².
@@ -133,9 +132,9 @@ pub struct Coupled<V: Lanes> {
     pub step: f64,
     /// ε, as a part of the mobility of an equation.
     pub proximal: f64,
-    /// What kinematics knows of the closures.
+    /// Ranks and flags of the closures from kinematics.
     pub known: Known,
-    /// What every body resists with, about the common origin.
+    /// Residual of every body, about the common origin.
     pub bias: Vec<Screw<V>>,
     /// One entry a row: the direction in which its multiplier pushes on the second end of its loop, at the columns' and at the
     /// rows' stages.
@@ -153,16 +152,17 @@ pub struct Coupled<V: Lanes> {
     pub(crate) pivots: Vec<V>,
     /// Right-hand sides of the fronts, for another solve with the same factors.
     pub(crate) right: Vec<f64>,
-    /// Mobility of every row in the direction of its own gradient, before the others of its closure; that of its body for one that goes there.
+    /// Mobility of every row in the direction of its own gradient, before the elimination of the other rows of its closure; for a row eliminated at
+    /// its body the mobility of the body.
     pub(crate) scales: Vec<f64>,
     /// How easily a push from the world moves every body, for the equations that go there [1/kg].
     pub(crate) weights: Vec<f64>,
-    /// Contacts of which some may imply others, with what ε comes to then [1/kg]; and the same for every row where they do.
+    /// Contacts of which some may imply others, with the value of ε for them [1/kg]; and the same for every row of such contacts.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
-    /// The same as the scales, but that of the largest row for one with next to none.
+    /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.
     pub(crate) references: Vec<f64>,
-    /// The part of that which the other rows leave.
+    /// The mobility that the other rows leave, over the reference.
     pub left_over: Vec<f64>,
 }
 

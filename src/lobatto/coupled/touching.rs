@@ -6,7 +6,7 @@
 //!     dissipated        h Σ_k b_k Λ_k μ t_k · u_k + π μ t_s · u_s   [J],   π = h b_s Λ_s
 //! ```
 //!
-//! What friction changes by as slips turn is in rows of its own, after those of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
+//! The change of friction as slips turn is in rows of its own, after the rows of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
 //! across the slip, as the tension of a damper is. It is in the matrix alone, and converged steps do not depend on it.
 
 use crate::equations::braking::Lean;
@@ -25,20 +25,21 @@ use std::ops::Range;
 #[derive(Clone)]
 pub struct Touching<V> {
     touches: Vec<SpatialTouch<V>>,
-    /// For every body whether it rolls and whether it slips where it touches, and the rates of those that do: of the scheme, and those of slips.
+    /// For every body whether it has rolling and whether it has sliding contacts, and its rates for both: the rates of the scheme, and the rates of
+    /// slips.
     moving: Vec<[bool; 2]>,
     rates: Vec<[[BodyRate<V>; 2]; 2]>,
-    /// In a step where anything slips or rolls, what velocities need of the scheme.
+    /// The coefficients of the scheme that velocities need, in a step with slips or rolling contacts.
     mixing: Option<StageMixing<V>>,
     step: f64,
-    /// One entry a contact if any has friction: in a step what it does at the end, at one configuration how multipliers push if they are
+    /// One entry a contact if any has friction: in a step the friction at its end, at one configuration the directions of the multipliers if they are
     /// `leaning`.
     leans: Vec<Lean>,
     leaning: bool,
 }
 
 impl<V: Lanes> Touching<V> {
-    /// Those of a mechanism, at all stages of a scheme or without it at one configuration.
+    /// The contacts of a mechanism, at all stages of a scheme, or at one configuration if `tableau` is `None`.
     pub(crate) fn new(mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self {
         let touches = SpatialTouch::all(&mechanism.touches, mechanism.gravity.norm());
         let mut moving = vec![[false; 2]; mechanism.bodies.len()];
@@ -57,7 +58,7 @@ impl<V: Lanes> Touching<V> {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no contacts.
     pub(crate) fn is_empty(&self) -> bool {
         self.touches.is_empty()
     }
@@ -140,9 +141,9 @@ impl<V: Lanes> Touching<V> {
         self.touches.iter().filter(|touch| touch.friction() != 0.0)
     }
 
-    /// How friction changes as slips turn and what slips that it lags behind make of it, contact by contact that has friction, and what the rates of
-    /// rolling contacts change by, row by row; the contacts have the rows `touches`, of which these are all multipliers. Returns whether the direction of
-    /// any friction lags behind its slip.
+    /// Writes the derivatives of friction by the turning of slips, and the correction for directions that lag behind slips, contact by contact that
+    /// has friction. Writes the changes of the rates of rolling contacts, row by row. The contacts have the rows `touches`, of which these are all
+    /// multipliers. Returns whether the direction of any friction lags behind its slip.
     pub(crate) fn turn(
         &mut self,
         touches: &[Range<usize>],
@@ -165,19 +166,19 @@ impl<V: Lanes> Touching<V> {
         lags
     }
 
-    /// What friction took in the rows of the step for which the bodies are placed, for the multipliers `λ = h² Λ` (J).
+    /// Energy that friction dissipated in the rows of the step for which the bodies are placed, for the multipliers `λ = h² Λ` (J).
     pub(crate) fn braked(&self, touches: &[Range<usize>], multipliers: &[V]) -> f64 {
         let Some(mixing) = &self.mixing else { return 0.0 };
         let rubbing = self.touches.iter().zip(touches).filter(|(touch, _)| touch.friction() != 0.0);
         rubbing.map(|(touch, rows)| touch.braked(mixing, multipliers[rows.start])).sum::<f64>() / self.step
     }
 
-    /// What friction does at the end of the step for which the bodies are placed, contact by contact; nothing if there is none.
+    /// Friction at the end of the step for which the bodies are placed, contact by contact; empty without friction.
     pub(crate) fn leans(&self) -> &[Lean] {
         &self.leans
     }
 
-    /// Lets multipliers push beside the gradients of the contacts; with nothing, along them.
+    /// Lets multipliers push beside the gradients of the contacts; an empty list makes them push along the gradients.
     pub(crate) fn lean(&mut self, leans: &[Lean]) {
         self.leaning = !leans.is_empty();
         self.leans.iter_mut().zip(leans).for_each(|(own, &lean)| *own = lean);

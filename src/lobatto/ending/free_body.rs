@@ -27,8 +27,8 @@ impl<E: Arithmetic> Ending<E> {
         let (turn, (inertia, momentum)) = spin_residual(&rows, 0, &plan.bodies[0], known);
         let axes = axes_of(start, ROTATIONS);
         let first = axes.apply(turned_back(inverse, &turn, momentum));
-        // One round of refinement: `J₀⁻¹`, turn and axes are rounded, and in the same way in every step. What the rates leave of the momentum
-        // says how far they are off for it.
+        // One round of refinement: `J₀⁻¹`, turn and axes are rounded, and in the same way in every step. The momentum that the rates leave over
+        // measures their error.
         let spin = axes.apply_transposed(first);
         let left = momentum.minus(inertia.apply(turn.apply_plus(spin, spin)));
         let rates = axes.apply(turned_back(inverse, &turn, left)).plus(first);

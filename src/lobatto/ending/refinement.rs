@@ -1,17 +1,17 @@
 //! Iterative refinement of the velocities at the end of a step, where rounding has lost too many digits of the articulated inertias.
 //!
 //! Beside a singular position of its coordinates, such as two axes of a gimbal that nearly coincide, the `d = sᵀ A s` of a joint is a small
-//! difference of large numbers, and the rate of that joint is large and off by as large a part of itself as `d`. The momenta of the bodies, of
-//! which nothing is lost, say by how much:
+//! difference of large numbers, and the rate of that joint is large and off by as large a part of itself as `d`. The momenta of the bodies keep all
+//! their digits, and measure this error:
 //!
 //! ```text
 //!     H(q̄) δ = Sᵀ (p̄ − M S v̄),   v̄ ← v̄ + δ        with the same factors, while |δ| falls;   |δ|² = δᵀ H δ
 //!     2T = |v̄|² = Σ α₀² d by the factors,   = Σ (momentum · velocity) by the bodies        [J, in the unit of mass of the step]
 //! ```
 //!
-//! Where nothing is lost both kinetic energies agree to 1e-14 of themselves, on chains with mass ratios of ten thousand, too. That is nearly
-//! everywhere, and there is no more to do than to compare them.
-//! Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition (2002), chapter 12.
+//! If no digits are lost, both kinetic energies agree to 1e-14 of themselves, on chains with mass ratios of ten thousand, too. That is nearly
+//! everywhere, and there is no more to do than to compare them. Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition
+//! (2002), chapter 12.
 
 use crate::ending::velocities::{EndRows, Ending, Motion};
 use crate::equations::residual::body_residual;
@@ -28,7 +28,7 @@ const LOST: f64 = 1e-12;
 /// A correction below this part of the velocities is the last: the next would be as much smaller again.
 const SETTLED: f64 = 1e-8;
 
-/// A correction has to be at most this part of what it corrects: otherwise the factors are not even roughly those of the mechanism.
+/// A correction has to be at most this part of the value it corrects: otherwise the factors are not even roughly those of the mechanism.
 const FALLS: f64 = 0.5;
 
 /// There are no more corrections than this.
@@ -58,7 +58,7 @@ impl<E: Arithmetic<Real = f64>> Ending<E> {
                 let (linear, angular) = carried[index];
                 let known = &start.bodies[index];
                 carried[index] = if let Some(pivot) = plan.pivot {
-                    // Of which nobody asks for more than what is along the axis.
+                    // Only the component along the axis is used.
                     (Vector::zero(), angular.times(E::splat(start.pivots[pivot].inertia)))
                 } else if plan.slides {
                     (linear.times(E::splat(known.mass)), Vector::zero())
@@ -136,7 +136,7 @@ mod tests {
     #[cfg(target_arch = "x86_64")]
     use nalgebra::{Rotation3, Translation3, Vector3};
 
-    /// Every way in which a body can be eliminated, on frames that are aligned with nothing.
+    /// Bodies that are eliminated in every possible way, on frames that are not aligned with each other.
     fn every_kind_of_body() -> Mechanism {
         use JointKind::{Floating, Planar, Prismatic, Revolute, Spherical};
         let kinds: [(JointKind, Option<usize>, Vector3<f64>); 9] = [
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn velocities_that_are_off_come_back_to_those_of_the_momenta_for_every_kind_of_body() {
-        // Of arrays and of registers; in the other vectors `tests/scheme/refinement.rs` and `tests/program/stress.rs` show it.
+        // This test has vectors of arrays and of registers; `tests/scheme/refinement.rs` and `tests/program/stress.rs` have the others.
         velocities_that_are_off_come_back::<Portable<4>>();
         #[cfg(target_arch = "x86_64")]
         if Isa::detect() != Isa::Portable {

@@ -1,8 +1,8 @@
 //! The velocities at the ends of two motions that have gone through the same step, at once: a run and its companion ([`crate::step::carrying`]).
 //!
-//! The recursion of [`crate::ending::velocities`] has one row, and so it leaves the registers empty but for one lane; each of its operations also waits
-//! for the one before. With one motion in each of two lanes it takes as long for both as for one. What it takes from all stages is written down for
-//! one motion after the other, because both are solved in the same workspace:
+//! The recursion of [`crate::ending::velocities`] has one row, and so it leaves the registers empty but for one lane; each of its operations also
+//! waits for the one before. One motion in each of two lanes takes as long for both as for one. The inputs from all stages are written down for one
+//! motion after the other, because both are solved in the same workspace:
 //!
 //! ```text
 //!     motion 0:  poses of all stages ──▶ last pose, weighted sums of each body ──┐ lane 0
@@ -29,25 +29,26 @@ use crate::stages::two_starts::TwoStarts;
 use crate::stages::workspace::Stages;
 use catena_mechanism::description::mechanism::Mechanism;
 
-/// What the end takes from all stages of a body, motion by motion.
+/// Inputs of the end from all stages of a body, motion by motion.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Recorded {
     /// `(w, u)` and the displacement of the anchor at the last stage.
     pose: [[f64; 2]; 7],
-    /// The weighted sums of how far the body is ahead: of its path, then of its turn; of a body on a hinge that the world holds those of sine and versine.
+    /// The weighted sums of the deviation from steady motion, of the path and then of the turn; a body on a hinge that the world holds has sums of
+    /// sine and versine.
     sums: [[f64; 2]; 12],
 }
 
 /// The workspace of the ends of two motions.
 #[derive(Clone)]
 pub(crate) struct TwoEndings<L> {
-    /// Their starts, and those of the next step.
+    /// Their starts, and the starts of the next step.
     pub(crate) starts: TwoStarts<L>,
     factors: Factors<Twofold<L>>,
     recorded: Vec<Recorded>,
 }
 
-/// What both ends have in common: how long gravity and forces count (s), and the same times gravity [m/s].
+/// Inputs that both ends share: how long gravity and forces count (s), and the same times gravity [m/s].
 #[derive(Clone)]
 pub(crate) struct TwoMomenta {
     impulse: f64,
@@ -55,13 +56,13 @@ pub(crate) struct TwoMomenta {
 }
 
 impl<E: Arithmetic<Real = f64>> Ending<E> {
-    /// What the ends of two motions over this step have in common.
+    /// Coefficients that the ends of two motions over this step share.
     pub(crate) fn in_common(&self, step: f64, gravity: &[f64; 3]) -> TwoMomenta {
         let momenta = self.weights.over(step, gravity);
         TwoMomenta { impulse: momenta.impulse.lane(0), gravity: momenta.gravity.0.map(|side| side.lane(0)) }
     }
 
-    /// Writes down what the end of this `motion` takes from all stages, of which the poses are known.
+    /// Writes down the inputs of the end of this `motion` from all stages, of which the poses are known.
     #[inline(always)]
     pub(crate) fn record<V: Numbers<One = E, Real = f64>, L: Lanes, const REFINED: bool>(
         &self,

@@ -1,9 +1,9 @@
 //! The end of a step: its momenta and the joint velocities that carry them (2.5.11h), at the last stage alone.
 //!
 //! The projection `H(q̄) v̄ = Sᵀ p̄` is the Newton step's recursion ([`crate::solve::sweeps`]) with the momenta of the bodies in place of the
-//! residuals. It has one row, so that it is worked out in one lane; what it takes from all stages are weighted sums of how far a body is
-//! ahead of the steady motion of the start ([`crate::stages::momenta`]; symbols as in [`crate::equations::residual`]). Where rounding has lost too much of them the
-//! velocities are refined (`refinement`).
+//! residuals. It has one row, so it is computed in one lane. Its inputs from all stages are weighted sums of the deviation of a body from the steady
+//! motion of the start ([`crate::stages::momenta`]; symbols as in [`crate::equations::residual`]). If rounding has taken too many digits of the
+//! velocities, they are refined (`refinement`).
 
 use crate::equations::pivot::turned_about;
 use crate::numbers::algebra::Vector;
@@ -116,7 +116,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRows<'_, V, REFINED, FORCED> {
     const MOMENTA: bool = true;
     const EARLY: bool = false;
-    /// Nothing: one lane alone takes the poses of all stages.
+    /// Empty: one lane alone takes the poses of all stages.
     type Ahead = ();
     #[inline(always)]
     fn pose(&self, body: usize) -> StagePose<V::One> {
@@ -178,7 +178,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     #[inline(always)]
     fn push(&self, freedom: usize) -> Option<Push<V::One>> {
         let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
-        // What dampers brake is among the efforts.
+        // The resistance of dampers is among the efforts.
         Some(Push {
             effort: applied.efforts[freedom].alone(self.last()) * self.momenta.impulse,
             inertia: V::One::zero(),

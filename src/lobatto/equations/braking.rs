@@ -1,6 +1,6 @@
 //! The friction of a contact that slides, at all stages: its direction, and how it follows the slip from iterate to iterate.
 //!
-//! With the slip velocity u [m/s] and the normal n at the columns' (i) and the rows' (k) stages, the force N of the contact and its friction μ:
+//! The slip velocity is u [m/s], the normal n, both at the columns' (i) and the rows' (k) stages; the force of the contact is N and its friction μ:
 //!
 //! ```text
 //!     direction             t = ± u_T/|u_T|,    u_T = u − (n·u) n            the multiplier of a row pushes along n_k − μ t_k
@@ -8,12 +8,12 @@
 //!     dissipated            h Σ_k b_k Λ_k μ t_k · u_k                         [J]
 //! ```
 //!
-//! The sign of t is that of u_T along the direction of the slip where the step starts. So the friction of a step that goes on beyond the stop of a
-//! slip stays smooth, and an event finds the stop as a zero of `u_T · t`. Where a step starts without slip the direction is the one that
-//! [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives: u_T of the first stage, which is not that of the start, differs from
-//! zero by the error of a stage and has no direction. From iterate to iterate t follows such a slip as [`crate::equations::turning`] says. A slip below
-//! a thousandth of the largest of the step is taken for one that stops: it has the direction of the stage before, and at the end of the step that of
-//! the polynomial through the stages.
+//! The sign of t is the sign of u_T along the direction of the slip at the start of the step. So the friction of a step that goes on beyond the stop
+//! of a slip stays smooth, and an event finds the stop as a zero of `u_T · t`. A step that starts without slip has the direction that
+//! [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives. The slip of its first stage would not do: it differs from zero by
+//! the error of a stage, and its direction is arbitrary. The direction t follows such a slip from iterate to iterate by
+//! [`crate::equations::turning`]. A slip below a thousandth of the largest of the step counts as one that stops. It has the direction of the stage
+//! before, and at the end of the step the direction of the polynomial through the stages.
 //!
 //! Source: Coulomb's law in the forced scheme, L. O. Jay, SIAM J. Sci. Comput. 20 (1998).
 
@@ -31,16 +31,16 @@ const NO_SPEED: f64 = 1e-12;
 /// A slip that gravity makes in less than this (s) is slow: friction under a weight turns it sooner than steps end.
 const SLOW: f64 = 1e-5;
 
-/// A slip at a stage that is this part of the largest of the step stops there: what is left of it has more rounding than direction, which is that
-/// of the stage before.
+/// A slip at a stage that is this part of the largest of the step stops there: its direction is mostly rounding, so it takes the direction of the
+/// stage before.
 const STOPS: f64 = 1e-3;
 
-/// What the friction of a contact does at the end of a step: the multiplier pushes along `n − μ t`.
+/// Friction of a contact at the end of a step: the multiplier pushes along `n − μ t`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lean {
     /// `μ t` in the world.
     pub along: [f64; 3],
-    /// `μ t · u` with the slip velocity u at the end of the step: what an impulse dissipates [m/s].
+    /// `μ t · u` with the slip velocity u at the end of the step: the dissipation of an impulse [m/s].
     pub slip: f64,
 }
 
@@ -60,7 +60,7 @@ pub(crate) struct Braking<V> {
     pub friction: f64,
     /// Acceleration of gravity [m/s²].
     gravity: f64,
-    /// The direction of the slip at the start, or where there is none the one given.
+    /// The direction of the slip at the start, or the given one if the contact does not slip yet.
     reference: Vector3<f64>,
     /// Whether there is no slip at the start, or a slow one.
     rests: bool,
@@ -76,7 +76,7 @@ pub(crate) struct Braking<V> {
 }
 
 impl<V: Lanes> Braking<V> {
-    /// With a coefficient of friction, under so much gravity [m/s²].
+    /// A contact with a coefficient of friction, under gravity of this size [m/s²].
     pub fn new(friction: f64, gravity: f64) -> Self {
         Braking {
             friction,
@@ -149,8 +149,8 @@ impl<V: Lanes> Braking<V> {
         self.directions[1].times(V::splat(self.friction))
     }
 
-    /// `R = μ λ / h |t · u|` of the rows: how friction resists that the slip turns, which a multiplier that pulls has none of; and where t lags
-    /// behind the slip `R h (n × t) · u`.
+    /// `R = μ λ / h |t · u|` of the rows: the resistance of friction to the turning of the slip, zero for a multiplier that pulls; and, if t lags
+    /// behind the slip, `R h (n × t) · u`.
     pub fn turning(&self, rows: Slipping<V>, step: f64, multiplier: V) -> [V; 2] {
         let Slipping { normal, slip } = rows;
         let speed = self.directions[1].dot(slip);
@@ -182,7 +182,7 @@ impl<V: Lanes> Braking<V> {
         speed.as_ref()[..self.active].iter().fold(0.0, |most, speed| most.max(speed.abs()))
     }
 
-    /// What it does at the end of the step, from the slips at the columns' and the rows' stages.
+    /// Its friction at the end of the step, from the slips at the columns' and the rows' stages.
     pub fn lean(&self, mixing: &StageMixing<V>, [columns, rows]: [Slipping<V>; 2]) -> Lean {
         let lane = |vector: Vector<V>, lane: usize| {
             Vector3::from(vector.0.map(|component| component.to_array().as_ref()[lane]))

@@ -1,18 +1,17 @@
 //! Forces at all stages at once, by the forced (Lagrange–d'Alembert) version of the scheme.
 //!
-//! Row k of the stage equations gets `h² F_k`, the end momentum `h b_s F_s`, with F at the geometry and the velocity of
-//! the stage. A force that depends on a velocity depends on the rate of one scalar y: a joint displacement, or the length
-//! of a spring. Its rate at stage j is that of the scheme itself,
+//! Row k of the stage equations gets `h² F_k`, the end momentum `h b_s F_s`, with F at the geometry and the velocity of the stage. A force that
+//! depends on a velocity depends on the rate of one scalar y: a joint displacement, or the length of a spring. Its rate at stage j is the rate of the
+//! scheme itself,
 //!
 //! ```text
 //!     ẏ_j = ẏ₀ + h⁻¹ Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀),     j = 1..s
 //! ```
 //!
-//! which is (2.5.11) with y as one more coordinate, without mass, tied to the others by the constraint `y = y(q)`: its
-//! multiplier hands the force on. So the order stays 2s − 2, and nothing that turns as a whole feels a damper, which
-//! velocities of the embedding, `u·(V_b − V_a)`, would not promise: they leave the constraints at the inner stages.
-//! Note that ẏ₁ is not ẏ₀: the first column of Ā is b₁, not zero. That makes damping implicit also at the start, and
-//! the scheme stable for any damper.
+//! which is (2.5.11) with y as one more coordinate, without mass, tied to the others by the constraint `y = y(q)`: its multiplier hands the force on.
+//! So the order stays 2s − 2, and a damper does not act on a rigid motion of both its ends. Velocities of the embedding, `u·(V_b − V_a)`, would not
+//! guarantee that: they leave the constraints at the inner stages. Note that ẏ₁ is not ẏ₀: the first column of Ā is b₁, not zero. That makes damping
+//! implicit also at the start, and the scheme stable for any damper.
 //!
 //! A ball joint has three such coordinates in a step, the components of its rotation vector θ since the start; the
 //! damper acts on `ω = T(θ) θ̇`, `T = 1 − k₁ θ̂ + k₂ θ̂²`, and the effort along θ is `Tᵀ τ`.
@@ -25,8 +24,7 @@
 //!     κ = max |μ|² / Re μ           ½, ⅓, 0.272, 0.2375, … 0.176 for s = 2, 3, 4, 5, … 9; exact for s = 2
 //! ```
 //!
-//! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
-//! `h Σ_k b_k P_k`.
+//! The energy that dampers dissipate, and the work of torques without potential, are summed by the quadrature of the scheme, `h Σ_k b_k P_k`.
 //!
 //! Sources: the forced scheme: J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica
 //! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
@@ -43,8 +41,8 @@ use crate::stages::workspace::Stages;
 use catena_mechanism::forces::total::Exchange;
 
 impl<V: Lanes> Stages<V> {
-    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, those at its
-    /// `end`, in the last active lane, with the energy exchanged in the step. Without forces, nothing.
+    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, the forces at its `end`, in the last
+    /// active lane, with the energy exchanged in the step. Does nothing without forces.
     #[inline(always)]
     pub fn sweep_applied(&mut self, end: bool) {
         if let Some(mut applied) = self.applied.take() {
@@ -63,7 +61,7 @@ impl<V: Lanes> Stages<V> {
 }
 
 impl<V: Lanes> Applied<V> {
-    /// The forces of the rows, as `evaluate` finds them in a place; for a solved step those at its `end`, too, with the energy exchanged in the
+    /// The forces of the rows, as `evaluate` finds them in a place; for a solved step the forces at its `end`, too, with the energy exchanged in the
     /// step, of which `evaluate` returns the power (W).
     #[inline(always)]
     pub(crate) fn evaluate_places(
@@ -88,7 +86,7 @@ impl<V: Lanes> Applied<V> {
         }
     }
 
-    /// The forces on scalar coordinates in one place, at the `end` of the step or at its rows; returns the power they dissipate, and that of
+    /// The forces on scalar coordinates in one place, at the `end` of the step or at its rows; returns the power they dissipate, and the power of
     /// efforts that change in time.
     #[inline(always)]
     pub(crate) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>, end: bool) -> (V, V) {

@@ -1,8 +1,8 @@
 //! The equations of loop joints at all stages, in space or in a plane: gaps, and the directions in which their multipliers push.
 //!
-//! With the points `P_a`, `P_b` (m), `d = P_b − P_a`, directions u fixed in a and w fixed in b, and z what `d` has along the normal of a
-//! plane (m, constant; zero in space), every equation has one gradient, a force f and its torque t about the common origin that act on b,
-//! and their opposites on a:
+//! The points are `P_a`, `P_b` (m), `d = P_b − P_a`, the direction u is fixed in a and w in b, and z is the part of `d` along the normal of a plane
+//! (m, constant; zero in space). Every equation has one gradient, a force f and its torque t about the common origin that act on b, and their
+//! opposites on a:
 //!
 //! ```text
 //!     slide along u:         g = d · u                     f = u              t = P_b × u
@@ -36,9 +36,9 @@ pub(crate) enum Equation {
 pub(crate) struct LoopStart<C> {
     /// The bodies at its ends a and b; `None` is the world.
     pub bodies: [Option<usize>; 2],
-    /// Where its ends are, from the common origin (m).
+    /// The places of its ends, from the common origin (m).
     pub points: [C; 2],
-    /// From the bodies' anchors to the ends (m); of no account in the world.
+    /// Vectors from the bodies' anchors to the ends (m); not used for the world.
     pub arms: [C; 2],
     /// Every equation with its directions u and w.
     pub equations: Vec<(Equation, [C; 2])>,
@@ -53,7 +53,7 @@ impl<C: Copy + Default> LoopStart<C> {
     }
 }
 
-/// Where a body is since the start of the step, at all stages.
+/// The displacement of a body since the start of the step, at all stages.
 pub(crate) trait Displaced<V: Lanes> {
     /// In space or in a plane.
     type Vector: Euclidean<V>;
@@ -74,8 +74,8 @@ struct Value<V: Lanes, E: Euclidean<V>> {
     torque: E::Axial,
 }
 
-/// Gaps and gradients of all closures, which have these rows, for the bodies at the columns' (0) and the rows' (1) stages. Gaps are those at
-/// the columns' stages.
+/// Gaps and gradients of all closures, which have these rows, for the bodies at the columns' (0) and the rows' (1) stages. Gaps are the gaps at the
+/// columns' stages.
 #[inline(always)]
 pub(crate) fn evaluate<'l, V: Lanes, D: Displaced<V> + 'l>(
     closures: impl Iterator<Item = &'l LoopStart<Components<V, D>>>,
@@ -134,7 +134,7 @@ fn evaluate_one<V: Lanes, D: Displaced<V>>(
     }
 }
 
-/// Where the end of a closure is.
+/// The place of the end of a closure.
 #[inline(always)]
 fn point<V: Lanes, D: Displaced<V>>(start: &Components<V, D>, arm: &Components<V, D>, body: Option<&D>) -> D::Vector {
     let start = D::Vector::splat(start);

@@ -5,8 +5,8 @@
 //!     g(Q_i) = 0                                                       loops and mimic relations, where there are any
 //! ```
 //!
-//! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] what acts, [`loops`] and
-//! [`spatial_loops`] the closures, [`touches`], [`braking`], `slips` and `turning` the contacts.
+//! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] the applied
+//! forces, [`loops`] and [`spatial_loops`] the closures, [`touches`], [`braking`], `slips` and `turning` the contacts.
 
 pub mod braking;
 pub mod forces;

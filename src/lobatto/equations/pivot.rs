@@ -1,7 +1,7 @@
 //! A body on a hinge that the world holds: one equation a row, where a body in space has six.
 //!
-//! It turns about an axis `a` that never moves, by `N_i = s_i â + v_i â²` with the sine `s = sin φ` and the versine `v = 1 − cos φ`. Of its
-//! residual ([`crate::equations::residual`]) nothing but the torque about `a` is asked for, and two numbers are mixed instead of twelve:
+//! It turns about an axis `a` that never moves, by `N_i = s_i â + v_i â²` with the sine `s = sin φ` and the versine `v = 1 − cos φ`. Only the torque
+//! about `a` of its residual ([`crate::equations::residual`]) is needed, and two numbers are mixed instead of twelve:
 //!
 //! ```text
 //!     S_k = Σ_i B_ki (s_i − h c_i ω),   V_k = Σ_i B_ki v_i
@@ -41,7 +41,7 @@ pub fn pivot_torque<V: Arithmetic, R: Rows<V>>(
 ) -> V {
     let turned = turned_about(&rows.pose(body), axis);
     let [sines, versines] = rows.swing(body, axis, rate, turned);
-    // From here on: the geometry of the rows.
+    // The code below has the geometry of the rows.
     let [sine, versine] = [turned[0] * rows.moved(), turned[1] * rows.moved()];
     let cosine = V::splat(1.0) - versine;
     let moment = V::whole(known.inertia) * versines.mul_add(sine, sines * cosine);

@@ -1,7 +1,7 @@
-//! The residual of the stage equations for one body: what `RᵀR = 1` leaves of (2.5.11), six numbers a row.
+//! The residual of the stage equations for one body: (2.5.11) after the elimination of `RᵀR = 1`, six numbers a row.
 //!
-//! With the displacements `Δx_i`, `N_i` of the body at stage i (world axes, since the start of the step), its velocity
-//! `v`, spin `ω`, second moments `Σ` and arm `com` from the anchor at the start, row k reads
+//! The displacements of the body at stage i are `Δx_i`, `N_i` (world axes, since the start of the step), its velocity `v`, spin `ω`, second moments
+//! `Σ`, and arm `com` from the anchor at the start. Row k reads
 //!
 //! ```text
 //!     f_k = m ( Σ_i B_ki (Δx_i − h c_i v) − h² g )                    [kg m]      force part, h² included
@@ -10,9 +10,9 @@
 //!     Σ_k = (1 + N_k) C_k,   J_k = tr Σ_k − Σ_k                       [kg m²]     inertia at stage k
 //! ```
 //!
-//! The multiplier of `RᵀR = 1` is symmetric and drops out of the skew part that `vee(A − Aᵀ)` takes. Of a spherical inertia,
-//! `Σ = σ 1`, a number is left: `e_k = σ vee(W_k (1 + N_k)ᵀ − …)` and `J_k = 2σ 1`. At the end of the
-//! step the same terms with the momentum weights `w_i = Σ_k b_k B_ki` make the end momentum `p̄ = p₀ + h Σ b_k F_k`:
+//! The multiplier of `RᵀR = 1` is symmetric and drops out of the skew part that `vee(A − Aᵀ)` takes. A spherical inertia, `Σ = σ 1`, leaves one
+//! number: `e_k = σ vee(W_k (1 + N_k)ᵀ − …)` and `J_k = 2σ 1`. At the end of the step the same terms with the momentum weights `w_i = Σ_k b_k B_ki`
+//! make the end momentum `p̄ = p₀ + h Σ b_k F_k`:
 //!
 //! ```text
 //!     P = m ( v + h⁻¹ Σ_i w_i (Δx_i − h c_i v) + h b_s g )                                        [kg m/s]
@@ -45,7 +45,7 @@ fn force_along<V: Arithmetic, R: Rows<V>>(rows: &R, known: &BodyStart<V::Real>, 
     if R::MOMENTA { force.times(V::splat(-1.0)) } else { force }
 }
 
-/// The residual of one body about its anchor, and what its inertia is made of; all with the geometry of the rows.
+/// The residual of one body about its anchor, and the terms of its inertia; all with the geometry of the rows.
 #[derive(Clone)]
 pub struct BodyResidual<V> {
     /// `f`.
@@ -54,7 +54,7 @@ pub struct BodyResidual<V> {
     pub torque: Vector<V>,
     /// `N`.
     pub turn: Matrix<V>,
-    /// From the anchor to the centre of mass (m).
+    /// Vector from the anchor to the centre of mass (m).
     com: Vector<V>,
     /// `J` about the centre of mass [kg m²].
     own: Symmetric<V>,
@@ -120,7 +120,7 @@ pub fn spin_residual<V: Arithmetic, R: Rows<V>>(
 }
 
 impl<V: Arithmetic> BodyResidual<V> {
-    /// With the inertia about the anchor: `J + m (|c|² − c cᵀ)`, and the coupling `−m ĉ`.
+    /// Adds the inertia about the anchor: `J + m (|c|² − c cᵀ)`, and the coupling `−m ĉ`.
     #[inline(always)]
     pub fn with_inertia(&self) -> Articulated<V> {
         let heavy = self.com.times(self.mass);
@@ -159,7 +159,7 @@ fn rotational_residual<V: Arithmetic>(
         // Σ = σ 1, so that C = σ (1 + N)ᵀ and Σ_k = Σ: the columns of C are σ times the rows of 1 + N.
         let (sigma, zero) = (V::whole(known.sigma[0]), V::zero());
         let moment = sigma + sigma;
-        // Of W (1 + N)ᵀ = W Nᵀ + W.
+        // An entry of W (1 + N)ᵀ = W Nᵀ + W.
         let entry = |row: usize, column: usize| mixed_rows[row].dot_plus(turn_rows[column], mixed.0[row][column]);
         let torque = Vector([entry(2, 1) - entry(1, 2), entry(0, 2) - entry(2, 0), entry(1, 0) - entry(0, 1)]);
         return (Symmetric([moment, zero, zero, moment, zero, moment]), torque.times(sigma));

@@ -1,7 +1,7 @@
-//! Velocities of bodies at the stages, in the embedding of the scheme: what slips where bodies touch.
+//! Velocities of bodies at the stages, in the embedding of the scheme, for the slips of touching bodies.
 //!
-//! With the displacement Δa of the anchor a and the turn N of a body since the start of the step, at the stages i = 2 … s, their rates
-//! `v_a` [m/s] and `ω̂₀` [rad/s] at the start, and c the node of a stage:
+//! The displacement of the anchor a is Δa and the turn of a body N, since the start of the step, at the stages i = 2 … s; their rates at the start
+//! are `v_a` [m/s] and `ω̂₀` [rad/s], and c is the node of a stage:
 //!
 //! ```text
 //!     ȧ_j = v_a + h⁻¹ Σ_i (Ā B)_ji (Δa_i − h c_i v_a),     Ω_j = ω̂₀ + h⁻¹ Σ_i (Ā B)_ji (N_i − h c_i ω̂₀),     j = 1..s
@@ -11,9 +11,9 @@
 //! `Ω_j (1 + N_j)ᵀ` is skew but for the error of the stages: it is the rate of the rotation matrix as the scheme has it, which constraints on
 //! velocities must take for the order 2s − 2.
 //!
-//! Friction has the direction of a slip, and one that is slower than the error of its stage has none. Most of this error is that of `Ṙ`, which
-//! turns with the body. So friction takes the velocity of the centre of mass x and an angular velocity ω of its own, which the scheme integrates
-//! from the angular accelerations that the second rates of the rotation matrix have:
+//! Friction has the direction of a slip, and a slip that is slower than the error of its stage has an arbitrary direction. Most of this error is the
+//! error of `Ṙ`, which turns with the body. So friction takes the velocity of the centre of mass x and an angular velocity ω of its own, which the
+//! scheme integrates from the angular accelerations that the second rates of the rotation matrix have:
 //!
 //! ```text
 //!     h² R̈_k R₀ᵀ = S_k = Σ_i B_ki (N_i − h c_i ω̂₀)                                       k = 1..s−1
@@ -29,16 +29,16 @@ use crate::stages::coefficients::{moved_rows, row_stage};
 use crate::stages::start::BodyStart;
 use crate::tableau::butcher::Tableau;
 
-/// What of the scheme velocities need.
+/// The coefficients of the scheme that velocities need.
 #[derive(Clone)]
 pub(crate) struct StageMixing<V> {
     /// Number of stages coupled.
     pub active: usize,
-    /// One where a row has the geometry of its stage, zero where it has that of the start.
+    /// One if a row has the geometry of its stage, zero if it has the geometry of the start.
     pub moved: V,
     /// b of the rows.
     pub weights: V,
-    /// What the rows say of the end: the polynomial through their stages, there.
+    /// Weights that extrapolate the rows to the end: the polynomial through their stages, evaluated there.
     pub ahead: V,
     /// `Ā B` by columns, for the columns' and for the rows' stages.
     velocity: [[V; MAX_LANES]; 2],
@@ -54,7 +54,7 @@ pub(crate) struct StageMixing<V> {
 }
 
 impl<V: Lanes> StageMixing<V> {
-    /// Of a scheme.
+    /// The coefficients of a scheme.
     pub fn new(tableau: &Tableau) -> Self {
         let (stages, active) = (tableau.stages, tableau.stages - 1);
         let lanes = |value: &dyn Fn(usize) -> f64| V::from_slice(&(0..active).map(value).collect::<Vec<f64>>());
@@ -112,7 +112,7 @@ impl<V: Lanes> BodyRate<V> {
         BodyRate { anchor: Vector::zero(), spin: Matrix::zero() }
     }
 
-    /// Those of a body in a step of this length, from its turn and the displacement of its anchor: at the columns' and at the rows' stages.
+    /// The rates of a body in a step of this length, from its turn and the displacement of its anchor: at the columns' and at the rows' stages.
     #[inline(always)]
     pub fn of(
         mixing: &StageMixing<V>,
@@ -149,7 +149,7 @@ impl<V: Lanes> BodyRate<V> {
         rates
     }
 
-    /// Those that slips take: with the velocity of the centre of mass and the angular velocity that accelerations add up to.
+    /// The rates for slips: the velocity of the centre of mass, and the angular velocity integrated from the angular accelerations.
     #[inline(always)]
     pub fn of_slips(
         mixing: &StageMixing<V>,

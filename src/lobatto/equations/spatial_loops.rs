@@ -1,6 +1,6 @@
 //! Loop joints in space: which equations each kind has, and where its ends and axes are at the start of a step.
 //!
-//! With the rotation R and the anchor a of a body, and the frame of the joint at the point p and with the axes A in the body's own frame:
+//! A body has the rotation R and the anchor a; the frame of the joint has the point p and the axes A in the body's own frame:
 //!
 //! ```text
 //!     P = x + R p             (m), from the common origin
@@ -32,7 +32,7 @@ pub(crate) struct SpatialLoop {
 pub(crate) struct End {
     /// P.
     pub point: [f64; 3],
-    /// From the anchor of the body.
+    /// Vector from the anchor of the body.
     pub arm: [f64; 3],
     /// x, y, z.
     pub axes: [[f64; 3]; 3],
@@ -76,7 +76,7 @@ fn equations(kind: LoopKind) -> Vec<(Equation, [usize; 2])> {
 }
 
 impl End {
-    /// Where it is at the start of a step; `origin` is the common origin (m).
+    /// The frame at the start of a step; `origin` is the common origin (m).
     pub fn new(end: &Attachment, start: &Start, origin: &[f64; 3]) -> Self {
         let frame = end.frame.rotation.matrix();
         let (rotation, position, arm) = match end.body {
@@ -96,7 +96,7 @@ impl End {
     }
 }
 
-/// Where a body is since the start of the step: `R = (1 + turn) R₀`, and the displacement of its anchor (m).
+/// The pose of a body since the start of the step: `R = (1 + turn) R₀`, and the displacement of its anchor (m).
 #[derive(Clone, Copy)]
 pub(crate) struct Moved<V> {
     /// `N = R R₀ᵀ − 1`.
@@ -106,7 +106,7 @@ pub(crate) struct Moved<V> {
 }
 
 impl<V: Lanes> Moved<V> {
-    /// Where an anchor that starts at `anchor` is, from the common origin (m).
+    /// The place of an anchor that starts at `anchor`, from the common origin (m).
     #[inline(always)]
     pub fn anchor_from(&self, anchor: &[f64; 3], origin: &[f64; 3]) -> Vector<V> {
         let from_origin = [anchor[0] - origin[0], anchor[1] - origin[1], anchor[2] - origin[2]];

@@ -1,14 +1,14 @@
 //! Springs with dampers between points of bodies at all stages, in space or in a plane.
 //!
-//! With `d = P_b − P_a` (m), z what d has along the normal of a plane (m, constant; zero in space), stiffness k [N/m], damping c [N s/m]
-//! and rest length `ℓ_r` (m):
+//! The vector between the points is `d = P_b − P_a`, z its part along the normal of a plane (m, constant; zero in space), the stiffness k [N/m], the
+//! damping c [N s/m] and the rest length `ℓ_r` (m):
 //!
 //! ```text
 //!     ℓ² = d·d + z²,     T = k (ℓ − ℓ_r) + c ℓ̇           tension (N), with ℓ̇ of the scheme: [`crate::equations::forces`]
 //!     force T d/ℓ on a and −T d/ℓ on b                   torque about an anchor: arm × force [N m]
 //! ```
 //!
-//! Where an arm is very long both forces act at the other end: [`catena_mechanism::forces::line_of_action`].
+//! If an arm is very long, both forces act at the other end: [`catena_mechanism::forces::line_of_action`].
 
 use crate::numbers::euclidean::Euclidean;
 use crate::numbers::lanes::Lanes;
@@ -16,11 +16,11 @@ use crate::plan::forces::{LineStart, SpringLaw};
 use crate::stages::force_motion::{Motion, Place};
 use catena_mechanism::forces::point_spring::NO_LENGTH;
 
-/// Where bodies are at all stages since the start of a step.
+/// Displacements of bodies at all stages since the start of a step.
 pub(crate) trait BodiesAtStages<V: Lanes> {
     /// In space or in a plane.
     type Vector: Euclidean<V>;
-    /// `N r`: how the turn of a body moves what is at the arm r from its anchor (m).
+    /// `N r`: the displacement by the turn of a body of the point at the arm r from its anchor (m).
     fn swing(&self, body: usize, arm: &<Self::Vector as Euclidean<V>>::Components) -> Self::Vector;
     /// Displacement of the anchor of a body (m).
     fn anchor(&self, body: usize) -> Self::Vector;
@@ -31,10 +31,10 @@ type Components<V, B> = <<B as BodiesAtStages<V>>::Vector as Euclidean<V>>::Comp
 /// A force on a body (N), and its torque about the anchor [N m].
 pub(crate) type Wrench<V, E> = (E, <E as Euclidean<V>>::Axial);
 
-/// A spring: the bodies at its ends (`None` is the world), what it does, and where it is at the start of the step.
+/// A spring: the bodies at its ends (`None` is the world), its law, and its line at the start of the step.
 pub(crate) type Spring<'s, C> = ([Option<usize>; 2], &'s SpringLaw, &'s LineStart<C>);
 
-/// Adds to `wrenches` on all bodies what springs do in one place; returns the power that their dampers dissipate (W).
+/// Adds the forces of springs in one place to `wrenches` on all bodies; returns the power that their dampers dissipate (W).
 #[inline(always)]
 pub(crate) fn add_springs<'s, V: Lanes, B: BodiesAtStages<V>>(
     bodies: &B,

@@ -1,10 +1,10 @@
 //! Closed contacts at all stages: gaps, the directions in which their multipliers push, friction and rolling.
 //!
-//! With φ, n and p at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]), and the slip velocity u at
-//! p [m/s], of the scheme where contacts roll and of rotations where they slide ([`crate::equations::slips`]):
+//! The gap φ, n and p are at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]). The slip velocity u at p
+//! [m/s] comes from the rates of the scheme for rolling contacts, and from the rates of [`crate::equations::slips`] for sliding ones:
 //!
 //! ```text
-//!     gap of a stage        φ_i = 0                              its gradient: the force n_i on b with its torque p_i × n_i, and their opposites on a
+//!     gap of a stage        φ_i = 0                              gradient: the force n_i on b with its torque p_i × n_i, opposites on a
 //!     push of a row         f_k = n_k − μ t_k                    at p_k; t has the direction of u ([`crate::equations::braking`])
 //!     rolling               h Σ_j a_ij e_j · u_j = 0             two tangents e; gradient and push e_i, because A Ā B = 1
 //! ```
@@ -38,9 +38,9 @@ pub(crate) struct SpatialTouch<V> {
     at: [AtStages<V>; 2],
     /// `h Σ_j a_ij e_j · u_j` along both tangents (m).
     creep: [V; 2],
-    /// What these change by.
+    /// The changes of their rates.
     rolling: [[[V; 6]; 2]; 2],
-    /// Where the origin of the second feature is at the columns' stages, from the common origin (m).
+    /// The place of the origin of the second feature at the columns' stages, from the common origin (m).
     center: Vector<V>,
     /// Its friction.
     braking: Braking<V>,
@@ -57,7 +57,7 @@ struct TouchEnd {
 /// The rates of a body and where its anchor is, from the common origin (m), at the columns' and at the rows' stages.
 type BodySides<'r, V> = [(&'r BodyRate<V>, Vector<V>); 2];
 
-/// A contact at stages: what [`Contact`] says, and the slip velocity [m/s].
+/// A contact at stages: the fields of [`Contact`], and the slip velocity [m/s].
 #[derive(Clone, Copy)]
 struct AtStages<V> {
     gap: V,
@@ -67,7 +67,7 @@ struct AtStages<V> {
 }
 
 impl<V: Lanes> SpatialTouch<V> {
-    /// The contacts of a mechanism under so much gravity [m/s²].
+    /// The contacts of a mechanism under gravity of this size [m/s²].
     pub fn all(joints: &[TouchJoint], gravity: f64) -> Vec<Self> {
         let zero = Vector::zero();
         let nowhere = AtStages { gap: V::zero(), normal: zero, point: zero, slip: zero };
@@ -186,7 +186,7 @@ impl<V: Lanes> SpatialTouch<V> {
         }
     }
 
-    /// Finds what the rates of a rolling contact change by besides its gradients, at the columns' stages. For twists η of the bodies
+    /// Computes the changes of the rates of a rolling contact besides its gradients, at the columns' stages. For twists η of the bodies
     ///
     /// ```text
     ///     δ vel_b(p) = (η_b(p))˙ + η_ω × (vel_b(p) − ṗ) − ω_b × (η_b(p) − δp)        and the same of a
@@ -219,12 +219,12 @@ impl<V: Lanes> SpatialTouch<V> {
         }
     }
 
-    /// For both tangents of a rolling contact what its rates change by, for the twists of a and of b.
+    /// For both tangents of a rolling contact the changes of its rates, for the twists of a and of b.
     pub fn rolling(&self) -> [[[V; 6]; 2]; 2] {
         self.rolling
     }
 
-    /// Which rates of bodies its slip takes: those of the scheme if it rolls (0), those of slips if it slides (1).
+    /// The rates of bodies that its slip takes: the rates of the scheme if it rolls (0), the rates of slips if it slides (1).
     pub fn kind_of_rate(&self) -> usize {
         usize::from(self.joint.touch.grip != Grip::Rolls)
     }
@@ -254,12 +254,12 @@ impl<V: Lanes> SpatialTouch<V> {
         self.braking.fastest(self.slipping(1))
     }
 
-    /// What its friction does at the end of the step.
+    /// Its friction at the end of the step.
     pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
         self.braking.lean(mixing, [self.slipping(0), self.slipping(1)])
     }
 
-    /// What its friction takes over the rows, for the multipliers of the gap ([`Braking::dissipated`]).
+    /// Energy that its friction dissipates over the rows, for the multipliers of the gap ([`Braking::dissipated`]).
     #[inline(always)]
     pub fn braked(&self, mixing: &StageMixing<V>, multiplier: V) -> f64 {
         self.braking.dissipated(self.slipping(1), mixing, multiplier)

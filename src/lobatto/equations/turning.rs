@@ -1,20 +1,21 @@
 //! How the direction of friction follows a slip from one iterate to the next.
 //!
-//! Where a slip is slow beside what friction does in the step, a small error of its direction t is a large one of the slip: it comes out across t, and an
-//! iterate with the direction of that is further off. So t is an unknown of its own, the angle φ, and that the slip has its direction is an equation. With
-//! `m = n × t` and `ρ = |t · u|`, Newton's method for both is
+//! If friction is large enough to stop a slip within the step, a small error of its direction t is a large error of the slip across t, and an iterate
+//! with the direction of that slip is further off. So t is an unknown of its own, the angle φ, and that the slip has its direction is an equation.
+//! Let `m = n × t` and `ρ = |t · u|`. Newton's method for both is
 //!
 //! ```text
 //!     friction    μ Λ (t + m dφ),        m · u = ρ dφ       =>       dφ = m · (u + δu)/ρ
 //! ```
 //!
-//! In the linear system it is `R = μ Λ/ρ` times what the slip `u + δu` has across t, and the next direction is that of `ρ t + (m · u) m`, with ρ of the iterate before. With
-//! ρ of this iterate it is that of u itself, and that is taken where both are alike: always near the solution, and soon where friction is slow to turn a slip.
+//! In the linear system this adds `R = μ Λ/ρ` times the part of the slip `u + δu` across t. The next direction is the direction of `ρ t + (m · u) m`,
+//! with ρ of the iterate before. The ρ of this iterate would give the direction of u itself. That direction is taken if both speeds are alike: always
+//! near the solution, and soon if friction is slow to turn a slip.
 //!
 //! The first iteration has no multipliers, and cannot say how t turns. Unless the slip agrees with t after it, t stays for the second.
 //!
-//! This is done in steps that begin without slip or with a slow one. Elsewhere it finds solutions of steps that are too long, which are none of the
-//! motion.
+//! This is done in steps that begin without slip or with a slow one. Other steps would let it find solutions of steps that are too long, which do not
+//! belong to the motion.
 //!
 //! Source: Newton's method in polar coordinates of `u + c t = w`, whose solution has the direction of w however small |u| is beside c.
 
@@ -24,10 +25,10 @@ use nalgebra::Vector3;
 const AGREES: f64 = 1e-2;
 /// Speeds along t, of two iterates, of which neither is larger by more than this factor are alike.
 const ALIKE: f64 = 2.0;
-/// After so many iterations t has the direction of the slip.
+/// After this number of iterations t has the direction of the slip.
 const PATIENCE: usize = 12;
 
-/// What is kept of a stage.
+/// Memory of a stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Followed {
     /// `t · u` of the latest iterate [m/s].
@@ -37,7 +38,8 @@ pub(crate) struct Followed {
 }
 
 impl Followed {
-    /// The next direction, for the latest one, the normal and the slip after so many iterations, one or more; none if it is that of the slip.
+    /// The next direction, for the latest one, the normal and the slip after `iterations` iterations (at least one); `None` if it is the direction of
+    /// the slip.
     pub fn turn(
         &mut self,
         iterations: usize,

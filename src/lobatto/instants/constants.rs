@@ -13,7 +13,7 @@ pub(crate) struct FixedFrame {
     pub turn: [f64; 4],
 }
 
-/// The constants of a body in its joint frame, as those of the articulated-body algorithm.
+/// The constants of a body in its joint frame, as in the articulated-body algorithm.
 #[derive(Clone)]
 pub(crate) struct Constants {
     pub kind: JointKind,

@@ -7,7 +7,7 @@ use crate::numbers::lanes::Lanes;
 use crate::numbers::series::half_angle;
 use std::f64::consts::FRAC_1_PI;
 
-/// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 are those of fdlibm's `e_rem_pio2.c`, times four).
+/// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 in fdlibm's `e_rem_pio2.c`, times four).
 const TURN: [f64; 3] =
     [4.0 * 1.570_796_326_734_125_6, 4.0 * 6.077_100_506_303_966e-11, 4.0 * 2.022_266_248_795_950_6e-21];
 
@@ -42,7 +42,7 @@ impl Joints<'_> {
     pub(crate) fn half_angle<V: Lanes>(&self, entry: usize) -> [V; 2] {
         let mut angles = self.row(self.positions, self.position_count, entry);
         for angle in &mut angles {
-            // Whole turns are taken off, exactly up to a million of them; the turns change nothing but the sign.
+            // Whole turns are taken off, exactly up to a million of them; the turns change the sign only.
             let turns = (*angle * (0.5 * FRAC_1_PI)).round_ties_even();
             *angle = ((*angle - turns * TURN[0]) - turns * TURN[1]) - turns * TURN[2];
         }

@@ -1,31 +1,31 @@
 //! Poses of links and wrenches of joints at several instants of a motion at once: one instant in each lane.
 //!
-//! `tree` is the recursion over the bodies, `constants` and `joints` are what it reads, `quaternion` is its rotations.
+//! `tree` is the recursion over the bodies, `constants` and `joints` are its inputs, `quaternion` is its rotations.
 
 use catena_mechanism::description::joint::Pose;
 use catena_mechanism::description::mechanism::Mechanism;
 
-/// So many instants are looked at together.
+/// Number of instants that are evaluated together.
 pub const INSTANTS: usize = 8;
 
 /// A number at each of the instants.
 pub type Row = [f64; INSTANTS];
 
-/// Where links are and what joints carry at some instants.
+/// Poses of links and wrenches of joints at some instants.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshots {
-    /// Of each link the position x, y, z (m) and the unit quaternion w, x, y, z with w ≥ 0, in the world.
+    /// For each link the position x, y, z (m) and the unit quaternion w, x, y, z with w ≥ 0, in the world.
     pub poses: Vec<[Row; 7]>,
-    /// Of each body's joint the force (N) and the torque [N m] of the parent on the child at the anchor, in the axes of the world.
+    /// For each body's joint the force (N) and the torque [N m] of the parent on the child at the anchor, in the axes of the world.
     pub wrenches: Vec<[Row; 6]>,
-    /// Of each body's joint what acts along its axis: the force of a slide (N), else the torque [N m].
+    /// For each body's joint the effort along its axis: the force of a slide (N), else the torque [N m].
     pub efforts: Vec<Row>,
-    /// Of each loop joint what the first end exerts on the second, at the point of the second.
+    /// For each loop joint the wrench of the first end on the second, at the point of the second.
     pub loops: Vec<[Row; 6]>,
 }
 
 impl Snapshots {
-    /// Room for a mechanism and so many links.
+    /// Room for a mechanism and its links.
     pub fn new(mechanism: &Mechanism, links: usize) -> Self {
         let bodies = mechanism.bodies.len();
         Snapshots {

@@ -35,12 +35,12 @@ pub struct LaneInstants<V> {
     motion: Vec<Motion<V>>,
     eliminated: Vec<Eliminated<V>>,
     gathered: Vec<Articulated<V>>,
-    /// The efforts of forces in joints, freedom by freedom; none if there are none.
+    /// The efforts of forces in joints, freedom by freedom; empty without forces.
     efforts: Vec<Row>,
     scratch: Vec<f64>,
 }
 
-/// A body's frame and motion without joint accelerations, and what that motion needs; later the wrench of its joint.
+/// A body's frame and motion without joint accelerations, and the wrench which that motion needs; later the wrench of its joint.
 #[derive(Clone, Copy)]
 struct Motion<V> {
     turn: Quaternion<V>,
@@ -80,7 +80,7 @@ impl<V: Lanes> LaneInstants<V> {
         }
     }
 
-    /// Root to leaf: frames, velocities, and the accelerations without those of the joints.
+    /// Root to leaf: frames, velocities, and the accelerations without the accelerations of the joints.
     #[inline(always)]
     fn find_motion(&mut self, joints: &Joints) {
         for (index, body) in self.bodies.iter().enumerate() {
@@ -185,7 +185,7 @@ impl<V: Lanes> LaneInstants<V> {
         }
     }
 
-    /// Root to leaf: the rest of the accelerations, and what it adds to the wrench that each body needs.
+    /// Root to leaf: the rest of the accelerations, and its part of the wrench that each body needs.
     #[inline(always)]
     fn resolve_accelerations(&mut self) {
         for (index, body) in self.bodies.iter().enumerate() {
@@ -207,7 +207,7 @@ impl<V: Lanes> LaneInstants<V> {
         }
     }
 
-    /// Leaf to root: a joint carries what its own body needs and what the joints of the body's children carry.
+    /// Leaf to root: a joint carries the wrench of its own body and the wrenches of the joints of the body's children.
     #[inline(always)]
     fn gather_wrenches(&mut self, out: &mut Snapshots) {
         for (index, body) in self.bodies.iter().enumerate().rev() {
@@ -311,7 +311,7 @@ fn store<V: Lanes>(lanes: V, row: &mut Row) {
 /// `R S Rᵀ` for a constant symmetric S.
 #[inline(always)]
 fn congruence<V: Lanes>(r: &Matrix<V>, s: &[f64; 6]) -> Symmetric<V> {
-    // Written out: what is called through a closure is not compiled for the vectors.
+    // Written out, because the compiler does not compile code called through a closure for the vectors.
     let [xx, xy, xz, yy, yz, zz] = *s;
     let s = [V::splat(xx), V::splat(xy), V::splat(xz), V::splat(yy), V::splat(yz), V::splat(zz)];
     let (s, [i, j, k]) = (Symmetric(s), r.rows());

@@ -1,7 +1,7 @@
 //! The constraints of the literal scheme as polynomials of degree two in the coordinates, with exact derivatives.
 //!
-//! A vector that is fixed in a body is an affine function of its coordinates `(x, R)`, and so is the place of a point; every
-//! row of g is a scalar product of two of them; also those of loop joints.
+//! A vector that is fixed in a body is an affine function of its coordinates `(x, R)`, and so is the place of a point. Every row of g is a scalar
+//! product of two of them; rows of loop joints, too.
 
 use crate::literal::coordinates::BODY_COORDINATES;
 use catena_mechanism::description::closure::{LoopJoint, LoopKind};
@@ -114,7 +114,7 @@ fn dot(a: &AffineVector, b: &AffineVector, constant: f64) -> Quadratic {
 
 /// Every row of g: `RᵀR = 1` and the joint of each body in turn, then the loop joints ([`loop_rows`]).
 ///
-/// With the joint frame F on parent and child, `gap = F_c origin − F_p origin` and axes `e_i`, a joint asks
+/// The joint frame F on parent and child gives `gap = F_c origin − F_p origin` and axes `e_i`; a joint requires
 ///
 /// - `e_i(parent) · gap = 0` for each axis i along which it may not translate (for three such axes the gap itself);
 /// - `e_i(parent) · e_j(child) = 0` for (i, j) = (x, z), (y, z) if it may turn about z only, and for (x, y), (y, z),
@@ -158,7 +158,7 @@ pub(crate) fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
     rows
 }
 
-/// The rows of a loop joint as in the table of [`catena_mechanism::description::closure`], that of a distance times 2 L.
+/// The rows of a loop joint as in the table of [`catena_mechanism::description::closure`], the row of a distance times 2 L.
 fn loop_rows(joint: &LoopJoint) -> Vec<Quadratic> {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let [of_a, of_b] =

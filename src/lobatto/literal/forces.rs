@@ -1,16 +1,16 @@
 //! Forces besides gravity in the literal scheme: from the maximal coordinates of all stages to forces in R¹² a body.
 //!
-//! Dampers and springs act on scalars y(q): the displacement of a joint, the components of a ball joint's rotation since
-//! the start of the step, the distance of two points. The rate of y at the stages is that of a coordinate without mass in
-//! (2.5.11): with the unknown impulses r, which stand for its `Ṗ_j / m`,
+//! Dampers and springs act on scalars y(q): the displacement of a joint, the components of a ball joint's rotation since the start of the step, the
+//! distance of two points. The rate of y at the stages is the rate of a coordinate without mass in (2.5.11): with the unknown impulses r, which stand
+//! for its `Ṗ_j / m`,
 //!
 //! ```text
 //!     ẏ_i = ẏ₀ + h Σ_j ā_ij r_j,      y_i = y₀ + h Σ_j a_ij ẏ_j          i = 1..s,   r_s left out: ā_is = 0
 //! ```
 //!
-//! The forces that follow go to the bodies as wrenches `(f, n)` about their centres of mass, in R¹² `(f, ½ n̂ R)`.
-//! Nothing here shares code with [`crate::equations::forces`], which it is the oracle for. A joint angle is taken between −π and π
-//! at the start of the step, because R¹² does not count turns.
+//! The forces that follow go to the bodies as wrenches `(f, n)` about their centres of mass, in R¹² `(f, ½ n̂ R)`. This file shares no code with
+//! [`crate::equations::forces`], for which it is the oracle. A joint angle is taken between −π and π at the start of the step, because R¹² does not
+//! count turns.
 
 use crate::literal::coordinates::{BODY_COORDINATES, body_states};
 use crate::tableau::butcher::Tableau;
@@ -28,11 +28,11 @@ struct Stages<'a> {
     mechanism: &'a Mechanism,
     tableau: &'a Tableau,
     step: f64,
-    /// With the velocities of the start of the step, which count at the first stage only.
+    /// Bodies with the velocities of the start of the step, which count at the first stage only.
     bodies: Vec<Vec<BodyState>>,
 }
 
-/// Where a degree of freedom is: its body, and its axis in the joint frame.
+/// The place of a degree of freedom: its body, and its axis in the joint frame.
 struct Freedom {
     body: usize,
     axis: usize,

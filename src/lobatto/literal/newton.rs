@@ -6,10 +6,10 @@
 //!     Q_i − q − h Σ_j a_ij M⁻¹ (p + h Σ_k ā_jk (F_k − Dg(Q_k)ᵀ Λ_k))   [m, 1],      g(Q_i) − g(q)
 //! ```
 //!
-//! so that with `Â_ik = Σ_j a_ij ā_jk` their derivatives are `1 + h² Â_ik M⁻¹ ∂(Dg(Q_k)ᵀ Λ_k − F_k)/∂Q_k`, `h² Â_ik M⁻¹ Dg(Q_k)ᵀ` and
-//! `Dg(Q_i)`: a square matrix of (s − 1) (12 n + d) rows, in the symbols of [`crate::literal::scheme`]. The m equations of the closed contacts
-//! ([`crate::literal::touches`]) and their multipliers come after those of g at each stage, so that d is that of both together; what they change by as
-//! bodies move is found by differences.
+//! so that with `Â_ik = Σ_j a_ij ā_jk` their derivatives are `1 + h² Â_ik M⁻¹ ∂(Dg(Q_k)ᵀ Λ_k − F_k)/∂Q_k`, `h² Â_ik M⁻¹ Dg(Q_k)ᵀ` and `Dg(Q_i)`: a
+//! square matrix of (s − 1) (12 n + d) rows, in the symbols of [`crate::literal::scheme`]. The m equations of the closed contacts
+//! ([`crate::literal::touches`]) and their multipliers come after the equations g at each stage, so that d counts both together. Their derivatives
+//! are found by differences.
 
 use crate::literal::coordinates::BODY_COORDINATES;
 use crate::literal::scheme::Literal;
@@ -115,7 +115,7 @@ impl Literal<'_> {
                     }
                 }
                 if k > 0 {
-                    // d(Dg(Q)ᵀ Λ)/dQ; the first stage has none because Q_1 = q is given.
+                    // d(Dg(Q)ᵀ Λ)/dQ; zero at the first stage, because Q_1 = q is given.
                     for (constraint, multiplier) in self.constraints.iter().zip(multipliers[k].iter()) {
                         constraint.add_second_derivative(|row, column, entry| {
                             matrix[((i - 1) * n + row, (k - 1) * n + column)] +=

@@ -1,6 +1,6 @@
 //! Gap, normal and point of contact of two features for the literal scheme, from where their frames are.
 //!
-//! With the origins P, the axes z and the radii r of both ends, n from a to b, and `c_a`, `c_b` the points of the cores that are nearest to
+//! Both ends have the origins P, the axes z and the radii r; n points from a to b, and `c_a`, `c_b` are the points of the cores that are nearest to
 //! each other:
 //!
 //! ```text
@@ -18,13 +18,13 @@
 //! ```
 //!
 //! A point of a rim about k with the centre P is `P + ρ m`, its tangent `τ = k × m`. Both conditions of a line and a rim are solved by Newton's
-//! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. Those of a round line and of two rims have several
-//! solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among those that are on the side that
-//! [`Touch::side`] says: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the plane of another, and the left of the way
-//! from centre to centre for two rims nearly in one plane.
+//! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. The conditions of a round line and of two rims
+//! have several solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among the
+//! points on the side of [`Touch::side`]: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the plane of
+//! another, and the left of the way from centre to centre for two rims nearly in one plane.
 //!
-//! Source: the table of feature pairs in the project's page on contact, section 2. Nothing here shares code with
-//! [`catena_mechanism::motion::contact_geometry`], which it is the oracle for; the two agree where features touch, and with their gradients there.
+//! Source: the conditions of nearest points, as above. This file shares no code with [`catena_mechanism::motion::contact_geometry`], for which it is
+//! the oracle. Both agree at places where features touch, as do their gradients.
 
 use catena_mechanism::description::contact::{Feature, LEVEL, Touch};
 use nalgebra::{Matrix2, Vector2, Vector3};
@@ -35,7 +35,7 @@ const ITERATIONS: usize = 12;
 /// Points of a rim at which the least distance is looked for.
 const LOOKED_AT: u32 = 72;
 
-/// Where the frame of a feature is.
+/// The frame of a feature.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     /// P (m).
@@ -146,7 +146,7 @@ impl Circle {
         self.point(self.angle_of(point))
     }
 
-    /// Of equally spaced angles the one whose point has the least distance (m), among those that are allowed.
+    /// Among equally spaced allowed angles, the one whose point has the least distance (m).
     fn least(&self, allowed: impl Fn(f64) -> bool, distance: impl Fn(&Vector3<f64>) -> f64) -> Option<f64> {
         let angles = (0..LOOKED_AT).map(|number| TAU * f64::from(number) / f64::from(LOOKED_AT));
         let of = |angle: &f64| distance(&self.point(*angle));
@@ -203,7 +203,7 @@ fn rim_and_rim(rims: [Circle; 2], side: f64) -> Option<[Vector3<f64>; 3]> {
     Some([a.point(angles.x), b.point(angles.y), normal])
 }
 
-/// From the nearest points of the cores.
+/// The meeting of features from the nearest points of their cores.
 fn meeting([on_a, on_b]: [Vector3<f64>; 2], normal: Vector3<f64>, [first, second]: [f64; 2]) -> Meeting {
     Meeting { gap: normal.dot(&(on_b - on_a)) - first - second, normal, point: on_b - normal * second }
 }

@@ -1,12 +1,11 @@
 //! The scheme (2.5.11) word for word: every coordinate, every constraint, every multiplier, one dense Newton iteration.
 //!
-//! This is the oracle of the tests, not a way to simulate: a step of n bodies costs O((s n)³). The fast solver
-//! eliminates most of what is written out here and must give the same step to rounding.
+//! This is the oracle of the tests, not a way to simulate: a step of n bodies costs O((s n)³). The fast solver eliminates most of these unknowns and
+//! must give the same step to rounding.
 //!
-//! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other), so that with the
-//! second-moment matrix `Σ = ½ tr(J) 1 − J` the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a
-//! constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. With the potential `V = −Σ m gᵀ x` and forces F besides
-//! gravity, which depend on the stages' positions and rates ([`crate::literal::forces`]),
+//! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other). Let `Σ = ½ tr(J) 1 − J` be its second-moment
+//! matrix. Then the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. The
+//! potential is `V = −Σ m gᵀ x`, and F are the forces besides gravity, which depend on the stages' positions and rates ([`crate::literal::forces`]):
 //!
 //! ```text
 //!     Q̇_i = M⁻¹ P_i                                  (2.5.11a)        Q_i = q + h Σ_j a_ij Q̇_j      (2.5.11d)
@@ -15,9 +14,9 @@
 //!     0   = Dg(q̄) M⁻¹ p̄                              (2.5.11h)        p̄ = p + h Σ_i b_i Ṗ_i         (2.5.11g)
 //! ```
 //!
-//! for i = 1..s. Closed contacts ([`crate::literal::touches`]) add equations to g whose multipliers push along other directions than their gradients, and of
-//! velocities. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage
-//! values follow from them by the linear equations above, and Λ_s from (2.5.11h), which is linear.
+//! for i = 1..s. Closed contacts ([`crate::literal::touches`]) add equations to g whose multipliers push along other directions than their gradients,
+//! and of velocities. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage values follow from them by
+//! the linear equations above, and Λ_s from (2.5.11h), which is linear.
 //!
 //! | symbol | meaning                                                                 | size, unit                   |
 //! |--------|-------------------------------------------------------------------------|------------------------------|
@@ -25,6 +24,8 @@
 //! | p, P_i | `(m ẋ, Ṙ Σ)` of all bodies                                              | 12 n; kg m/s and kg m²/s     |
 //! | g      | `RᵀR = 1` (6 a body), then the joint's rows (6 − degrees of freedom); loops; contacts | d; m and 1     |
 //! | Λ_i    | multipliers                                                             | d; N and N m                 |
+//!
+//! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, section 2.5 (`doc/method.md`).
 //!
 //! Every row of g is a polynomial of degree two, so its Jacobian and second derivative are exact and come from the
 //! same list of coefficients. Σ must be positive definite here, because (2.5.11a) divides by it; the elimination of
@@ -75,7 +76,7 @@ pub struct LiteralStep {
     pub stage_coordinates: Vec<DVector<f64>>,
     /// `P_1 … P_s`, each 12 n.
     pub stage_momenta: Vec<DVector<f64>>,
-    /// `Λ_1 … Λ_s`, each d: those of the contacts last.
+    /// `Λ_1 … Λ_s`, each d: multipliers of the contacts last.
     pub multipliers: Vec<DVector<f64>>,
     /// Newton iterations.
     pub iterations: usize,
@@ -270,7 +271,7 @@ impl<'a> Literal<'a> {
         for i in 0..s {
             end_momentum += (&forces[i] - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
         }
-        // Twice, so that what rounding leaves of the first solution is projected away too.
+        // Twice, so that the rounding error of the first solution is projected away too.
         let gradient = stacked(&self.constraint_jacobian(&stage_coordinates[s - 1]), &touching.ends);
         for _ in 0..2 {
             let correction =
@@ -290,7 +291,7 @@ impl<'a> Literal<'a> {
         })
     }
 
-    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = 0` for the gradients G and the directions G̃ in which multipliers push; none if the rows depend on
+    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = 0` for the gradients G and the directions G̃ in which multipliers push; `None` if the rows depend on
     /// each other.
     fn project(
         &self,

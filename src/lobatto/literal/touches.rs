@@ -1,7 +1,7 @@
 //! Closed contacts in the literal scheme: their equations at all stages, and how their multipliers push.
 //!
-//! With the rows `K_e(q) q̇ = e · (vel_b(p) − vel_a(p))` of the velocities of the bodies' material at the point of contact p, along a
-//! direction e, where `vel(p) = ẋ + Ṙ Rᵀ (p − x)`:
+//! Let `K_e(q) q̇ = e · (vel_b(p) − vel_a(p))` be the velocity of the bodies' material at the point of contact p, along a direction e, with
+//! `vel(p) = ẋ + Ṙ Rᵀ (p − x)`:
 //!
 //! ```text
 //!     gap                φ(Q_i) = 0                             i = 2..s         pushes with  Λ_k K_{n − μ t}(Q_k)ᵀ       k = 1..s−1
@@ -10,9 +10,9 @@
 //!     slip               u = ẋ + ω × (p − x) of b less that of a,   u_T = u − (n·u) n,   t = ± u_T/|u_T|
 //! ```
 //!
-//! The sign of t is that of u_T along its direction at the start of the step. Where a step starts without slip, that direction is the one that the
-//! contact is given, and t of the first stage. The tangents e are the two at the start, `e_1` kept square to n by taking away its part
-//! along n, and `e_2 = n × e_1`. The rates of the stages follow from their positions by (2.5.11a, b, d, e) without the momenta:
+//! The sign of t is the sign of u_T along its direction at the start of the step. If a step starts without slip, that direction is the one given to
+//! the contact, and it is t of the first stage. The tangents e are the two at the start, `e_1` kept square to n by taking away its part along n, and
+//! `e_2 = n × e_1`. The rates of the stages follow from their positions by (2.5.11a, b, d, e) without the momenta:
 //!
 //! ```text
 //!     Q_i − q − h c_i q̇ = h² Σ_j a_ij Σ_k ā_jk r_k,       Q̇_j = q̇ + h Σ_k ā_jk r_k        i = 2..s,  j = 1..s,  k = 1..s−1
@@ -20,7 +20,7 @@
 //!
 //! The angular velocity of a slip is `ω_j = ω + h Σ_k ā_jk ½ vee(R̈_k R_kᵀ − R_k R̈_kᵀ)`, with R̈ the part of r for the rotation matrix.
 //!
-//! Nothing here shares code with [`crate::equations::touches`], which it is the oracle for.
+//! This file shares no code with [`crate::equations::touches`], for which it is the oracle.
 
 use crate::literal::coordinates::BODY_COORDINATES;
 use crate::literal::pairs::{Meeting, Placed, meet};
@@ -30,7 +30,7 @@ use catena_mechanism::description::contact::{Grip, TouchJoint};
 use catena_mechanism::description::mechanism::Mechanism;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-/// A slip below this is none [m/s]; at a stage it is so in the first iteration at most.
+/// A slip below this counts as zero [m/s]; at a stage this happens in the first iteration at most.
 const NO_SLIP: f64 = 1e-9;
 
 /// The contacts of a mechanism in a step of this length from `(q, q̇)`.
@@ -47,7 +47,7 @@ pub(crate) struct TouchStep<'a> {
 pub(crate) struct TouchStages {
     /// Gaps and creeps (m) of every stage.
     pub(crate) rows: Vec<DVector<f64>>,
-    /// Of every stage the opposites of the directions in which multipliers push, as a Jacobian of constraints has them (m × 12 n).
+    /// For every stage the opposites of the directions in which multipliers push, as a Jacobian of constraints has them (m × 12 n).
     pub(crate) pulls: Vec<DMatrix<f64>>,
     /// The opposites of K at the end of the step (m × 12 n).
     pub(crate) ends: DMatrix<f64>,
@@ -85,7 +85,7 @@ impl TouchStep<'_> {
         })
     }
 
-    /// `Q̇_1 … Q̇_s`, and with `ω̂ R` in the place of Ṙ those that slips take.
+    /// `Q̇_1 … Q̇_s`, and the rates for slips, with `ω̂ R` in the place of Ṙ.
     fn rates(&self, increments: &[DVector<f64>], positions: &[DVector<f64>]) -> [Vec<DVector<f64>>; 2] {
         let (s, h) = (self.tableau.stages, self.step);
         let Tableau { a, a_bar, nodes, .. } = self.tableau;
@@ -117,7 +117,7 @@ impl TouchStep<'_> {
         [rates, slips]
     }
 
-    /// One contact, for the positions of all stages, their rates and those of slips.
+    /// One contact, for the positions of all stages, their rates and the rates of slips.
     fn one(
         &self,
         joint: &TouchJoint,
@@ -172,7 +172,7 @@ impl TouchStep<'_> {
     }
 }
 
-/// Position and rotation matrix of an end in the coordinates of all bodies; of the world none.
+/// Position and rotation matrix of an end in the coordinates of all bodies; `None` for the world.
 fn pose(end: &Attachment, q: &DVector<f64>) -> Option<(usize, Vector3<f64>, Matrix3<f64>)> {
     let first = BODY_COORDINATES * end.body?;
     let rotation = Matrix3::from_column_slice(&q.as_slice()[first + 3..first + BODY_COORDINATES]);
@@ -213,7 +213,7 @@ fn slip(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>, rates: &DVector<f6
     across(&here.normal, Vector3::from_fn(|axis, _| along(axis)))
 }
 
-/// What of a vector is square to a unit vector.
+/// The part of a vector that is orthogonal to a unit vector.
 fn across(normal: &Vector3<f64>, vector: Vector3<f64>) -> Vector3<f64> {
     vector - normal * normal.dot(&vector)
 }

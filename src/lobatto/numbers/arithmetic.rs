@@ -1,8 +1,8 @@
 //! The number type of the equations of a step: one number for each stage, of sixteen digits or of thirty-two.
 //!
-//! `Lanes` are doubles; `Double` are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a
-//! step can be solved to sixteen digits fast and then to thirty-two ([`crate::step::precise`]) by the same lines. What does not mix stages asks for
-//! [`Arithmetic`] alone, and can be worked out for [one](Numbers::One) of them ([`crate::ending::velocities`]).
+//! `Lanes` are doubles; `Double` are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a step can be solved
+//! to sixteen digits fast and then to thirty-two ([`crate::step::precise`]) by the same lines. Code that does not mix stages requires [`Arithmetic`]
+//! alone, and can run for [one](Numbers::One) of them ([`crate::ending::velocities`]).
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -10,7 +10,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub trait Arithmetic:
     Copy + Send + Sync + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// What is known of the start of a step, with as many digits.
+    /// Number type of the start of a step, with as many digits.
     type Real: Copy + Default + Send + Sync + 'static;
     /// The same double for all stages.
     fn splat(value: f64) -> Self;
@@ -22,7 +22,7 @@ pub trait Arithmetic:
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// `c − self · b`.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// What rounding has cut off `product`, which is `self · b` rounded; nothing of numbers that keep it.
+    /// The rounding error of `product`, which is `self · b` rounded; zero for numbers that do not keep it.
     fn lost(self, b: Self, product: Self) -> Self;
     /// `1 / self`.
     fn reciprocal(self) -> Self;
@@ -38,9 +38,9 @@ pub trait Arithmetic:
 pub trait Numbers: Arithmetic {
     /// One stage alone; or several, where they are to be had no cheaper.
     type One: Arithmetic<Real = Self::Real>;
-    /// What is known of the start of a step, from a double.
+    /// A number of the start of a step, from a double.
     fn real(value: f64) -> Self::Real;
-    /// Doubles for the stages, zero above their end, and what rounding has cut off them, for those who keep it.
+    /// Doubles for the stages, zero above their end, and their rounding errors, for numbers that keep them.
     fn from_parts(high: &[f64], low: &[f64]) -> Self;
     /// Mixes stages: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the stages.
     fn mix(self, columns: &[Self]) -> Self;
@@ -49,7 +49,7 @@ pub trait Numbers: Arithmetic {
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
         one_by_one(values, columns)
     }
-    /// Whether what is mixed is better stored long before.
+    /// Whether the operands of sums over stages are better stored long before.
     const STORES_EARLY: bool;
     /// The stages one after the other, in memory.
     type Stored: Copy + Send + Sync;
@@ -68,12 +68,12 @@ pub trait Numbers: Arithmetic {
     fn max_abs(self, bound: Self) -> Self;
     /// Largest of numbers that are not negative, to sixteen digits; NaN if any is NaN.
     fn largest(self) -> f64;
-    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](crate::stages::pose::MAX_TURN), or `φ ≤` [`FEW`](crate::numbers::series::FEW) where
-    /// few terms are asked for.
+    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](crate::stages::pose::MAX_TURN), or `φ ≤` [`FEW`](crate::numbers::series::FEW)
+    /// where few terms are asked for.
     fn half_angle(square: Self, few: bool) -> (Self, Self);
 }
 
-/// Arrays from the border of a cache line on: what is stored over a border comes back late.
+/// Arrays that begin at the border of a cache line: a value stored across a border is read back late.
 #[repr(align(64))]
 #[derive(Clone, Copy)]
 pub struct InLines<A, const N: usize>(pub [A; N]);

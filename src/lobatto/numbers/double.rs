@@ -6,8 +6,8 @@
 //!     a · b:   p = a.high · b.high, its lost part (fused multiply-add) + a.high b.low + a.low b.high
 //! ```
 //!
-//! The error of a sum is some 2⁻¹⁰⁵ ≈ 2e-32 of the larger operand, not of the sum: what cancels has lost those digits before, as in any
-//! sum of doubles. Source: T. J. Dekker, Numerische Mathematik 18 (1971); Y. Hida, X. Li and D. Bailey, ARITH-15 (2001), section 3.
+//! The error of a sum is some 2⁻¹⁰⁵ ≈ 2e-32 of the larger operand, not of the sum: cancellation has lost those digits before, as in any sum of
+//! doubles. Source: T. J. Dekker, Numerische Mathematik 18 (1971); Y. Hida, X. Li and D. Bailey, ARITH-15 (2001), section 3.
 
 use crate::numbers::arithmetic::{Arithmetic, InLines, Numbers};
 use crate::numbers::extended::Extended;

@@ -14,7 +14,7 @@ use crate::numbers::lanes::Lanes;
 pub(crate) trait Euclidean<V: Lanes>: Copy {
     /// Its components where it is the same in all lanes.
     type Components: Copy + Default;
-    /// What a product `×` is: a torque or an angular velocity.
+    /// Type of a product `×`: a torque or an angular velocity.
     type Axial: Copy;
     /// The zero vector.
     fn zero() -> Self;

@@ -1,13 +1,12 @@
-//! A number of about 32 digits: the unevaluated sum of two doubles, for the coefficients that are computed at start-up and for what steps of
-//! 32 digits start from. Many of them at once, in lanes, are [`crate::numbers::double::Double`].
+//! A number of about 32 digits: the unevaluated sum of two doubles, for the coefficients that are computed at start-up and for the start of steps of
+//! 32 digits. Many of them at once, in lanes, are [`crate::numbers::double::Double`].
 //!
 //! ```text
 //!     value = high + low,   |low| ≤ ½ ulp(high)        so that `high` is the value correctly rounded to a double
 //! ```
 //!
-//! Every operation is exact up to a relative error of a few 2⁻¹⁰⁴ ≈ 5e-32. Source: T. J. Dekker, "A floating-point
-//! technique for extending the available precision", Numerische Mathematik 18 (1971); the names two-sum and
-//! two-product are those of the literature that followed.
+//! Every operation is exact up to a relative error of a few 2⁻¹⁰⁴ ≈ 5e-32. Source: T. J. Dekker, "A floating-point technique for extending the
+//! available precision", Numerische Mathematik 18 (1971); the names two-sum and two-product are from the later literature.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,7 +15,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct Extended {
     /// The value rounded to a double.
     high: f64,
-    /// What that rounding cut off.
+    /// The rounding error of `high`.
     low: f64,
 }
 
@@ -50,7 +49,7 @@ impl Extended {
         self.high
     }
 
-    /// What rounding to a double cuts off, itself rounded.
+    /// The rounding error of rounding to a double, itself rounded.
     pub(crate) fn remainder(self) -> f64 {
         self.low
     }

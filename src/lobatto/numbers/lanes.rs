@@ -13,9 +13,9 @@ pub const MAX_LANES: usize = 16;
 
 /// How vectors are mixed.
 pub trait Mixing<V: Lanes> {
-    /// What `Numbers::STORES_EARLY` says of them.
+    /// Value of `Numbers::STORES_EARLY` for these lanes.
     const EARLY: bool;
-    /// What they are in memory.
+    /// Their type in memory.
     type Stored: Copy + Send + Sync;
     /// `Numbers::mix_all`.
     fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N];
@@ -38,7 +38,7 @@ pub trait Lanes:
     type Mixing: crate::numbers::lanes::Mixing<Self>;
     /// `[f64; COUNT]`.
     type Array: Copy + Send + Sync + AsRef<[f64]> + AsMut<[f64]>;
-    /// The same lanes in single precision, where those are cheaper.
+    /// The same lanes in single precision, if that is cheaper.
     type Single: crate::numbers::arithmetic::Numbers;
     /// Whether they are.
     const HAS_SINGLE: bool;
@@ -48,7 +48,7 @@ pub trait Lanes:
     type Two: Lanes<Array = [f64; 2]>;
     /// To single precision.
     fn narrow(self) -> Self::Single;
-    /// From single precision.
+    /// Converts single precision.
     fn widen(single: Self::Single) -> Self;
     /// All lanes equal.
     fn splat(value: f64) -> Self;
@@ -62,7 +62,7 @@ pub trait Lanes:
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// `c − self · b`.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// What rounding has cut off `product`, which is `self · b` rounded: exact.
+    /// The rounding error of `product`, which is `self · b` rounded: exact.
     #[inline(always)]
     fn lost(self, b: Self, product: Self) -> Self {
         self.mul_add(b, -product)

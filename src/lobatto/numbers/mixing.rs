@@ -1,8 +1,8 @@
 //! Mixing the stages of vectors, `Σ_i columns[i] · self[i]`: every lane meets a column of its own.
 //!
-//! Out of a register a lane has to be shuffled first. In memory it is an operand of the multiplication ([`ReadBack`]), which costs less where a
-//! register has many lanes; but then the multiplication waits for what was just stored, unless that was long before (`Numbers::STORES_EARLY`).
-//! Either way the products are added up in the same order, to the same bits.
+//! Out of a register a lane has to be shuffled first. A lane in memory is an operand of the multiplication ([`ReadBack`]), which costs less if a
+//! register has many lanes. But then the multiplication waits for the latest store, unless that was long before (`Numbers::STORES_EARLY`). Either way
+//! the products are added up in the same order, to the same bits.
 
 use crate::numbers::arithmetic::{Arithmetic, InLines, one_by_one};
 use crate::numbers::lanes::{Lanes, Mixing};
@@ -59,7 +59,7 @@ pub(crate) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize
     mix_stored_before(std::hint::black_box(arrays), columns)
 }
 
-/// [`mix_from_memory`] of what was stored where the compiler does not see it.
+/// [`mix_from_memory`] of values stored out of the compiler's sight.
 #[inline(always)]
 pub(crate) fn mix_stored_before<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
     InLines(arrays): &InLines<A, N>,

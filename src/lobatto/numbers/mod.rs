@@ -8,7 +8,7 @@
 //! | symbol | what | where |
 //! |---|---|---|
 //! | `V: Lanes` | doubles, one a stage, in registers | [`lanes`], [`reductions`], [`mixing`], [`lane_arithmetic`] |
-//! | `V: Numbers`, `Arithmetic` | the same of 16 or of 32 digits; of all stages, or of one alone | [`arithmetic`], [`mod@double`], [`fused`], [`twofold`], [`extended`] |
+//! | `V: Numbers`, `Arithmetic` | 16 or 32 digits; all stages, or one | [`arithmetic`], [`mod@double`], [`fused`], [`twofold`], [`extended`] |
 //! | `Vector<V>`, `Matrix<V>` | three-vectors and 3×3 matrices of them | [`algebra`], [`euclidean`] |
 //! | `(w, u)` | unit quaternions of rotations since the start of the step | [`rotations`], [`series`] |
 

@@ -1,4 +1,4 @@
-//! Rotations as unit quaternions `(w, u)`, for all stages at once: their series, their product, and what they do to a vector.
+//! Rotations as unit quaternions `(w, u)`, for all stages at once: their series, their product, and the rotation of a vector.
 //!
 //! ```text
 //!     w = cos φ/2 = Σ_n (−φ²/4)ⁿ / (2n)!           u = θ sin(φ/2)/φ,   sin(φ/2)/φ = ½ Σ_n (−φ²/4)ⁿ / (2n + 1)!        φ = |θ|  (rad)
@@ -37,7 +37,7 @@ pub struct Tilt<V> {
 }
 
 impl<V: Arithmetic> Tilt<V> {
-    /// That of a rotation vector.
+    /// The rotation of a rotation vector.
     #[inline(always)]
     pub fn of(vector: Vector<V>) -> Self {
         Tilt { vector, coefficients: tangent(vector.dot(vector)) }
@@ -61,7 +61,7 @@ pub(crate) fn tilted_by<V: Arithmetic>(tilt: Option<Tilt<V>>, axis: Vector<V>) -
     }
 }
 
-/// What a change of a rotation vector `θ` has to be for one of the rotation, in the axes of the start:
+/// The change of a rotation vector `θ` that corresponds to a change of the rotation, in the axes of the start:
 ///
 /// ```text
 ///     (1 − k₁ θ̂ + k₂ θ̂²)⁻¹ v = (1 + ½ θ̂ + κ θ̂²) v,     κ = (1 − φ/2 cot φ/2)/φ² = 1/12 + φ²/720 + φ⁴/30240 + …

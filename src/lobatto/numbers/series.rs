@@ -6,9 +6,9 @@
 
 use crate::numbers::arithmetic::Arithmetic;
 
-/// `(−1/4)ⁿ / (2n)!`, the series of `cos(φ/2)` in `φ²`,
+/// `(−1/4)ⁿ / (2n)!`, the series of `cos(φ/2)` in `φ²`.
 const COSINE: [f64; 11] = series(0, 1.0);
-/// and `½ (−1/4)ⁿ / (2n + 1)!`, that of `sin(φ/2)/φ`.
+/// `½ (−1/4)ⁿ / (2n + 1)!`, the series of `sin(φ/2)/φ` in `φ²`.
 const SINE: [f64; 11] = series(1, 0.5);
 
 /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](crate::stages::pose::MAX_TURN), by their Taylor series.
@@ -48,8 +48,8 @@ const fn series(odd: usize, first: f64) -> [f64; 11] {
     terms
 }
 
-/// A polynomial of many terms, with ascending coefficients: `c₀ + x ((c₁ + c₃ x² + …) + x (c₂ + c₄ x² + …))`, two chains of half the length for
-/// those who wait for it.
+/// A polynomial of many terms, with ascending coefficients: `c₀ + x ((c₁ + c₃ x² + …) + x (c₂ + c₄ x² + …))`, two chains of half the length, for code
+/// that waits for the result.
 #[inline(always)]
 pub fn polynomial<V: Arithmetic>(coefficients: &[f64], x: V) -> V {
     let square = x * x;

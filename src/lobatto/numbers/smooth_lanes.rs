@@ -1,4 +1,5 @@
-//! Lanes as numbers of smooth functions: what the mechanism's floor writes once for a value and for its derivatives is evaluated at all stages, too.
+//! Lanes as numbers of smooth functions: the mechanism's formulas, written once for a value and for its derivatives, are evaluated at all stages,
+//! too.
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::Lanes;

@@ -1,5 +1,5 @@
-//! Two numbers of sixteen digits, one for each of two motions, in the lanes of one vector: what is known of a motion differs from lane to lane, where
-//! [`Lanes`] have it the same in all of them.
+//! Two numbers of sixteen digits, one for each of two motions, in the lanes of one vector: the start of a motion differs from lane to lane, while
+//! [`Lanes`] have the same start in all of them.
 
 use crate::numbers::arithmetic::Arithmetic;
 use crate::numbers::lanes::Lanes;

@@ -1,19 +1,19 @@
 //! The order in which a mechanism with loops is eliminated: planned once, on the graph alone.
 //!
 //! The unknowns are the freedoms of the tree's joints and the multipliers of the equations that the tree cannot say. A
-//! *front* is a dense block over the twist of one body and the multipliers that are still open below it (multifrontal
-//! elimination: I. Duff, J. Reid, ACM TOMS 9 (1983) 302). Bodies come leaf first, so that on a tree this is the articulated
-//! recursion; a loop is eliminated where its two branches meet, which is the world if it ends there. Before that its block may have no full
-//! rank, however many freedoms are gone: hinges are parallel, knees straight, and other loops need them, too.
+//! *front* is a dense block over the twist of one body and the multipliers that are still open below it (multifrontal elimination: I. Duff, J. Reid,
+//! ACM TOMS 9 (1983) 302). Bodies come leaf first, so that on a tree this is the articulated recursion. A loop is eliminated at the body at which its
+//! two branches meet, or at the world if it ends there. Before that its block may have no full rank, however many freedoms are gone: hinges are
+//! parallel, knees straight, and other loops need them, too.
 //!
-//! In a step, what pushes a body from the world and gives goes at that body, before any freedom. Springs and the friction of contacts give, and
-//! so do contacts with the world, by their proximal term ε alone. Such a contact is a 6 × 6 block that the body's inertia takes up,
+//! In a step, a compliant connection of a body to the world is eliminated at that body, before any freedom. Springs and the friction of contacts
+//! give, and so do contacts with the world, by their proximal term ε alone. Such a contact is a 6 × 6 block that the body's inertia takes up,
 //!
 //! ```text
 //!     D_ki ← D_ki + J_kᵀ (B_ki/ε) J_i
 //! ```
 //!
-//! however many points of the body touch, and the bodies below in the tree see nothing of it.
+//! The block does not depend on the number of touching points, and the bodies below in the tree are not affected.
 //!
 //! The number of multipliers in a front, and with it the cost, stays bounded on ladders whose rungs are numbered
 //! along them; it grows with the number of loops that pass over one body.
@@ -32,8 +32,8 @@ pub enum Operation {
     /// Eliminate a multiplier in `slot`; `measure` are the rows of all closures that go with it and their slots, whose mobilities
     /// are measured before the first of them goes.
     Multiplier { row: usize, slot: usize, columns: Vec<Column>, measure: Vec<(usize, usize)> },
-    /// Add the top front to the one below and take it off: slots from and to, after clearing those that `enter` there;
-    /// without the twist if it is that of the world.
+    /// Add the top front to the one below and take it off: slots from and to, after clearing the slots that `enter` there; without the twist if it is
+    /// the twist of the world.
     Merge { slots: Vec<(usize, usize)>, enter: Vec<usize>, present: Vec<usize>, twist: bool },
 }
 
@@ -42,15 +42,15 @@ pub enum Operation {
 pub struct Column {
     /// Its slot in the front.
     pub slot: usize,
-    /// What it multiplies.
+    /// The unknown that it multiplies.
     pub unknown: Unknown,
 }
 
 /// An unknown of the linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
-    /// A component of the twist of a body about the common origin. What a freedom of its own joint multiplies is the twist before that freedom
-    /// and the later ones are added.
+    /// A component of the twist of a body about the common origin. A freedom of its own joint multiplies the twist before that freedom and the later
+    /// ones are added.
     Twist { body: usize, component: usize },
     /// The multiplier of a row.
     Multiplier(usize),
@@ -77,7 +77,7 @@ pub struct Elimination {
 }
 
 impl Elimination {
-    /// What a solve takes: the squares of the fronts at every unknown that is eliminated, added up.
+    /// The work of a solve: the squares of the fronts at every unknown that is eliminated, added up.
     pub fn work(&self) -> usize {
         let of = |operation: &Operation| match operation {
             Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } => (columns.len() + 1).pow(2),

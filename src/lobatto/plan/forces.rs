@@ -1,4 +1,4 @@
-//! The forces on a mechanism, sorted for the sweeps, and what they need of the start of a step.
+//! The forces on a mechanism, sorted for the sweeps, and their quantities at the start of a step.
 
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::forces::PointSpring;
@@ -9,7 +9,7 @@ use catena_mechanism::forces::total::scalar_coordinate;
 use catena_mechanism::ground::matrices::times;
 use catena_mechanism::motion::state::State;
 
-/// The constant data of all forces, by what they need.
+/// The constant data of all forces, sorted by their inputs.
 #[derive(Clone)]
 pub(crate) struct AppliedPlan {
     /// Freedom and coefficient.
@@ -31,11 +31,11 @@ pub(crate) struct Ball {
     pub(crate) first: usize,
     pub(crate) coefficients: [f64; 3],
     pub(crate) efforts: [f64; 3],
-    /// Those that drive it from outside in this step.
+    /// Efforts that drive it from outside in this step.
     pub(crate) driven: [f64; 3],
 }
 
-/// What a spring with a damper does for its length and rate.
+/// Law of a spring with a damper for its length and rate.
 #[derive(Clone, Copy)]
 pub(crate) struct SpringLaw {
     /// N/m.
@@ -47,7 +47,7 @@ pub(crate) struct SpringLaw {
 }
 
 impl SpringLaw {
-    /// That of a spring between points.
+    /// The law of a spring between points.
     pub(crate) fn of(spring: &PointSpring) -> Self {
         let &PointSpring { stiffness, damping, rest_length, .. } = spring;
         SpringLaw { stiffness, damping, rest_length }
@@ -69,26 +69,26 @@ pub(crate) struct WrenchPlan {
     pub(crate) torque: [f64; 3],
 }
 
-/// What the forces need of the start of a step.
+/// Quantities of the forces at the start of a step.
 #[derive(Clone, Default)]
 pub struct AppliedStart {
     /// Extension of each joint spring (rad or m).
     pub(crate) extensions: Vec<f64>,
     pub(crate) lines: Vec<LineStart<[f64; 3]>>,
-    /// From the anchor to the point of each wrench, in world axes (m).
+    /// Vectors from the anchor to the point of each wrench, in world axes (m).
     pub(crate) arms: Vec<[f64; 3]>,
 }
 
 /// A spring between points at the start of a step, in the components `C` of the world or of a plane.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct LineStart<C> {
-    /// From the anchors of the two bodies to the ends (m).
+    /// Vectors from the anchors of the two bodies to the ends (m).
     pub(crate) arms: [C; 2],
-    /// Where one of them is very long, the end at which both forces act, and the arm of the other body to it (m).
+    /// If one of the arms is very long, the end at which both forces act, and the arm of the other body to it (m).
     pub(crate) common: Option<(usize, C)>,
     /// d, from a to b (m).
     pub(crate) separation: C,
-    /// z² of what d has along the normal of a plane, and never changes (m²).
+    /// Square of the part z of d along the normal of a plane, which never changes (m²).
     pub(crate) square: f64,
     /// ℓ (m) and its rate [m/s].
     pub(crate) length: f64,
@@ -113,7 +113,7 @@ impl AppliedStart {
             let slot = spring.coordinate.position;
             *extension = state.position[slot] - spring.rest + state.compensation[slot];
         }
-        // From the anchor of a body to a point in its frame.
+        // Vector from the anchor of a body to a point in its frame.
         let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
             times(&bodies[body].rotation, &(point - mechanism.bodies[body].joint.on_child.translation.vector))
         };
@@ -189,7 +189,7 @@ impl AppliedPlan {
         plan
     }
 
-    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; none if there are no entries.
+    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; an empty slice means zero efforts.
     pub(crate) fn drive(&mut self, efforts: &[f64]) {
         let effort = |freedom: usize| efforts.get(freedom).copied().unwrap_or(0.0);
         for (freedom, own) in &mut self.driven {

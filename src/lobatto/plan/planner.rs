@@ -1,12 +1,13 @@
-//! The state of the planner of an elimination: which fronts are on the stack, what is in their slots, and which closures are complete.
+//! The state of the planner of an elimination: the fronts on the stack, the contents of their slots, and the complete closures.
 
 use crate::plan::elimination::{Column, Elimination, Operation, Unknown};
 use catena_mechanism::description::closure::LoopKind;
 use catena_mechanism::description::mechanism::Mechanism;
 
 impl Elimination {
-    /// Plans the elimination of the loops and contacts, which have so many `rows` each, and mimics, and with `springs` of the tensions of the
-    /// point springs and of the turning friction of contacts too, where contacts with the world go at their bodies; twists have `width` components.
+    /// Plans the elimination of the loops and contacts, which have `rows` equations each, and of mimics. If `springs` is set, the plan has the
+    /// tensions of the point springs and the turning friction of contacts, and contacts with the world are eliminated at their bodies. Twists have
+    /// `width` components.
     pub fn new(mechanism: &Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let mut planner = Planner::new(mechanism, width, rows, springs);
         let mut first_child_done = vec![false; mechanism.bodies.len()];
@@ -44,11 +45,11 @@ impl Elimination {
 struct Closure {
     first_row: usize,
     rows: usize,
-    /// Its two ends; `None` is the world. A mimic has none.
+    /// Its two ends; `None` is the world. Empty for a mimic.
     sides: [Option<usize>; 2],
     /// Bodies with an end of it; fewer than two if it ends in the world.
     ends: Vec<usize>,
-    /// Where its branches meet; `None` is the world.
+    /// The body at which its branches meet; `None` is the world.
     meets: Option<usize>,
     /// Whether it goes at its only body, with a pivot of its own.
     on_world: bool,
@@ -66,12 +67,12 @@ pub(crate) struct Planner<'m> {
     processed: Vec<bool>,
     /// Whether a row's right-hand side is in a front already.
     gap_taken: Vec<bool>,
-    /// What is planned so far.
+    /// The plan so far.
     pub(crate) plan: Elimination,
 }
 
 impl<'m> Planner<'m> {
-    /// Nothing planned yet, for the arguments of [`Elimination::new`].
+    /// An empty plan, for the arguments of [`Elimination::new`].
     pub(crate) fn new(mechanism: &'m Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
@@ -204,7 +205,7 @@ impl<'m> Planner<'m> {
         self.plan.operations.push(Operation::Own { body, ends });
     }
 
-    /// The columns of the top front but for `without`; the twist is that of `body`.
+    /// The columns of the top front but for `without`; the twist is the twist of `body`.
     fn columns(&self, body: Option<usize>, without: Option<usize>) -> Vec<Column> {
         let twist = (0..self.plan.width).filter_map(|component| {
             body.map(|body| Column { slot: component, unknown: Unknown::Twist { body, component } })
@@ -215,12 +216,12 @@ impl<'m> Planner<'m> {
         twist.chain(held).filter(|column| Some(column.slot) != without).collect()
     }
 
-    /// Eliminates the freedoms of a body's joint: the top front is that of its parent then.
+    /// Eliminates the freedoms of a body's joint: the top front then belongs to its parent.
     pub(crate) fn freedoms(&mut self, body: usize) {
         let joint = &self.mechanism.bodies[body].joint;
         let front = &self.stack[self.top()];
         for freedom in joint.velocity_range().rev() {
-            // The world does not move: what is left of the twist is known once the first freedom is the last to go.
+            // The world does not move: the rest of the twist is known once the first freedom is the last to go.
             let moves = self.mechanism.bodies[body].parent.is_some() || freedom != joint.velocity_index;
             let columns = self.columns(moves.then_some(body), None);
             let mut direct = Vec::new();
@@ -237,8 +238,7 @@ impl<'m> Planner<'m> {
         }
     }
 
-    /// Eliminates the closures that go at their body, whose front is on top and has not been touched since they came in: nothing but the twist is
-    /// coupled to them.
+    /// Eliminates the closures that go at their body, whose front is on top and unchanged since they came in: they are coupled to the twist only.
     pub(crate) fn close_on_world(&mut self, body: usize) {
         for index in 0..self.closures.len() {
             let closure = &mut self.closures[index];
@@ -257,12 +257,12 @@ impl<'m> Planner<'m> {
         }
     }
 
-    /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`.
+    /// Eliminates the closures that are complete in the top front, whose twist is the twist of `twist`.
     pub(crate) fn close_complete(&mut self, twist: Option<usize>) {
         let complete: Vec<(usize, Vec<(usize, usize)>)> = (0..self.closures.len())
             .filter_map(|index| self.complete(index, twist).map(|slots| (index, slots)))
             .collect();
-        // All of them before the first goes: the next may say the same, and would be measured by what is left of it.
+        // All of them are measured before the first goes: the next may be implied by it, and would be measured by its rounding.
         let mut measure: Vec<(usize, usize)> = complete.iter().flat_map(|(_, slots)| slots).copied().collect();
         for (index, slots) in complete {
             self.closures[index].done = true;
@@ -292,7 +292,7 @@ impl<'m> Planner<'m> {
         rows.map(|row| self.slot_of(front, row).map(|slot| (row, slot))).collect()
     }
 
-    /// Whether the freedoms of a body's joint are not eliminated yet while the front's twist is that of `twist`.
+    /// Whether the freedoms of a body's joint are not eliminated yet while the front has the twist of `twist`.
     fn is_open(&self, body: usize, twist: Option<usize>) -> bool {
         !self.processed[body] || twist == Some(body)
     }

@@ -1,8 +1,8 @@
 //! Chooses the joints that a run cuts: the spanning tree with the least work in the elimination.
 //!
 //! A closure is eliminated where its two branches meet ([`crate::plan::elimination`]), so that its equations sit in the fronts of all bodies on its
-//! circuit. With `m_b` the equations of the closures that pass over body b, `W` components of a twist (none where the world is next), `f_b` freedoms,
-//! B for the geometry of a body and C for what a solve takes besides,
+//! circuit. Let `m_b` be the equations of the closures that pass over body b, `W` the components of a twist (zero if the world is next), `f_b` its
+//! freedoms, B a constant for the geometry of a body and C one for the rest of a solve:
 //!
 //! ```text
 //!     work = C + Σ_b B + Σ_b f_b (W + m_b + 1)² + Σ_closures rows (W + max m)²
@@ -22,7 +22,7 @@ const BODY: f64 = 10.0;
 const SOLVE: f64 = 400.0;
 /// Another tree than the file's is taken if it has this part of its work, or less.
 const WORTHWHILE: f64 = 0.8;
-/// The search ends after so many comparisons of entries: some milliseconds.
+/// The search ends after this number of comparisons of entries: some milliseconds.
 const PATIENCE: usize = 1_000_000;
 
 /// The spanning tree to run a mechanism on, if another than the file's is worthwhile.
@@ -93,7 +93,7 @@ fn latest(graph: &Graph, order: &[(usize, Option<usize>)]) -> Vec<usize> {
     order.iter().filter_map(of_node).collect()
 }
 
-/// A spanning tree of the links that must be in it, then of those that are preferred, then of the others.
+/// A spanning tree of the links that must be in it, then of the preferred ones, then of the others.
 fn spanning(graph: &Graph, preferred: Vec<usize>) -> Vec<bool> {
     let mut root: Vec<usize> = (0..=graph.bodies).collect();
     let mut used = vec![false; graph.links.len()];
@@ -177,7 +177,7 @@ impl Rooted {
         self.branches(graph, link).concat()
     }
 
-    /// What the freedoms of a link cost, with so many equations over it.
+    /// Cost of the freedoms of a link, with `rows` equations over it.
     fn of_link(&self, graph: &Graph, link: usize, rows: usize) -> f64 {
         let Link { freedoms, ends, .. } = graph.links[link];
         let width = if ends.contains(&None) { 0 } else { graph.width };
@@ -239,8 +239,8 @@ impl Rooted {
         circuit.iter().map(|&body| self.of_link(graph, self.above[body].1, self.rows[body])).sum()
     }
 
-    /// By how much the work on a circuit changes if its closure `link` comes in and the link above `out` goes: what passes over the others is
-    /// the symmetric difference of what passed over them and over `out`.
+    /// Change of the work on a circuit if its closure `link` comes in and the link above `out` goes: each of the other links then carries the
+    /// symmetric difference of its own closures and the closures over `out`.
     fn exchange(&self, graph: &Graph, link: usize, out: usize, circuit: &[usize]) -> f64 {
         let of = |link: usize| graph.links[link].rows;
         let gone = self.above[out].1;
@@ -257,7 +257,7 @@ impl Rooted {
         change
     }
 
-    /// The tree with its bodies in an order that keeps what passes between neighbouring branches short.
+    /// The tree with its bodies in an order that keeps closures between neighbouring branches short.
     fn tree(&self, graph: &Graph) -> SpanningTree {
         let hang = |body: usize| {
             let (parent, link) = self.above[body];
@@ -269,7 +269,7 @@ impl Rooted {
         for body in 0..graph.bodies {
             children[self.above[body].0.unwrap_or(graph.bodies)].push(body);
         }
-        // What passes between two branches of the same body.
+        // Closures that pass between two branches of the same body.
         let mut between: Vec<Vec<(usize, usize)>> = vec![Vec::new(); graph.bodies];
         for link in (0..graph.links.len()).filter(|&link| !self.used[link]) {
             if let [Some(&a), Some(&b)] = self.branches(graph, link).each_ref().map(|branch| branch.last()) {
@@ -289,7 +289,7 @@ impl Rooted {
     }
 }
 
-/// What two sorted lists have in common.
+/// The common entries of two sorted lists.
 fn common<'l>(one: &'l [usize], other: &'l [usize]) -> impl Iterator<Item = usize> + 'l {
     let mut next = 0;
     one.iter().copied().filter(move |entry| {
@@ -300,8 +300,8 @@ fn common<'l>(one: &'l [usize], other: &'l [usize]) -> impl Iterator<Item = usiz
     })
 }
 
-/// Branches in an order in which few equations are open between those that came and those that are to come: next is the one with the most to
-/// those that came, less those to the others.
+/// Branches in an order in which few equations are open between earlier and later branches: next is the one with the most equations to earlier ones,
+/// less the equations to the others.
 fn arranged(children: &[usize], between: &[Vec<(usize, usize)>]) -> Vec<usize> {
     if children.len() < 3 {
         return children.to_vec();

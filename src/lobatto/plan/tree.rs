@@ -1,5 +1,4 @@
-//! The plan of the sweeps over a tree: where every body hangs, which axes are free, where what its children leave is gathered, and what is
-//! known to vanish.
+//! The plan of the sweeps over a tree: parents, free axes, the slots that gather the inertias of children, and the terms that vanish.
 
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -12,7 +11,7 @@ use std::ops::Range;
 /// The translations of a body that floats freely, which are known without an iteration.
 pub(crate) const TRANSLATIONS: Range<usize> = 0..3;
 
-/// What receives the articulated inertia of a body's children, and how.
+/// The slot that receives the articulated inertia of a body's children, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Children {
     /// No children.
@@ -28,7 +27,7 @@ pub enum Children {
 pub struct BodyPlan {
     /// Parent body, or `None` for the world.
     pub parent: Option<usize>,
-    /// Where the parent collects; `Children::None` for the world.
+    /// The slot in which the parent collects; `Children::None` for the world.
     pub parent_collects: Children,
     /// Whether this is the last child of its parent, which the backward sweep meets first.
     pub first_collected: bool,
@@ -127,7 +126,7 @@ impl Plan {
         Plan { bodies: plans, slots, tumbles: false }
     }
 
-    /// The same with what vanishes left out, but for the rules that are `kept` from it.
+    /// The same with the simplification rules, but for the rules that are `kept` from it.
     pub fn lean(mechanism: &Mechanism, kept: &[Rule]) -> Self {
         let mut plan = Plan::new(mechanism);
         if !kept.contains(&Rule::Translation) {
@@ -151,8 +150,8 @@ impl Plan {
         plan
     }
 
-    /// The slot with the sum of what the children of a body have left: one of the first for a branching body, the next after those for an only
-    /// child, and the last, which is zero for good, where there are no children.
+    /// The slot with the sum of the children's inertias: one of the first for a branching body, the next after those for an only child, and the last,
+    /// which is always zero, without children.
     #[inline(always)]
     pub fn below(&self, body: usize) -> usize {
         match self.bodies[body].children {

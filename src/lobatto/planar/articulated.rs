@@ -7,11 +7,11 @@
 //!     torque = c · a + I φ + τ            [N m]
 //! ```
 //!
-//! which is [`crate::stages::articulated`] for motions in a plane: six numbers instead of 21. A hinge without forces in it leaves nothing
-//! that resists turning: `c`, `I` and `τ` are zero behind it, and `α = −τ/I − (c/I)·a − φ`.
+//! which is [`crate::stages::articulated`] for motions in a plane: six numbers instead of 21. A hinge without forces in it does not resist turning:
+//! `c`, `I` and `τ` are zero behind it, and `α = −τ/I − (c/I)·a − φ`.
 //!
-//! These zeros, and a product `×` that is a number, are why the elimination is not that of space over other vectors. The sweeps that use it
-//! take the time that the table of [`crate::planar`] has.
+//! Because of these zeros, and because the product `×` is a number, the elimination is not the one of space over other vectors. The sweeps that use
+//! it take the time that the table of [`crate::planar`] has.
 
 use crate::numbers::lanes::Lanes;
 use crate::planar::algebra::Vector2;
@@ -32,7 +32,7 @@ pub(crate) struct Articulated2<V> {
     pub torque: V,
 }
 
-/// What the elimination of one degree of freedom leaves for the way back: `α = bias − force_ratio · a − torque_ratio φ`.
+/// Factors of the elimination of one degree of freedom for the way back: `α = bias − force_ratio · a − torque_ratio φ`.
 #[derive(Clone, Copy)]
 pub(crate) struct Eliminated2<V> {
     pub force_ratio: Vector2<V>,

@@ -1,9 +1,9 @@
-//! Where a body is in the plane at the start of a step, and how it moves.
+//! The pose and motion of a body in the plane at the start of a step.
 
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct PlanarBody {
-    /// From the parent's anchor to this body's (m).
+    /// Vector from the parent's anchor to this body's (m).
     pub arm: [f64; 2],
     /// In the unit of mass of the step: the mass, the moment of inertia through the anchor [m²], and the mass times the arm from the
     /// anchor to the centre of mass (m).

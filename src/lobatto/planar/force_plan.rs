@@ -1,8 +1,7 @@
-//! Springs between points and wrenches on bodies in a plane, and what they need of the start of a step.
+//! Springs between points and wrenches on bodies in a plane, and their quantities at the start of a step.
 //!
-//! Only what lies in the plane moves anything: of a force its projection, of a torque the part about the normal, of a line
-//! between two points its projection `d`, while its height z, the difference of their places along the normal, is
-//! constant: `ℓ² = |d|² + z²`.
+//! Only components in the plane act: the projection of a force, the part of a torque about the normal, and the projection `d` of a line between two
+//! points. Its height z, the difference of their places along the normal, is constant: `ℓ² = |d|² + z²`.
 
 use crate::plan::forces::{LineStart, SpringLaw};
 use crate::planar::body::{PlanarBody, turned};
@@ -36,7 +35,7 @@ pub(crate) struct LinePlan {
 #[derive(Clone)]
 pub(crate) struct End {
     pub body: Option<usize>,
-    /// From the anchor of the body at zero displacement, or from the origin of the world (m).
+    /// Vector from the anchor of the body at zero displacement, or from the origin of the world (m).
     pub arm: [f64; 2],
 }
 
@@ -54,7 +53,7 @@ impl Ends<'_> {
         self.plane.flat(&(self.zero[body].rotation * (point - anchor)))
     }
 
-    /// Where an end is.
+    /// The place of an end.
     pub fn end(&self, at: &Attachment) -> End {
         let point = at.frame.translation.vector;
         End { body: at.body, arm: at.body.map_or(self.plane.flat(&point), |body| self.arm_of(body, &point)) }
@@ -70,7 +69,7 @@ impl Ends<'_> {
 #[derive(Clone)]
 pub(crate) struct WrenchPlan {
     pub body: usize,
-    /// From the anchor to where it acts, at zero displacement (m).
+    /// Vector from the anchor to the point of action, at zero displacement (m).
     arm: [f64; 2],
     pub force: [f64; 2],
     pub torque: f64,
@@ -78,13 +77,13 @@ pub(crate) struct WrenchPlan {
     offset: f64,
 }
 
-/// What forces need of the start of a step.
+/// Quantities of the forces at the start of a step.
 #[derive(Clone)]
 pub(crate) struct ForcesStart {
     /// Extension of each joint spring (rad or m).
     pub extensions: Vec<f64>,
     pub lines: Vec<LineStart<[f64; 2]>>,
-    /// From the anchor to the point of each wrench (m).
+    /// Vectors from the anchor to the point of each wrench (m).
     pub arms: Vec<[f64; 2]>,
 }
 

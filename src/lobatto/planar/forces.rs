@@ -18,8 +18,8 @@ use crate::stages::forces::Applied;
 use catena_mechanism::forces::total::Exchange;
 
 impl<V: Lanes> PlanarStages<V> {
-    /// After [`PlanarStages::sweep_paths`]: the forces of the rows; for a solved step, those at its `end`, in the last active lane,
-    /// with the energy exchanged in the step.
+    /// After [`PlanarStages::sweep_paths`]: the forces of the rows; for a solved step, the forces at its `end`, in the last active lane, with the
+    /// energy exchanged in the step.
     #[inline(always)]
     pub(crate) fn sweep_applied(&mut self, coefficients: &Coefficients<V>, end: bool) {
         let Some(mut applied) = self.applied.take() else { return };

@@ -7,8 +7,8 @@
 //!     s_i = (−J p_i, 1) of a rotation about the point p, (e_i, 0) of a translation along e
 //! ```
 //!
-//! with the centre of mass x (m), the moment of inertia I_c about it, and the turn `(κ, σ)` since the start of the step: what
-//! [`crate::coupled::space::Space`] has in its first, second and last component.
+//! with the centre of mass x (m), the moment of inertia I_c about it, and the turn `(κ, σ)` since the start of the step. These are the first, second
+//! and last component of [`crate::coupled::space::Space`].
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::mixing::Mixing;
@@ -30,7 +30,7 @@ use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
 use std::ops::Range;
 
-/// Where bodies and closures are in the plane.
+/// Bodies and closures in the plane.
 #[derive(Clone)]
 pub(crate) struct Flat<V> {
     /// The loops, then the lines of the springs.
@@ -69,8 +69,8 @@ impl<V: Lanes> Flat<V> {
         }
     }
 
-    /// Places the bodies at the present displacements, and writes what they resist with there, `E_k` about the common origin; always with
-    /// all digits of the coefficients.
+    /// Places the bodies at the present displacements, and writes their residuals `E_k` about the common origin there; always with all digits of the
+    /// coefficients.
     #[inline(always)]
     pub fn place_stages(
         &mut self,
@@ -98,7 +98,7 @@ impl<V: Lanes> Flat<V> {
         }
     }
 
-    /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
+    /// The place of an anchor at the columns' (0) or the rows' (1) stages, from the common origin.
     #[inline(always)]
     pub fn anchor(&self, start: &PlanarStart, body: usize, side: usize) -> Vector2<V> {
         let position = &start.bodies[body].position;
@@ -181,7 +181,7 @@ impl<V: Lanes> Geometry<V> for Flat<V> {
         let turn = arrays(Vector2([(rows.cosine + one) * inertia, rows.sine * inertia]));
         for k in 0..mixing.active {
             let weight = mixing.mass[k];
-            // About the anchor I cos(φ_i − φ_k), and what the anchor's own place adds.
+            // About the anchor I cos(φ_i − φ_k), and the contribution of the anchor's own place.
             let ([along, across], [mx, my]) = (of_row::<V>(&turn, k).0, of_row::<V>(&lever, k).0);
             let turning = across.mul_add(sine, along * cosine);
             let carried = of_row(&anchor, k).dot_plus(moment, of_row(&arm, k).dot_plus(anchors[0], turning));

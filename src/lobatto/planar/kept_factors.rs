@@ -4,7 +4,7 @@
 //!     H(q⁰_k) α_k = −ρ_k(q):     α₀ = (τ − sᵀ p)/d⁰,   p ← p + (A s)⁰ α₀
 //! ```
 //!
-//! The method is that of [`crate::solve::kept_factors`], with wrenches p of three components. The sweep is another, because residuals come from
+//! The method is the one of [`crate::solve::kept_factors`], with wrenches p of three components. The sweep is another, because residuals come from
 //! the mixed paths of [`crate::planar::sweeps`] and hinges have no axis to turn: the table of [`crate::planar`] has the time it takes.
 
 use crate::numbers::lanes::Lanes;
@@ -17,7 +17,7 @@ use crate::solve::kept_factors::less_push;
 use crate::stages::rows::Sweep;
 use catena_mechanism::description::joint::FreeRotation;
 
-/// What a body hands to its parent: a wrench about the parent's anchor.
+/// The wrench that a body hands to its parent, about the parent's anchor.
 #[derive(Clone, Copy)]
 struct Wrench2<V> {
     force: Vector2<V>,
@@ -31,7 +31,7 @@ impl<V: Lanes> Wrench2<V> {
         Wrench2 { force: self.force.plus(force), torque: self.torque + torque }
     }
 
-    /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the effort of forces in the joint).
+    /// Removes a joint's part along an axis of which the wrench is `load` (minus the effort of forces in the joint).
     #[inline(always)]
     fn relieve(&mut self, load: V, joint: &mut Eliminated2<V>) {
         joint.bias = -(load * joint.inverse);

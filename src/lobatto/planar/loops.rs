@@ -1,13 +1,13 @@
 //! Loop joints in a plane: the equations that mean something there, and where its ends and directions are at the start of a step.
 //!
-//! With the turn `(C, S)` of a body since zero displacement, its anchor a, and arm and direction u⁰ at zero displacement:
+//! A body has the turn `(C, S)` since zero displacement and its anchor a; arm and direction u⁰ are at zero displacement:
 //!
 //! ```text
 //!     arm = (C + S J) arm⁰,   P = a + arm          (m), from the common origin
 //!     u = (C + S J) u⁰
 //! ```
 //!
-//! The equations themselves are those of space: [`crate::equations::loops`].
+//! The equations are the same as in space: [`crate::equations::loops`].
 
 use crate::equations::loops::{Displaced, Equation, LoopStart};
 use crate::numbers::lanes::Lanes;
@@ -75,7 +75,7 @@ impl PlanarLoop {
     }
 }
 
-/// Where a body is since the start of the step: its turn as `κ = cos φ − 1` and `σ = sin φ`, and the displacement of its anchor (m).
+/// The displacement of a body since the start of the step: its turn as `κ = cos φ − 1` and `σ = sin φ`, and the displacement of its anchor (m).
 #[derive(Clone, Copy)]
 pub(crate) struct Moved<V> {
     pub cosine: V,

@@ -5,14 +5,14 @@
 //!
 //! | here | in space | what differs |
 //! |---|---|---|
-//! | [`sweeps`] | [`crate::equations::residual`], [`crate::solve::sweeps`] | the path from the root adds up mixed: 2 mixed numbers a body and row instead of 12 |
+//! | [`sweeps`] | [`crate::equations::residual`], [`crate::solve::sweeps`] | mixes 2 numbers a body and row instead of 12 |
 //! | [`articulated`] | [`crate::stages::articulated`] | 6 numbers an inertia instead of 21, of which a hinge without forces leaves 3 |
 //! | [`kept_factors`] | [`crate::solve::kept_factors`] | reads the paths of [`sweeps`]; axes of hinges never turn |
 //! | [`start`] | [`crate::stages::start`] | a cosine and a sine a body instead of a rotation matrix |
 //! | [`forces`] | [`crate::equations::forces`] | no ball joints; power from one angular velocity |
 //!
-//! CPU time of a run in space (`--keep planar`) over that in the plane; `catena simulate ROBOT --stages 9 --step 0.02 --no-log`, smallest of
-//! five runs in turns, AVX-512:
+//! The table has the CPU time of a run in space (`--keep planar`) over the time in the plane;
+//! `catena simulate ROBOT --stages 9 --step 0.02 --no-log`, smallest of five runs in turns, AVX-512:
 //!
 //! | robot | space / plane |
 //! |---|---|

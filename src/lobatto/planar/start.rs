@@ -1,8 +1,8 @@
-//! What is constant of a mechanism in a plane, and the start of a step.
+//! The constants of a mechanism in a plane, and the start of a step.
 //!
-//! With the unit vectors `e₁, e₂` of the plane and its normal n, everything is projected at zero displacement: arms between anchors,
-//! arms to the centres of mass, slides, gravity, and the moment of inertia about n. At the start of a step a body has turned by
-//! `(C, S) = (cos ψ, sin ψ)`, the product of the turns of the joints on its path, each by `±q`, as its axis is n or −n:
+//! Let `e₁, e₂` be the unit vectors of the plane and n its normal. Everything is projected at zero displacement: arms between anchors, arms to the
+//! centres of mass, slides, gravity, and the moment of inertia about n. At the start of a step a body has turned by `(C, S) = (cos ψ, sin ψ)`, the
+//! product of the turns of the joints on its path, each by `±q`, as its axis is n or −n:
 //!
 //! ```text
 //!     arm = (C_p + S_p J) (arm⁰ + Σ q e⁰)          [m]       turns with the parent
@@ -35,7 +35,7 @@ pub(crate) struct BodyPlane {
     /// Moment of inertia about n through the centre of mass, and through the anchor [kg m²].
     central: f64,
     inertia: f64,
-    /// Of zero displacement: from the parent's anchor to this one, to the centre of mass, and along the slides.
+    /// At zero displacement: the vector from the parent's anchor to this one, to the centre of mass, and along the slides.
     arm: [f64; 2],
     com: [f64; 2],
     slides: [[f64; 2]; 2],
@@ -48,11 +48,11 @@ pub(crate) struct PlanarPlan {
     pub tree: Plan,
     /// One entry a body.
     pub bodies: Vec<BodyPlane>,
-    /// Gravity in the plane [m/s²]; nothing along the normal.
+    /// Gravity in the plane [m/s²]; zero along the normal.
     pub gravity: [f64; 3],
     /// Forces between points, and on bodies.
     pub forces: ForcesPlan,
-    /// Largest component of the normal: what the sine of a turn counts for in the rotation matrix.
+    /// Largest component of the normal: the weight of the sine of a turn in the rotation matrix.
     pub share: f64,
     /// Potential energy of the heights along n (J).
     offset: f64,
@@ -69,7 +69,7 @@ pub(crate) struct PlanarStart {
     pub rates: Vec<f64>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
-    /// What forces need.
+    /// Quantities of the forces.
     pub applied: ForcesStart,
     /// Energy of the state.
     pub energy: Energy,

@@ -1,28 +1,27 @@
 //! The stage equations in a plane: poses, residuals and their solve, root to leaf, leaf to root, and root to leaf again.
 //!
-//! SO(2) is embedded in R² as `(cos, sin)`; `J` is the quarter turn. With the turn `φ_i` of a body since the start of the step,
-//! `κ_i = cos φ_i − 1`, `σ_i = sin φ_i`, and the mixing matrix B, row k needs of each body no more than
+//! SO(2) is embedded in R² as `(cos, sin)`; `J` is the quarter turn. A body has turned by `φ_i` since the start of the step, with
+//! `κ_i = cos φ_i − 1`, `σ_i = sin φ_i`; with the mixing matrix B, row k needs only these numbers of each body:
 //!
 //! ```text
 //!     p_k = Σ_i B_ki κ_i,     q_k = Σ_i B_ki (σ_i − h c_i ω)
 //!     a_k = a_k of the parent + (p + q J) arm of the parent's turn + Σ_i B_ki (d_i − h c_i ḋ)         [m]
 //! ```
 //!
-//! because the displacement of an anchor is linear in the parent's `(κ, σ)`: the path from the root adds up mixed what space mixes
-//! for every body. `d = Σ θ (1 + κ + σ J) e` are the slides; `a_k` begins at the root with `−h² g`. Then, about the anchor, with
-//! the geometry of the row, `(1 + N_k) = (1 + κ_k) + σ_k J`, and r the arm to the centre of mass,
+//! because the displacement of an anchor is linear in the parent's `(κ, σ)`: the path from the root adds up mixed vectors, which space mixes for
+//! every body. `d = Σ θ (1 + κ + σ J) e` are the slides; `a_k` begins at the root with `−h² g`. Then, about the anchor, with the geometry of the row,
+//! `(1 + N_k) = (1 + κ_k) + σ_k J`, and r the arm to the centre of mass,
 //!
 //! ```text
 //!     f_k = m a_k + (p_k + q_k J) m r                                              [kg m]
 //!     e_k = I ((1 + κ_k) q_k − σ_k p_k) + (1 + N_k) m r × a_k                      [kg m²]
 //! ```
 //!
-//! is the residual of [`crate::equations::residual`], whose third torque it is (I: about the anchor). The solve is that of
-//! [`crate::solve::sweeps`]; so is the momentum at the end of the step, with the momentum weights in place of B.
+//! is the residual of [`crate::equations::residual`], whose third torque it is (I: about the anchor). The solve is the one of
+//! [`crate::solve::sweeps`]; the momentum at the end of the step has the same residual, with the momentum weights in place of B.
 //!
-//! These sweeps are not those of space over other vectors, because of the sum along the path: space mixes 12 numbers of every body, a plane
-//! two. In
-//! the sweeps of space a chain of ten links in a plane takes 1.93 times as long: the table of [`crate::planar`].
+//! The sum along the path distinguishes these sweeps from the sweeps of space over other vectors: space mixes 12 numbers of every body, a plane two.
+//! In the sweeps of space a chain of ten links in a plane takes 1.93 times as long: the table of [`crate::planar`].
 
 use crate::planar::algebra::Vector2;
 use crate::planar::articulated::Articulated2;
@@ -206,7 +205,7 @@ impl<V: Lanes> PlanarStages<V> {
         }
     }
 
-    /// What a force does along a degree of freedom, in the sense of the plane.
+    /// The part of a force along a degree of freedom, in the sense of the plane.
     #[inline(always)]
     pub(crate) fn push<const MOMENTUM: bool, const FORCED: bool>(
         &self,
@@ -249,7 +248,7 @@ pub(crate) fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned:
     }
 }
 
-/// Mixes what a displacement is ahead of a velocity that lasts; for momenta, with that velocity.
+/// Mixes the deviation of a displacement from a constant velocity; for momenta, with that velocity.
 #[inline(always)]
 fn mix_ahead<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,

@@ -1,4 +1,4 @@
-//! The workspace of a step in a plane, and what is done with it: an iteration, and the end of the step.
+//! The workspace of a step in a plane, and its operations: an iteration, and the end of the step.
 
 use crate::numbers::lanes::Lanes;
 use crate::numbers::reductions::{larger, largest_coefficient};
@@ -54,16 +54,15 @@ pub(crate) struct PlanarStages<V> {
     pub eliminated: Vec<Eliminated2<V>>,
     /// Direction of each slide at the rows' stages.
     pub axes: Vec<Vector2<V>>,
-    /// Where the children of branching bodies meet.
+    /// Slots of the children of branching bodies.
     pub slots: Vec<Articulated2<V>>,
     /// Twist of the branching bodies on the way back.
     pub twists: Vec<(Vector2<V>, V)>,
     /// Forces, if there are any.
     pub applied: Option<Box<Applied<V>>>,
-    /// Displacement of each anchor since the start (m), for those who ask for it.
+    /// Displacement of each anchor since the start (m), if requested.
     pub anchors: Vec<Vector2<V>>,
-    /// Force (N) on each body and torque about its anchor [N m] of what does not act in joints; empty where there is nothing of the
-    /// kind.
+    /// Force (N) on each body and torque about its anchor [N m] of all forces that do not act in joints; empty if there are no such forces.
     pub acting: Vec<(Vector2<V>, V)>,
     /// Length of the step (s).
     pub step: f64,
@@ -94,13 +93,13 @@ impl<V: Lanes> PlanarStages<V> {
         }
     }
 
-    /// What the predictor is to guess.
+    /// The unknowns of the predictor.
     pub fn unknowns<'s>(&'s mut self, coefficients: &'s Coefficients<V>) -> Unknowns<'s, V> {
         Unknowns { displacement: &mut self.displacement, rates: &self.start.rates, step: self.step, coefficients }
     }
 
-    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). Where sweeps are chosen
-    /// the same is written out: behind a call the compiler would know too late.
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). The choice of the sweeps writes
+    /// this condition out: behind a call the compiler would know it too late.
     #[inline(always)]
     pub fn is_general(&self) -> bool {
         V::GENERAL_ALONE || self.applied.is_some()

@@ -1,13 +1,13 @@
 //! Anderson acceleration of the stage iteration.
 //!
-//! With the iterates `x_n`, the increments `f_n = G(x_n) − x_n` and the differences of the last m iterations,
+//! Let `x_n` be the iterates, `f_n = G(x_n) − x_n` their increments, and ΔX, ΔF the differences of the last m iterations:
 //!
 //! ```text
 //!     γ = argmin | f_n − ΔF γ |,      x_{n+1} = x_n + f_n − (ΔX + ΔF) γ
 //! ```
 //!
 //! over all degrees of freedom and stages together. Source: D. Anderson, J. ACM 12 (1965); H. Walker and P. Ni, SIAM
-//! J. Numer. Anal. 49 (2011). Depth 3 is enough here (doc/findings/2026-11-notes.md).
+//! J. Numer. Anal. 49 (2011). Depth 3 is enough here (doc/decisions/003-simplified-newton-iteration.md).
 
 use crate::numbers::lanes::Lanes;
 
@@ -95,8 +95,7 @@ impl<V: Lanes> Anderson<V> {
     }
 }
 
-/// Solves the normal equations, eliminating the newest difference first and leaving out those that the newer ones
-/// already span to rounding.
+/// Solves the normal equations, eliminating the newest difference first and leaving out differences that the newer ones already span to rounding.
 fn solve(gram: &[[f64; DEPTH]; DEPTH], right: [f64; DEPTH], newest: usize) -> [f64; DEPTH] {
     let order: [usize; DEPTH] = [newest, (newest + DEPTH - 1) % DEPTH, (newest + DEPTH - 2) % DEPTH];
     let mut matrix = [[0.0; DEPTH]; DEPTH];

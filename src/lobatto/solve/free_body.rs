@@ -1,8 +1,8 @@
 //! A body that floats freely under gravity alone: three equations a row instead of six.
 //!
-//! Its centre of mass follows a parabola, which the scheme meets at every stage, so that nothing is left to be solved for there; and nothing
-//! couples it to the rotation. With the rotation vector `θ_k` since the start, `N_k` and `e_k` as in [`crate::equations::residual`], and the inertia `J₀`
-//! about the centre of mass at the start, the Newton step needs no elimination:
+//! Its centre of mass follows a parabola, which the scheme meets at every stage, so it needs no solve. Translation and rotation are not coupled. The
+//! rotation vector since the start is `θ_k`; `N_k` and `e_k` are as in [`crate::equations::residual`], and `J₀` is the inertia about the centre of
+//! mass at the start. The Newton step needs no elimination:
 //!
 //! ```text
 //!     Δx_i = h c_i v + ½ (h c_i)² g                                                                          [m]
@@ -10,8 +10,8 @@
 //!     α_k = −T(θ_k)⁻¹ J₀⁻¹ (1 + N_k)ᵀ e_k,   T⁻¹ ≈ 1 + ½ θ̂ + κ θ̂²                                           [rad]
 //! ```
 //!
-//! At the end of the step the rates of the joint are what `y` has along the axes of the start, and the velocity of the centre of mass, from which
-//! the joint's anchor is `−(1 + N) c`, is `v + h g`:
+//! At the end of the step the rates of the joint are the components of `y` along the axes of the start, and the velocity of the centre of mass, from
+//! which the joint's anchor is `−(1 + N) c`, is `v + h g`:
 //!
 //! ```text
 //!     J_s (1 + N_s) y = π:     y₀ = J₀⁻¹ (1 + N_s)ᵀ π,   y = y₀ + J₀⁻¹ (1 + N_s)ᵀ (π − J_s (1 + N_s) y₀)           [rad/s]
@@ -63,7 +63,7 @@ impl<V: Numbers> Stages<V> {
         self.poses[0] = StagePose { w, u: turn.times(sine), anchor: Vector::zero() };
     }
 
-    /// The poses of all stages, and how far the joint has moved, which nobody asks for while a step is iterated.
+    /// The poses of all stages, and the displacement of the joint, which the iteration of a step does not use.
     #[inline(always)]
     pub fn place_tumbler(&mut self, gravity: &[f64; 3]) {
         self.turn_tumbler();

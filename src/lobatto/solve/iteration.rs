@@ -1,6 +1,6 @@
 //! The iteration of one step: when it has converged, when it diverges, and when the step is too long.
 //!
-//! With the increments `δ` of an iteration and the largest displacement `|θ|` so far, in rad and m,
+//! Let `δ` be the increments of an iteration and `|θ|` the largest displacement so far, in rad and m:
 //!
 //! ```text
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
@@ -13,8 +13,8 @@
 //!                   E of bodies and joints after the fourth, and of joints, which cost less to ask, after the others
 //! ```
 //!
-//! What is hopeless is tried again with a plain guess, and then by the exact Newton method if the rule says so.
-//! What is iterated is the kernel's: [`crate::step::kernel`].
+//! A hopeless attempt is repeated with a plain guess, and then by the exact Newton method if the rule says so. The equations of an iteration are in
+//! the kernel: [`crate::step::kernel`].
 
 use crate::numbers::rotations::EACH;
 use crate::stages::attempt::{Attempt, Guess, StopRule};
@@ -23,10 +23,10 @@ use catena_mechanism::description::mechanism::Mechanism;
 
 /// The stage equations of a step, with a guess.
 pub(crate) trait Equations {
-    /// One iteration from where the last left off: finds the increments, returns the largest. Where they are `settled`, the
-    /// rounding of the coefficients counts.
+    /// One iteration from where the last left off: finds the increments, returns the largest. If they are `settled`, the rounding of the coefficients
+    /// counts.
     fn iterate(&mut self, settled: bool) -> f64;
-    /// Whether iterations that are not settled do without the second half of the coefficients' digits, and those that are do not.
+    /// Whether the second half of the coefficients' digits is used in settled iterations only.
     fn refines(&self) -> bool {
         false
     }
@@ -48,7 +48,7 @@ pub(crate) trait Equations {
     fn joint_legendre(&self) -> f64;
     /// The degree of freedom with the largest increment.
     fn worst_freedom(&self) -> usize;
-    /// The joint that has turned furthest; beyond [`MAX_TURN`] it has left what the stage poses represent.
+    /// The joint that has turned furthest; beyond [`MAX_TURN`] the stage poses cannot represent it.
     fn furthest_turn(&self) -> Turn;
 }
 
@@ -113,20 +113,22 @@ impl<K: Coupling> Equations for Exact<'_, K> {
     }
 }
 
-/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
-/// an iteration leaves of them is of the order of its increment times the one before.
+/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: an iteration leaves gaps
+/// of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
-/// Those with closed contacts so far: where they slide the method is not quite Newton's, and gaps are of the order of the increment itself.
+/// The bound for mechanisms with closed contacts: if contacts slide, the method is not quite Newton's, and gaps are of the order of the increment
+/// itself.
 const TOUCHED: f64 = 1e-12;
 
-/// Where something closes the first iteration ends with no larger an increment. The multipliers of a step begin at nothing, and the proximal term leaves ε
-/// times their increments of the gaps: the first iteration, from however good a guess, moves away from the closures by as much, and the second moves back.
+/// A mechanism with closures ends its first iteration only at an increment of at most this. The multipliers of a step begin at zero, and the proximal
+/// term leaves ε times their increments of the gaps. So the first iteration, from however good a guess, moves away from the closures by as much, and
+/// the second moves back.
 const UNPROVEN: f64 = 1e-13;
-/// Of what the second moves back it leaves a hundredth: it ends with so many times as much, or where increments have fallen.
+/// The second iteration removes 99 % of that error. So it may end with an increment larger by this factor, or if increments have fallen.
 const TAKEN_BACK: f64 = 100.0;
 
-/// The rule by which the exact method stops. On trees it is asked where something is out of the ordinary, as beside a gimbal lock, and
-/// what its first iterates show may be that.
+/// The rule by which the exact method stops. Trees use it in unusual steps only, as beside a gimbal lock, and their first iterates may be unusual for
+/// that reason.
 pub(crate) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
     if mechanism.has_closures() {
         let closed = if mechanism.touches.is_empty() { CLOSED } else { TOUCHED };
@@ -141,7 +143,7 @@ pub(crate) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
     }
 }
 
-/// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
+/// Once the exact Newton method was needed, it comes first for this number of steps, because the reason seldom ends at once.
 const EXACT_STEPS: usize = 50;
 
 /// For how many steps the exact Newton method comes first from the start of a motion: with closures it always does.
@@ -149,17 +151,17 @@ pub(crate) fn exact_at_first(mechanism: &Mechanism) -> usize {
     if mechanism.has_closures() { usize::MAX } else { 0 }
 }
 
-/// Beside a singular position the roundings of gaps, 10⁻¹⁶ m, move a mechanism by so much (rad, m) along what the loops hardly
-/// hold: increments of the exact method that are below this and stay there are rounding, however large.
+/// Beside a singular position the roundings of gaps, 10⁻¹⁶ m, move a mechanism by up to this (rad, m) along directions that the loops hardly
+/// determine. Increments of the exact method that stay below this are rounding.
 const SLACK: f64 = 1e-9;
 
-/// After so many iterations they are seen to stay there.
+/// Number of iterations after which increments count as staying.
 const PATIENCE: usize = 15;
 
 /// The direction of friction is known to these parts where increments are of such parts of a slide: of one that falls, and of one that stays.
 const OF_SLIDE: f64 = 1e-3;
 const OF_SLIDE_STAYING: f64 = 1e-2;
-/// No increment is asked to be below these (rad, m): roundings of positions, and of what they are multiplied by.
+/// Increments need not be below these (rad, m): roundings of positions, and of their products.
 const NO_FINER: f64 = 1e-16;
 const NO_FINER_STAYING: f64 = 1e-14;
 
@@ -173,9 +175,9 @@ const TOO_LONG_LATE: f64 = 3.0;
 /// After this iteration the rotations of bodies are looked at, too, and after the others the joints alone.
 const SHAPED: usize = 4;
 
-/// What follows an increment below this (over the largest displacement) is the second half of its digits,
+/// After an increment below this (over the largest displacement), the digits that follow belong to the second half.
 const SETTLED: f64 = 1e-13;
-/// and so it is where the next increment, smaller than the last by as much as that was than the one before, will be below this.
+/// They also do if the next increment is forecast below this: smaller than the last by the factor between the last two.
 const ROUNDED: f64 = 1e-15;
 
 /// Up to this displacement no rotation vector is beyond [`MAX_TURN`]. A solution is asked how long it is; an iterate beyond is not, because it is
@@ -208,14 +210,14 @@ pub(crate) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
 pub(crate) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt {
     let mut recent = [f64::INFINITY; 5];
     let mut scale = 1.0_f64;
-    // Nobody has measured the guess.
+    // The error of the guess is unknown.
     let mut largest = f64::INFINITY;
     let refines = equations.refines();
     for iteration in 1..=rule.iterations {
         let previous = recent[(iteration + 3) % 5];
         let earlier = recent[(iteration + 2) % 5];
-        // The second half of the coefficients' digits matters where the first half of those of the solution is settled, or will be
-        // after the next increment if it falls as the last one did; and a step to rounding has not ended without them.
+        // The second half of the coefficients' digits matters once the first half of the solution's digits is settled, or will be after the next
+        // increment if it falls as the last one did. A step to rounding never ends without them.
         let settled =
             previous < SETTLED * scale || (earlier.is_finite() && previous * previous < ROUNDED * scale * earlier);
         let increment = equations.iterate(settled);
@@ -373,7 +375,7 @@ mod tests {
             let rule = StopRule { increment: 1e-10, rounding: 1e-10, unproven, ..StopRule::ROUNDING };
             solve(&mut Given { increments, next: 0 }, &rule).iterations()
         };
-        // What the proximal term leaves of the gaps in the first iteration, and the second takes back.
+        // Gaps that the proximal term leaves in the first iteration, and that the second closes.
         let back = &[9e-11, 9e-11, 6e-13, 4e-15];
         assert_eq!(iterations(back, UNPROVEN), 3);
         assert_eq!(iterations(back, f64::INFINITY), 1);

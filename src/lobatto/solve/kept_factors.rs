@@ -1,17 +1,16 @@
 //! Iterations that keep the factors of an earlier one.
 //!
-//! A chord method: the residual `ρ_k` has the geometry of the iterate, and so have the axes `s` and arms that it gathers along; what a joint
-//! takes of it is divided by the inertia of an earlier iterate `q⁰`,
+//! A chord method: the residual `ρ_k` has the geometry of the iterate, and so have the axes `s` and arms along which it gathers; a joint's part of it
+//! is divided by the inertia of an earlier iterate `q⁰`,
 //!
 //! ```text
 //!     H(q⁰_k) α_k = −ρ_k(q):     α₀ = (τ − sᵀ p)/d⁰,   p ← p + (A s)⁰ α₀,      d⁰ = s⁰ᵀ A⁰ s⁰ + κ
 //! ```
 //!
 //! (symbols as in [`crate::stages::articulated`]), so that a solution is a solution, and the work on the articulated inertias, a third of an
-//! iteration, is left out. The inertia changes by the increments: where these are small the iteration converges as before. Where the
-//! masses of a tree differ by thousands, increments that look small change `H` along the heavy directions by more than its light ones
-//! are; [`Chord`] finds out and keeps factors later.
-//! Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
+//! iteration, is left out. The inertia changes by the increments: where these are small the iteration converges as before. If the masses of a tree
+//! differ by thousands, increments that look small change `H` along the heavy directions by more than its light ones are; [`Chord`] finds out and
+//! keeps factors later. Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
 
 use crate::equations::pivot::pivot_torque;
 use crate::equations::residual::{body_residual, force_residual};
@@ -82,16 +81,16 @@ impl Chord {
 
 /// Below this (rad, m) increments change an inertia little.
 const SMALL: f64 = 0.1;
-/// An increment that is a larger part of the one before, with kept factors,
+/// An increment that is a larger part of the one before, with kept factors, shows that they were kept too early.
 const SLOW: f64 = 0.5;
-/// and above rounding says that they were kept too early:
+/// Increments below this are rounding, and do not show that.
 const SETTLED: f64 = 1e-11;
-/// from now on they are kept when increments are smaller by this factor,
+/// The bound for keeping factors falls by this factor then.
 const LATER: f64 = 0.1;
-/// and a little earlier again in every step.
+/// The bound grows by this factor in every later step.
 const SOONER: f64 = 1.2;
 
-/// What a body hands to its parent: a wrench about the parent's anchor.
+/// The wrench that a body hands to its parent, about the parent's anchor.
 #[derive(Clone, Copy)]
 struct Wrench<V> {
     force: Vector<V>,
@@ -99,7 +98,7 @@ struct Wrench<V> {
 }
 
 impl<V: Arithmetic> Wrench<V> {
-    /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the push).
+    /// Removes a joint's part along an axis of which the wrench is `load` (minus the push).
     #[inline(always)]
     fn relieve(&mut self, axis: Vector<V>, load: V, joint: &mut Eliminated<V>) {
         joint.axis = axis;
@@ -191,7 +190,7 @@ impl<V: Arithmetic> Factors<V> {
         }
     }
 
-    /// With what forces besides gravity do, what the body has already, and what the children have left.
+    /// The wrench of a body with the forces besides gravity, its own part, and the parts of its children.
     #[inline(always)]
     fn with_rest<R: Rows<V>>(&self, plans: &Plan, body: usize, rows: &R, mut own: Wrench<V>) -> Wrench<V> {
         if let Some((force, torque)) = rows.wrench(body) {
@@ -206,7 +205,7 @@ impl<V: Arithmetic> Factors<V> {
         Wrench { force: own.force.plus(below.force), torque: own.torque.plus(below.torque) }
     }
 
-    /// Moves what a body leaves to its parent's anchor, and hands it over, if it has a parent.
+    /// Moves a body's remaining wrench to its parent's anchor, and hands it over, if it has a parent.
     #[inline(always)]
     fn pass_up<R: Rows<V>>(
         &mut self,
@@ -230,7 +229,7 @@ impl<V: Arithmetic> Factors<V> {
     }
 }
 
-/// The load of an axis, less what forces in the joint do, if there are any. Written out, because closures over vectors are not inlined.
+/// The load of an axis, less the forces in the joint, if there are any. Written out, because closures over vectors are not inlined.
 #[inline(always)]
 pub(crate) fn less_push<V: Arithmetic>(load: V, push: Option<Push<V>>) -> V {
     match push {

@@ -5,8 +5,8 @@
 //!     θ ← Anderson(θ, δ)                              until |δ| is small enough                           [`anderson`], [`iteration`]
 //! ```
 //!
-//! [`kept_factors`] reuses the factorisation of an earlier iteration, [`single_precision`] does the first iterations with seven digits, [`free_body`] has
-//! the step of a body that floats freely.
+//! [`kept_factors`] reuses the factorisation of an earlier iteration, [`single_precision`] does the first iterations with seven digits, [`free_body`]
+//! has the step of a body that floats freely.
 
 pub mod anderson;
 pub mod free_body;

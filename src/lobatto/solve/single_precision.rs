@@ -7,11 +7,12 @@
 //!     θ̃ = θ rounded,   H̃(q̃_k) α̃_k = −ρ̃_k(θ̃),   δ_i = Σ_k Â_ik α̃_k
 //! ```
 //!
-//! Eight single lanes fill 256 bits. Where a register of 512 bits is worked on in two halves, or there is none, such an iteration takes
-//! half the time. Rounding leaves some 10⁻⁵ rad of the displacements, more where the masses of a tree differ much, and leaves it in all powers
-//! of time; a guess is off in the high ones, of which an iteration leaves least. Steps that are iterated very far therefore do without, and [`FirstIterations`] finds out where single precision is too little altogether.
+//! Eight single lanes fill 256 bits. Such an iteration takes half the time if the processor has no 512-bit registers, or works on them in two halves.
+//! Rounding leaves some 10⁻⁵ rad of the displacements, more where the masses of a tree differ much, and leaves it in all powers of time; a guess is
+//! off in the high ones, of which an iteration leaves least. Steps that are iterated very far therefore do without, and [`FirstIterations`] finds out
+//! where single precision is too little altogether.
 //!
-//! What follows in double precision may keep the factors of the last such iteration ([`crate::solve::kept_factors`]).
+//! Iterations in double precision may keep the factors of the last such iteration ([`crate::solve::kept_factors`]).
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::Numbers;
@@ -30,14 +31,14 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Increments above this (rad, m) are followed by another iteration in single precision.
 const LARGE: f64 = 1e-2;
-/// Increments count as no smaller than what rounding leaves (rad, m), so that no step ends on them but one whose stop is coarser.
+/// Increments count as no smaller than their rounding (rad, m), so that a step ends on them only if its stop is coarser.
 const ROUNDED: f64 = 1e-5;
-/// Steps that are iterated further than this (rad, m) begin in double precision: with 1e-9 nothing is gained where motions amplify errors, and
-/// the errors of pilot runs say less of those of finer ones (doc/findings/2026-11-stages.md).
+/// Steps that are iterated further than this (rad, m) begin in double precision: a bound of 1e-9 gains little if motions amplify errors, and makes
+/// the errors of trial runs less like the errors of finer ones (doc/decisions/003-simplified-newton-iteration.md).
 const FINEST: f64 = 1e-7;
-/// With moments below this part of half the sum of a link's own, single precision leaves two digits of a factor and less.
+/// If a moment is below this part of half the sum of a link's own, single precision leaves two digits of a factor or fewer.
 const LIGHTEST: f64 = 1e-5;
-/// At most so many attempts after one that has failed do without: one after the first, twice as many after the next.
+/// The largest number of attempts without single precision after one that has failed: one after the first failure, twice as many after the next.
 const REST: usize = 64;
 
 /// The workspace of first iterations, and when there are any.
@@ -57,14 +58,13 @@ pub(crate) struct FirstIterations<V: Lanes> {
 }
 
 impl<V: Lanes> FirstIterations<V> {
-    /// None so far.
+    /// First iterations without history.
     pub fn new() -> Self {
         FirstIterations { stages: None, allowed: false, next: false, latest: false, rest: 0, next_rest: 1 }
     }
 
-    /// Makes room for them, if steps that are to be iterated as far as `stop` have any: of bodies that only slide the first iteration is
-    /// the last, of a body that floats freely none is much work, and of links that hardly resist to be twisted nothing but rounding would be
-    /// left.
+    /// Makes room for them if steps iterated as far as `stop` benefit. They do not if all bodies only slide, because then the first iteration is the
+    /// last. A body that floats freely is little work, and links that hardly resist torsion would keep rounding only.
     pub fn prepare(&mut self, mechanism: &Mechanism, plan: &Plan, tableau: &Tableau, stop: f64) {
         let turns = plan.bodies.iter().any(|body| !body.slides);
         let rounded_away = mechanism.bodies.iter().any(|body| least_moment(body) < LIGHTEST);
@@ -96,7 +96,7 @@ impl<V: Lanes> FirstIterations<V> {
         }
     }
 
-    /// What follows is in double precision.
+    /// Later iterations are in double precision.
     pub fn leave(&mut self) {
         (self.next, self.latest) = (false, false);
     }
@@ -137,7 +137,7 @@ impl<V: Lanes> FirstIterations<V> {
             Numbers::largest(largest)
         });
         if increment.is_nan() || increment > MAX_TURN {
-            // Out of the range of single numbers, or nothing but rounding, as near a gimbal lock: on from here in double precision.
+            // Out of the range of single numbers, or pure rounding, as near a gimbal lock: continue from here in double precision.
             self.fail();
             self.leave();
             self.allowed = false;
@@ -174,8 +174,8 @@ impl<V: Lanes> FirstIterations<V> {
     }
 }
 
-/// The least moment of a body about the axes of its joint, or less, over half the sum of its moments about the joint's anchor. What a body's
-/// children add makes the first no smaller.
+/// The least moment of a body about the axes of its joint, or less, over half the sum of its moments about the joint's anchor. Children of a body
+/// only increase the first.
 fn least_moment(body: &Body) -> f64 {
     let frame = &body.joint.on_child;
     let arm = frame.translation.vector;
@@ -221,7 +221,7 @@ mod tests {
     use catena_mechanism::motion::state::State;
     use nalgebra::{Rotation3, Translation3};
 
-    /// Two bodies on joints of a kind and one on a hinge, on frames that are aligned with nothing.
+    /// Two bodies on joints of a kind and one on a hinge, on frames that are not aligned.
     fn chain(kind: JointKind) -> Mechanism {
         let body = |name: &str, parent, kind, askew: f64| {
             let frame = |at: f64| {
@@ -283,7 +283,7 @@ mod tests {
                 println!("{}, {which}: {apart:.1e} of {largest:.1e}", kind.name());
                 // 6e-8 of displacements of some tenths, which the mixing of nine stages and light bodies on heavy ones magnify by some 1e3.
                 assert!(apart > 0.0 && apart < 1e-4, "{}, {which}: {apart:.1e} apart", kind.name());
-                // What there is to be told apart.
+                // The stages differ by enough to be told apart.
                 assert!(largest > 100.0 * apart, "{}, {which}: {largest:.1e}", kind.name());
             }
         }

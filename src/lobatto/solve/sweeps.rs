@@ -1,23 +1,22 @@
 //! The Newton step of all stages at once: one sweep from the leaves to the root, one back.
 //!
-//! Row k is solved with the articulated inertia of its own stage, `H(q_k) α_k = −ρ_k`: the row geometry is what the
-//! convergence hangs on where mass ratios are large. Leaf to root, the residuals ([`crate::equations::residual`]) and inertias of
-//! a subtree gather at its joint, whose axes are eliminated ([`crate::stages::articulated`]), and move by the arm to the parent's
-//! anchor. Root to leaf, with the twist `η = (a, φ)`,
+//! Row k is solved with the articulated inertia of its own stage, `H(q_k) α_k = −ρ_k`: for large mass ratios the convergence depends on the row
+//! geometry. Leaf to root, the residuals ([`crate::equations::residual`]) and inertias of a subtree gather at its joint, whose axes are eliminated
+//! ([`crate::stages::articulated`]), and move by the arm to the parent's anchor. Root to leaf, with the twist `η = (a, φ)`,
 //!
 //! ```text
 //!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
 //! ```
 //!
-//! What an iteration needs that keeps the factors of the one before is in [`crate::solve::kept_factors`].
+//! Iterations that keep the factors of the one before are in [`crate::solve::kept_factors`].
 //!
-//! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone. Of one that a hinge holds to
-//! the world one is left ([`crate::equations::pivot`]). One that floats freely needs no recursion at all ([`crate::solve::free_body`]).
+//! A body that never turns keeps three of the six rows: its children hand it their mass and force alone. A body on a hinge to the world keeps one
+//! ([`crate::equations::pivot`]). One that floats freely needs no recursion at all ([`crate::solve::free_body`]).
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`crate::equations::forces`]).
 //!
-//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage alone, with the momenta in place
-//! of the residuals ([`crate::ending::velocities`]). What is eliminated is therefore asked of [`Rows`].
+//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage alone, with the momenta in place of the
+//! residuals ([`crate::ending::velocities`]). [`Rows`] therefore supplies the right-hand side.
 
 use crate::equations::pivot::pivot_torque;
 use crate::equations::residual::{body_residual, force_residual};
@@ -86,8 +85,8 @@ impl<V: Numbers> Stages<V> {
 }
 
 impl<V: Arithmetic> Factors<V> {
-    /// Leaf to root. The kinds of joints are written out one after the other, because what follows after a branch has its 27 registers on the
-    /// stack: so what children leave is added from wherever it is, and the joint that is most common goes straight through.
+    /// Leaf to root. The kinds of joints are written out one after the other, because code after a branch has its 27 registers on the stack. So the
+    /// children's inertias are added from their slots, and the most common joint goes straight through.
     #[inline(always)]
     pub fn eliminate<R: Rows<V>>(
         &mut self,
@@ -139,7 +138,7 @@ impl<V: Arithmetic> Factors<V> {
                 let axis = turn.apply_plus(axis, axis);
                 if plan.translations == 0 {
                     if plan.parent.is_none() {
-                        // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                        // The rest of a root is not used: its one axis needs only the solution.
                         let zero = V::zero();
                         self.eliminated[rotations] = total.solve_rotation(axis, zero, zero, rows.push(rotations));
                     } else {
@@ -166,7 +165,7 @@ impl<V: Arithmetic> Factors<V> {
         }
     }
 
-    /// Moves what a body leaves to its parent's anchor, and hands it over, if it has a parent.
+    /// Moves a body's remaining inertia and wrench to its parent's anchor, and hands them over, if it has a parent.
     #[inline(always)]
     fn hand_up<R: Rows<V>>(
         &mut self,
@@ -246,7 +245,7 @@ pub(crate) fn slide_axis<V: Arithmetic, R: Rows<V>>(rows: &R, plan: &BodyPlan, a
     }
 }
 
-/// Hands what a body leaves to its parent, if it has one.
+/// Hands a body's remaining inertia and wrench to its parent, if it has one.
 #[inline(always)]
 pub fn collect<V: Arithmetic>(plans: &Plan, plan: &BodyPlan, slots: &mut [Articulated<V>], left: &Articulated<V>) {
     let Some(parent) = plan.parent else { return };

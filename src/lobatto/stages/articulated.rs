@@ -9,9 +9,9 @@
 //!     d = sᵀ A s + κ,   α₀ = (τ − sᵀ p) / d,   p ← p + A s α₀,   A ← A − A s sᵀ A / d        for every free axis s
 //! ```
 //!
-//! with the effort τ of forces in the joint along the axis, and what its damper adds to the inertia, κ. The axes of a
-//! joint of several degrees of freedom are eliminated one after the other, which is the exact block elimination.
-//! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; here lane by lane.
+//! with the effort τ of forces in the joint along the axis, and the damper's addition to the inertia, κ. The axes of a joint of several degrees of
+//! freedom are eliminated one after the other, which is the exact block elimination. Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008),
+//! chapter 7; here lane by lane.
 
 use crate::numbers::algebra::{Matrix, Symmetric, Vector};
 use crate::numbers::arithmetic::Arithmetic;
@@ -32,16 +32,16 @@ pub struct Articulated<V> {
     pub torque: Vector<V>,
 }
 
-/// What forces in a joint do along an axis, in the units of the residuals and of the inertia.
+/// Effect of forces in a joint along an axis, in the units of the residuals and of the inertia.
 #[derive(Clone, Copy)]
 pub struct Push<V> {
     /// The effort τ.
     pub effort: V,
-    /// What stands for the derivative of a damper's effort, κ.
+    /// Derivative of a damper's effort, κ, as an inertia.
     pub inertia: V,
 }
 
-/// What the elimination of one degree of freedom leaves for the forward solve.
+/// Factors of the elimination of one degree of freedom for the forward solve.
 #[derive(Clone, Copy)]
 pub struct Eliminated<V> {
     /// The axis in the world at each row's stage.
@@ -77,7 +77,7 @@ impl<V: Arithmetic> Articulated<V> {
         }
     }
 
-    /// A body that never turns: mass and force, and nothing else.
+    /// A body that never turns: mass and force only.
     #[inline(always)]
     pub fn sliding(mass: V, force: Vector<V>) -> Self {
         let zero = V::zero();
@@ -206,7 +206,7 @@ impl<V: Arithmetic> Articulated<V> {
     }
 }
 
-/// `d`; a literal `None` at the call costs nothing.
+/// `d`; a literal `None` at the call is free of cost.
 #[inline(always)]
 fn resisting<V: Arithmetic>(inertia: V, push: Option<Push<V>>) -> V {
     match push {

@@ -1,7 +1,7 @@
-//! The request for a step and its result: when its iteration ends, what it starts from, and how the attempt ended.
+//! The request for a step and its result: when its iteration ends, its start and guess, and how the attempt ended.
 
-/// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
-/// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
+/// Steps iterated further than this use the second half of the coefficients' digits. Coefficients rounded to a double belong to a scheme that is not
+/// quite symplectic, and the energy drifts by 2e-16 of itself a step.
 pub(crate) const REFINED_BELOW: f64 = 1e-14;
 
 /// When to stop iterating and when to give up.
@@ -42,13 +42,13 @@ impl StopRule {
 /// How far the steps of a carried motion are iterated.
 #[derive(Clone, Copy, Debug)]
 pub struct Carrying {
-    /// What parted the starts (rad, m).
+    /// Distance of the starts (rad, m).
     pub apart: f64,
-    /// The part of what parts the motions that an iteration may leave.
+    /// The part of the distance of the motions that an iteration may leave.
     pub part: f64,
-    /// After so many iterations this part will do,
+    /// Iterations after which the larger part `rest` suffices.
     pub most: usize,
-    /// which is larger.
+    /// The larger part that an iteration may leave after `most` iterations.
     pub rest: f64,
     /// Whether the exact Newton method has made the step.
     pub exactly: bool,
@@ -59,10 +59,9 @@ pub struct Carrying {
 /// How an attempt at a step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attempt {
-    /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement
-    /// and of any body's rotation matrix over the step; zero if the rule does not limit it.
-    /// `exact` if it was the exact Newton method that solved them.
-    /// `turn` is the largest rotation of a joint (rad), or zero if none is near what can be represented.
+    /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement and of any body's rotation
+    /// matrix over the step; zero if the rule does not limit it. `exact` if the exact Newton method solved them. `turn` is the largest rotation of a
+    /// joint (rad), or zero if all are far from the largest representable one.
     Converged { iterations: usize, legendre: f64, turn: f64, exact: bool },
     /// The iteration was broken off, because the step is too long for the wanted accuracy.
     Inaccurate { iterations: usize, legendre: f64 },
@@ -73,7 +72,7 @@ pub enum Attempt {
 }
 
 impl Attempt {
-    /// The same attempt after iterations that led nowhere.
+    /// The same attempt after iterations without result.
     pub fn after(mut self, spent: usize) -> Self {
         match &mut self {
             Attempt::Converged { iterations, .. }
@@ -95,13 +94,13 @@ impl Attempt {
     }
 }
 
-/// What a guess is made from.
+/// The source of a guess.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Guess {
-    /// The step before; where there is none, the velocities alone.
+    /// The step before; without one, the velocities alone.
     Past,
     /// The velocities alone.
     Plain,
-    /// The last attempt at this step, which was longer: of so many seconds.
+    /// The last attempt at this step, which was longer; its length (s).
     Longer(f64),
 }

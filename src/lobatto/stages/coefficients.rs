@@ -7,24 +7,23 @@
 use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::MAX_LANES;
 use crate::tableau::butcher::Tableau;
-/// The coefficients of the scheme as lanes. Lane `j` of an unknown is stage `j + 2`; lane `j` of a residual is row
-/// `j + 2`, except that the last lane is row 1: the two share their geometry, except for the last lane, where the
-/// row's is that of the start.
+/// The coefficients of the scheme as lanes. Lane `j` of an unknown is stage `j + 2`; lane `j` of a residual is row `j + 2`, except that the last lane
+/// is row 1. Both share their geometry, except for the last lane, whose row has the geometry of the start.
 #[derive(Clone)]
 pub struct Coefficients<V> {
     /// Number of lanes in use, s − 1.
     pub active: usize,
     /// B by columns.
     pub residual: [V; MAX_LANES],
-    /// What rounding has cut off B, by columns.
+    /// The rounding errors of B, by columns.
     pub residual_rest: [V; MAX_LANES],
-    /// What rounding has cut off the nodes.
+    /// The rounding errors of the nodes.
     pub nodes_rest: V,
     /// Â by columns.
     pub solve: [V; MAX_LANES],
     /// Nodes c_2 … c_s.
     pub nodes: V,
-    /// One where a row has its stage's geometry, zero where it has that of the start.
+    /// One if a row has its stage's geometry, zero if it has the geometry of the start.
     pub moved: V,
 }
 
@@ -33,7 +32,7 @@ pub fn row_stage(lane: usize, active: usize) -> usize {
     if lane + 1 == active { 0 } else { lane + 1 }
 }
 
-/// One in the lanes of residuals that have the geometry of their stage, zero in that of the start.
+/// One in the lanes of residuals that have the geometry of their stage, zero in the lane of the start.
 pub fn moved_rows<V: Numbers>(active: usize) -> V {
     let moved: Vec<f64> = (0..active).map(|lane| if row_stage(lane, active) == 0 { 0.0 } else { 1.0 }).collect();
     V::from_parts(&moved, &[])

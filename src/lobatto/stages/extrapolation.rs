@@ -8,8 +8,8 @@
 //!     d_m    = Σ_{n≤m} w_mn (y_n − t_n h_old v),    w_mn   = t_n⁻² Π_{k≤m, k≠n} 1/(t_n − t_k)
 //! ```
 //!
-//! (divided differences `d_m`), and the `w_mn` are constants of the scheme, so that a guess is one mix of lanes for each degree of freedom.
-//! Newton's form holds all orders at once: an order less or more is a term less or more, by which the vote tells what it would have guessed.
+//! (divided differences `d_m`), and the `w_mn` are constants of the scheme, so that a guess is one mix of lanes for each degree of freedom. Newton's
+//! form holds all orders at once: an order less or more is a term less or more, so the vote knows the guesses of the neighbouring orders.
 
 use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::{Lanes, MAX_LANES};
@@ -18,15 +18,15 @@ use crate::stages::unknowns::Unknowns;
 use crate::tableau::butcher::Tableau;
 use crate::tableau::dense::scales;
 
-/// At most so many degrees of freedom vote on the order.
+/// Largest number of degrees of freedom that vote on the order.
 const VOTERS: usize = 48;
 
 /// A polynomial in the past and the velocity of a degree of freedom, at the new stages.
 #[derive(Clone, Copy)]
 struct Columns<V> {
-    /// What each of the past displacements counts, lane by lane.
+    /// Weight of each past displacement, lane by lane.
     past: [V; MAX_LANES],
-    /// What `h_old v` counts.
+    /// Weight of `h_old v`.
     rate: V,
 }
 
@@ -42,8 +42,7 @@ impl<V: Lanes> Columns<V> {
 /// The past, and the guesses that it allows.
 #[derive(Clone)]
 pub struct Extrapolation<V> {
-    /// Displacements from the new start, one entry a degree of freedom: in the last lane in use that of stage 1, in the others those of
-    /// the stages 2 … s − 1.
+    /// Displacements from the new start, one entry a degree of freedom: stage 1 in the last lane in use, the stages 2 … s − 1 in the others.
     pub(crate) past: Vec<V>,
     /// `t_n`, newest first.
     nodes: Vec<f64>,
@@ -55,7 +54,7 @@ pub struct Extrapolation<V> {
     basis: [V; MAX_LANES],
     /// The last guess without its last term.
     before: Columns<V>,
-    /// Length of the step the past comes from, zero for none.
+    /// Length of the step the past comes from, zero without a past.
     old_step: f64,
     /// The order in use.
     order: usize,
@@ -154,7 +153,7 @@ impl<V: Lanes> Extrapolation<V> {
     #[inline(always)]
     fn vote(&mut self, unknowns: &Unknowns<V>) {
         let (used, count) = (self.used, self.nodes.len());
-        // With an order less, as it was, and with one more.
+        // An order less, the same order, and one more.
         let mut worst = [V::zero(); 3];
         let freedoms = unknowns.displacement.len();
         let stride = freedoms.div_ceil(VOTERS).max(1);
@@ -187,7 +186,7 @@ fn lane_of(n: usize, count: usize) -> usize {
     if n + 1 == count { n } else { count - 2 - n }
 }
 
-/// The order of the first guess from a past of so many stages.
+/// The order of the first guess from a past of this number of stages.
 fn first_order(count: usize) -> usize {
     count.min(2)
 }
@@ -226,7 +225,7 @@ mod tests {
     const FREEDOMS: usize = 6;
     const OLD_STEP: f64 = 0.4;
 
-    /// What is known after a step of the motion, and the rates at its end.
+    /// The memory after a step of the motion, and the rates at its end.
     fn learned(tableau: &Tableau) -> (Extrapolation<Vector>, [f64; FREEDOMS]) {
         let coefficients = Coefficients::new(tableau);
         let mut displacement: Vec<Vector> = (0..FREEDOMS)
@@ -272,13 +271,13 @@ mod tests {
                 for (freedom, guess) in displacement.iter().enumerate() {
                     for (lane, &node) in tableau.nodes[1..].iter().enumerate() {
                         let (got, wanted) = (guess.to_array()[lane], literal(freedom, order, node));
-                        // Roundings of the past, 1e-16, over as much as so many nodes magnify them when they are left behind.
+                        // Roundings of the past, 1e-16, times their magnification by an extrapolation over `order` nodes.
                         let bound = 1e-14 * 6_f64.powi(order as i32);
                         assert!((got - wanted).abs() < bound, "{stages} stages, order {order}: {got} and {wanted}");
                     }
                 }
 
-                // The step as it was: the vote is for what came nearest.
+                // The step as it was: the vote is for the nearest guess.
                 let true_turn =
                     |freedom: usize, node: f64| turned(freedom, OLD_STEP + step * node) - turned(freedom, OLD_STEP);
                 for (freedom, displacement) in displacement.iter_mut().enumerate() {

@@ -8,12 +8,12 @@
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::forces::SpringLaw;
 
-/// Which stage each lane stands for, and what makes velocities of displacements there.
+/// The stage of each lane, and the weights that make velocities of displacements there.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<V> {
     /// `Ā B` by columns.
     pub(crate) velocity: [V; MAX_LANES],
-    /// One where a lane has the geometry of its stage, zero where it has that of the start.
+    /// One if a lane has the geometry of its stage, zero if it has the geometry of the start.
     pub(crate) moved: V,
     /// Weights b of the stages whose power this place has to account for.
     pub(crate) weights: V,
@@ -23,7 +23,7 @@ pub(crate) struct Place<V> {
 pub(crate) struct Motion<'s, V> {
     pub(crate) displacement: &'s [V],
     pub(crate) rates: &'s [f64],
-    /// Of the joint springs, at the start.
+    /// Extensions of the joint springs at the start.
     pub(crate) extensions: &'s [f64],
     /// `h c_i` and `1/h`.
     pub(crate) times: V,
@@ -46,7 +46,7 @@ pub(crate) struct Taut<V> {
     pub(crate) per_length: V,
     /// `ℓ̇` [m/s].
     pub(crate) rate: V,
-    /// What the damper has of the tension, and the whole (N).
+    /// The damper's part of the tension, and the whole (N).
     pub(crate) braking: V,
     pub(crate) tension: V,
 }

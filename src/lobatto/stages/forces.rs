@@ -1,5 +1,5 @@
-//! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and what both are made of.
-//! The equations are in [`crate::equations::forces`].
+//! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and their terms. The equations are in
+//! [`crate::equations::forces`].
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::{Lanes, MAX_LANES};
@@ -18,14 +18,14 @@ pub struct Applied<V> {
     pub efforts: Vec<V>,
     /// Force (N) and torque about the anchor [N m] on each body, in world axes, of all that does not act in joints.
     pub wrenches: Vec<(Vector<V>, Vector<V>)>,
-    /// `κ c` of the dampers along each degree of freedom: times h, what they add to its inertia.
+    /// `κ c` of the dampers along each degree of freedom; times h it is their addition to its inertia.
     pub resistance: Vec<f64>,
-    /// What the finished step dissipated, and the work put into it (J).
+    /// Energy that the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
     pub(crate) plan: AppliedPlan,
     /// Efforts that change in time, at the stages of the attempt.
     pub(crate) changing: Vec<Changing<V>>,
-    /// Where the rows take their velocities from.
+    /// The place whose velocities the rows take.
     pub(crate) rows: Place<V>,
     /// The same with the end of the step in the last lane.
     pub(crate) end: Place<V>,
@@ -41,7 +41,7 @@ pub(crate) struct Changing<V> {
 }
 
 impl<V: Lanes> Applied<V> {
-    /// Room for the forces of a mechanism; none if there are none.
+    /// Room for the forces of a mechanism; `None` without forces.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Option<Box<Self>> {
         if mechanism.forces.is_empty() {
             return None;

@@ -18,14 +18,14 @@ use crate::tableau::butcher::Tableau;
 pub struct MomentumWeights<V> {
     /// `w_i`.
     weights: [V; MAX_LANES],
-    /// What rounding has cut off them.
+    /// Their rounding errors.
     rest: [V; MAX_LANES],
     /// `b_s`.
     last: V,
 }
 
 impl<V: Arithmetic> MomentumWeights<V> {
-    /// Those of a tableau.
+    /// The momentum weights of a tableau.
     pub fn new(tableau: &Tableau) -> Self {
         let (mut weights, mut rest) = ([V::zero(); MAX_LANES], [V::zero(); MAX_LANES]);
         let known = tableau.momentum_weights.iter().zip(&tableau.remainders.momentum_weights);
@@ -57,14 +57,14 @@ impl<V: Arithmetic> MomentumWeights<V> {
     }
 }
 
-/// What the momenta of all bodies at the end of a step have in common.
+/// Coefficients that the momenta of all bodies at the end of a step share.
 #[derive(Clone)]
 pub struct Momenta<V> {
     /// `w_i / h` [1/s].
     pub weights: [V; MAX_LANES],
-    /// What rounding has cut off them.
+    /// Their rounding errors.
     pub rest: [V; MAX_LANES],
-    /// What multiplies forces: `h b_s` (s).
+    /// The factor of forces: `h b_s` (s).
     pub impulse: V,
     /// The same times gravity [m/s].
     pub gravity: Vector<V>,

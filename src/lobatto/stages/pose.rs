@@ -1,4 +1,4 @@
-//! Where a body is at all stages: its rotation and the displacement of its anchor since the start of the step.
+//! The pose of a body at all stages: its rotation and the displacement of its anchor since the start of the step.
 //!
 //! ```text
 //!     q = (w, u)                                 unit quaternion of the rotation since the start, in world axes
@@ -47,7 +47,7 @@ impl<V: Arithmetic> StagePose<V> {
         self.turned().matrix()
     }
 
-    /// What N is linear in.
+    /// The vector in which N is linear.
     #[inline(always)]
     pub fn turned(&self) -> Turned<V> {
         let [x, y, z] = self.u.0;
@@ -57,7 +57,7 @@ impl<V: Arithmetic> StagePose<V> {
     }
 }
 
-/// A rotation by what its matrix `N` is linear in: the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u` of its quaternion.
+/// A rotation by the quantities in which its matrix `N` is linear: the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u` of its quaternion.
 #[derive(Clone, Copy)]
 pub struct Turned<V> {
     /// `2 u uᵀ`.
@@ -67,7 +67,7 @@ pub struct Turned<V> {
 }
 
 impl<V: Arithmetic> Turned<V> {
-    /// Of the vector and the products, one after the other.
+    /// N of the vector and the products, one after the other.
     #[inline(always)]
     pub fn joined([x, y, z, products @ ..]: [V; 9]) -> Self {
         Turned { products, vector: [x, y, z] }

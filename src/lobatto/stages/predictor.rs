@@ -1,8 +1,8 @@
 //! The first guess of a step: the last step's joint displacements, extrapolated.
 //!
-//! With the new start at 0, the guess is the polynomial that has the value 0 and the velocity `v` there and meets the κ newest of the old
-//! stages (`extrapolation`). After the step has converged, the order κ that would have guessed best is read off and used next time. κ = 0
-//! is the guess `q₀ + h c v₀`, which needs no past.
+//! The guess is a polynomial in time from the new start at 0. It has the value 0 and the velocity `v` there and meets the κ newest of the old stages
+//! (`extrapolation`). After the step has converged, the order κ that would have guessed best is read off and used next time. κ = 0 is the guess
+//! `q₀ + h c v₀`, which needs no past.
 //!
 //! After an attempt `h_a > h` at the same step, which was too long, its own stages `θ_j` are the better guess, however far it was iterated:
 //!
@@ -18,7 +18,7 @@ use crate::tableau::dense::scales;
 
 use crate::stages::extrapolation::Extrapolation;
 
-/// What guesses are made from.
+/// The memory from which guesses are made.
 #[derive(Clone)]
 pub struct Predictor<V> {
     /// The first of the three degrees of freedom of every ball joint.
@@ -30,7 +30,7 @@ pub struct Predictor<V> {
 }
 
 impl<V: Lanes> Predictor<V> {
-    /// Memory for a number of degrees of freedom, those of ball joints being the three from each of `balls`.
+    /// Memory for a number of degrees of freedom; each of `balls` is the first of the three of a ball joint.
     pub fn new(freedoms: usize, balls: Vec<usize>, tableau: &Tableau) -> Self {
         let weights = scales(&tableau.nodes).into_iter().map(|scale| 1.0 / scale);
         let inner = tableau.nodes.iter().copied().zip(weights).skip(1);
@@ -70,7 +70,7 @@ impl<V: Lanes> Predictor<V> {
         let Unknowns { displacement: displacements, step, coefficients, .. } = unknowns;
         let x = coefficients.nodes * V::splat(step / attempted);
         let count = self.inner.len();
-        // ℓ_j from the products of the factors before and after its own; that of stage 1, where nothing is displaced, is x.
+        // ℓ_j from the products of the factors before and after its own; for stage 1, with displacement zero, it is x.
         let mut columns = [V::zero(); MAX_LANES];
         let mut before = x;
         for (column, &(node, weight)) in columns.iter_mut().zip(&self.inner) {
@@ -118,7 +118,7 @@ mod tests {
             let tableau = Tableau::of(stages).expect("stages");
             let coefficients = Coefficients::<Portable<8>>::new(tableau);
             let nodes = &tableau.nodes[1..];
-            // With few stages it is of degree s − 1, which is all that they can tell apart.
+            // For few stages it is of degree s − 1, the highest that they can distinguish.
             let value = |x: f64| if stages > 8 { polynomial(x) } else { x * (0.3 + x * (-1.1 + x * (0.7 + x * 0.2))) };
             let mut displacement = [Portable::from_slice(&nodes.iter().map(|&c| value(c)).collect::<Vec<_>>())];
             let unknowns =
@@ -188,7 +188,7 @@ mod tests {
                 for axis in 0..3 {
                     let lane = if n == 7 { 7 } else { 6 - n };
                     let off = (predictor.extrapolation.past[axis].to_array()[lane] - expected[axis]).abs();
-                    // Rounding, and what sixteen terms of the series leave out.
+                    // Rounding, and the truncation after sixteen terms of the series.
                     assert!(off < bound, "pace {pace}, stage {n}, axis {axis}: {off:e}");
                 }
             }

@@ -1,4 +1,4 @@
-//! The past of ball joints, whose rotation vectors from the old start are not those from the new one.
+//! The past of ball joints, whose rotation vectors from the old start differ from the rotation vectors from the new one.
 //!
 //! ```text
 //!     y_n = log(exp(−θ_s) exp(θ_n)),     exp and log between rotation vectors (rad) and unit quaternions
@@ -25,7 +25,7 @@ impl<V: Lanes> Predictor<V> {
         let back = Vector::splat(&[-at_end(x, active), -at_end(y, active), -at_end(z, active)]);
         let (w, u) = compose(V::splat(at_end(w, active)), back, w, u);
         let vector = u.times(twice_angle_over_sine(w));
-        // Stage 1, in the last lane in use, where the end of the step is nowhere from itself.
+        // Stage 1, in the last lane in use: its displacement from the end of the step is zero.
         let (moved, first) = (unknowns.coefficients.moved, V::splat(1.0) - unknowns.coefficients.moved);
         for (axis, entry) in vector.0.into_iter().enumerate() {
             let at_first = -at_end(turn.0[axis], active);

@@ -1,7 +1,7 @@
 //! How a body has moved in the rows of a sweep, worked out one body early.
 //!
-//! What is mixed over the stages ([`crate::equations::residual`]) is read back from memory lane by lane, where that is cheaper than to shuffle it out of
-//! registers ([`Rows::EARLY`]). Who reads what was only just written waits for it. So while one body is mixed the next one is written.
+//! The sums over the stages ([`crate::equations::residual`]) read their inputs back from memory lane by lane, if that is cheaper than to shuffle them
+//! out of registers ([`Rows::EARLY`]). A read of a value just written waits for the store. So while one body is mixed the next one is written.
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::Arithmetic;
@@ -12,14 +12,14 @@ use crate::stages::start::{BodyStart, Start};
 /// How a body has moved.
 #[derive(Clone, Copy)]
 pub struct RowGeometry<V, A> {
-    /// What is to be mixed.
+    /// The inputs of the sums over stages.
     pub ahead: A,
-    /// From the anchor to the centre of mass, with the geometry of the rows (m).
+    /// Vector from the anchor to the centre of mass, with the geometry of the rows (m).
     pub com: Vector<V>,
 }
 
 impl<V: Arithmetic, A> RowGeometry<V, A> {
-    /// That of a body that turns.
+    /// The geometry of a body that turns.
     #[inline(always)]
     pub fn new<R: Rows<V, Ahead = A>>(rows: &R, body: usize, known: &BodyStart<V::Real>) -> Self {
         let pose = rows.pose(body);
@@ -36,7 +36,7 @@ impl<V: Arithmetic, A> RowGeometry<V, A> {
 pub struct LookAhead<V, A>([RowGeometry<V, A>; 2]);
 
 impl<V: Arithmetic, A: Copy> LookAhead<V, A> {
-    /// Of bodies that have nothing to be mixed.
+    /// For bodies without inputs of sums over stages.
     pub fn new(ahead: A) -> Self {
         LookAhead([RowGeometry { ahead, com: Vector::zero() }; 2])
     }

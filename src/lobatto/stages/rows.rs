@@ -1,7 +1,7 @@
-//! The rows of a sweep: where the residual of a body takes its motion from, and what a mixture of stages is.
+//! The rows of a sweep: the source of the motion of a body's residual, and the mixtures of stages.
 //!
-//! The residual ([`crate::equations::residual`]) and the sweep over the tree ([`crate::solve::sweeps`]) are written once, for the rows of all stages, one in
-//! each lane ([`StageRows`]), and for the momenta at the end of the step, in one lane alone ([`crate::ending::velocities`]).
+//! The residual ([`crate::equations::residual`]) and the sweep over the tree ([`crate::solve::sweeps`]) are written once, for the rows of all stages,
+//! one in each lane ([`StageRows`]), and for the momenta at the end of the step, in one lane alone ([`crate::ending::velocities`]).
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::{Arithmetic, InLines, Numbers};
@@ -14,7 +14,7 @@ use crate::stages::forces::Applied;
 use crate::stages::pose::{StagePose, Turned, rotation_vector};
 use crate::stages::start::{BodyStart, Start};
 
-/// What a sweep over the tree eliminates: the residuals of the rows of all stages ([`StageRows`]), or the momenta at the end of the step
+/// The right-hand side of a sweep over the tree: the residuals of the rows of all stages ([`StageRows`]), or the momenta at the end of the step
 /// ([`crate::ending::velocities`]).
 pub trait Rows<V: Arithmetic> {
     /// Whether it is momenta.
@@ -23,9 +23,9 @@ pub trait Rows<V: Arithmetic> {
     fn pose(&self, body: usize) -> StagePose<V>;
     /// One where a row has its stage's geometry.
     fn moved(&self) -> V;
-    /// How the free axes of a ball joint, of which this is the first, are tilted against those of the body; `None` where they are not.
+    /// Tilt of the free axes of a ball joint, of which this is the first, against the axes of the body; `None` without tilt.
     fn tilt(&self, freedom: usize) -> Option<Tilt<V>>;
-    /// What gravity adds to the mixed path.
+    /// Gravity's part of the mixed path.
     fn gravity(&self) -> Vector<V>;
     /// The mixed path of a centre of mass that has been `displaced` in these rows (m); for momenta its velocity [m/s], which needs all stages.
     fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
@@ -33,7 +33,7 @@ pub trait Rows<V: Arithmetic> {
     const EARLY: bool;
     /// The values of a body that are to be mixed.
     type Ahead: Copy;
-    /// Those of a body whose centre of mass has been `displaced` (m) and which has `turned` so far in these rows.
+    /// The inputs of a body whose centre of mass has been `displaced` (m) and which has `turned` so far in these rows.
     fn ahead(&self, known: &BodyStart<V::Real>, displaced: Vector<V>, turned: Turned<V>) -> Self::Ahead;
     /// [`Rows::path`], and the mixed turn of a body; for momenta its rate [1/s].
     fn motion(&self, body: usize, known: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>);
@@ -42,16 +42,16 @@ pub trait Rows<V: Arithmetic> {
     /// The mixed sine and versine of a body that turned at this rate about this axis and has `turned` so far in these rows
     /// ([`crate::equations::pivot`]); for momenta their rates [1/s].
     fn swing(&self, body: usize, axis: &[V::Real; 3], rate: V::Real, turned: [V; 2]) -> [V; 2];
-    /// What multiplies applied forces: a time squared (s²), for momenta a time (s).
+    /// The factor of applied forces: a time squared (s²), for momenta a time (s).
     fn forces(&self) -> V;
-    /// Force and torque that forces besides gravity put on a body; `None` where there are none at all.
+    /// Force and torque on a body besides gravity; `None` without such forces.
     fn wrench(&self, body: usize) -> Option<(Vector<V>, Vector<V>)>;
-    /// What a body has already of its momentum and of the moment of it about its anchor ([`crate::ending::velocities`]); `None` where nothing is known of that.
+    /// The known part of a body's momentum and of its moment about the anchor ([`crate::ending::velocities`]); `None` if that is zero.
     #[inline(always)]
     fn carried(&self, _: usize) -> Option<(Vector<V>, Vector<V>)> {
         None
     }
-    /// What forces in the joint do along a degree of freedom, in the units of the residuals; `None` where there are none at all.
+    /// Effect of the forces in the joint along a degree of freedom, in the units of the residuals; `None` without forces.
     fn push(&self, freedom: usize) -> Option<Push<V>>;
 }
 
@@ -60,7 +60,7 @@ pub trait Rows<V: Arithmetic> {
 pub struct Steady<V> {
     /// `h c_i`.
     times: V,
-    /// What rounding has cut off `times`.
+    /// The rounding error of `times`.
     rest: V,
 }
 
@@ -102,19 +102,19 @@ impl<V: Arithmetic> Steady<V> {
     }
 }
 
-/// What is common to all bodies of a sweep.
+/// Data that all bodies of a sweep share.
 pub struct Sweep<'s, V> {
     /// Mixing matrix of the sweep, by columns.
     pub columns: &'s [V; MAX_LANES],
-    /// What rounding has cut off `columns`.
+    /// The rounding errors of `columns`.
     pub rest: &'s [V; MAX_LANES],
     /// The steady motion.
     pub steady: Steady<V>,
     /// One where a row has its stage's geometry.
     pub moved: V,
-    /// What gravity adds to the mixed displacement of a centre of mass.
+    /// The part of gravity in the mixed displacement of a centre of mass.
     pub gravity: Vector<V>,
-    /// What multiplies applied forces: h², or the impulse's `h b_s`.
+    /// The factor of applied forces: h², or the impulse's `h b_s`.
     pub forces: V,
 }
 
@@ -135,7 +135,7 @@ impl<V: Numbers> Sweep<'_, V> {
 }
 
 impl<V: Numbers> Coefficients<V> {
-    /// What the residual has in common over all bodies of a step.
+    /// Data of the residual that all bodies of a step share.
     #[inline(always)]
     pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
         let square = V::splat(-step) * V::splat(step);
@@ -174,7 +174,7 @@ pub type Stored<V> = InLines<<V as Numbers>::Stored, 12>;
 
 /// The rows of all stages, with (`FORCED`) or without forces besides gravity, `REFINED` with twice the digits of the coefficients.
 pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
-    /// What is common to all bodies.
+    /// Data that all bodies share.
     pub sweep: Sweep<'s, V>,
     /// The tree.
     pub plan: &'s Plan,

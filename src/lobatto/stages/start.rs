@@ -9,10 +9,9 @@
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
 //!
-//! Under gravity alone nothing depends on the unit of mass, and a step may have one of its own: [`Start::with_units`]. An inertia
-//! about a joint that is the same in every step would round to the same side in every step, while the momentum that it is to be
-//! divided by it does not: the energy then drifts by some 2e-17 of itself a step. In a unit of mass that differs from step to step
-//! all roundings are as good as random.
+//! Under gravity alone the motion does not depend on the unit of mass, and a step may have one of its own: [`Start::with_units`]. An inertia about a
+//! joint that is the same in every step would round to the same side in every step, while the momentum that it is to be divided by it does not: the
+//! energy then drifts by some 2e-17 of itself a step. In a unit of mass that differs from step to step all roundings are as good as random.
 
 use crate::numbers::algebra::{Symmetric, Vector};
 use crate::numbers::arithmetic::Arithmetic;
@@ -35,9 +34,9 @@ use nalgebra::{Matrix3, Vector3};
 pub struct BodyStart<R = f64> {
     /// Mass (kg, or the unit of the step).
     pub mass: R,
-    /// From the parent's anchor to this body's (m).
+    /// Vector from the parent's anchor to this body's (m).
     pub arm: [R; 3],
-    /// From the anchor to the centre of mass (m).
+    /// Vector from the anchor to the centre of mass (m).
     pub com: [R; 3],
     /// Σ: xx, xy, xz, yy, yz, zz [kg m²].
     pub sigma: [R; 6],
@@ -47,7 +46,7 @@ pub struct BodyStart<R = f64> {
     pub spin: [R; 3],
 }
 
-/// What the equation needs of the start of a step.
+/// Quantities of the equation at the start of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pivot<R = f64> {
     /// `I` [kg m²].
@@ -57,7 +56,7 @@ pub struct Pivot<R = f64> {
 }
 
 impl<R: Copy> Pivot<R> {
-    /// That of a body on an axis (a unit vector).
+    /// The equation of a body on an axis (a unit vector).
     #[inline(always)]
     pub fn new<V: Arithmetic<Real = R>>(known: &BodyStart<R>, axis: &[R; 3], gravity: &[f64; 3]) -> Self {
         let (axis, mass) = (Vector::<V>::splat(axis), V::whole(known.mass));
@@ -92,7 +91,7 @@ pub struct Start<R = f64> {
     pub rates: Vec<R>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
-    /// What forces need.
+    /// Quantities of the forces.
     pub applied: AppliedStart,
     /// Energy of the state.
     pub energy: Energy,
@@ -126,7 +125,7 @@ impl<R: Copy + Default> Start<R> {
         }
     }
 
-    /// The same for a kernel: with a unit of mass for every step, if nothing but gravity acts.
+    /// The same for a kernel: a unit of mass for every step, if gravity is the only force.
     pub fn with_units(mechanism: &Mechanism) -> Self {
         Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }
     }
@@ -168,7 +167,7 @@ impl Start {
         &self.states[body]
     }
 
-    /// Where the anchor of a body is in the world (m).
+    /// The place of a body's anchor in the world (m).
     pub fn anchor(&self, body: usize) -> [f64; 3] {
         let (position, com) = (self.states[body].position, self.bodies[body].com);
         [position.x - com[0], position.y - com[1], position.z - com[2]]
@@ -180,7 +179,7 @@ impl Start {
         &mut self.states[body]
     }
 
-    /// Takes the bodies on hinges that the world holds from what is known of all bodies.
+    /// Copies the bodies on hinges that the world holds from the start of all bodies.
     #[inline(always)]
     pub(crate) fn set_pivots(&mut self, mechanism: &Mechanism) {
         for (pivot, &body) in self.pivots.iter_mut().zip(&self.pivoted) {

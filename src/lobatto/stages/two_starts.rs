@@ -1,7 +1,7 @@
 //! The starts of two motions of one tree at once, one in each of two lanes: a run and its companion ([`crate::step::carrying`]).
 //!
-//! The same as [`Start::set`], with poses and velocities as in [`catena_mechanism::motion::kinematics`], in the same order of operations, so that each
-//! start has the bits of one that is set alone. For trees under gravity alone that are more than one free body.
+//! The same as [`Start::set`], with poses and velocities as in [`catena_mechanism::motion::kinematics`], in the same order of operations, so that
+//! each start has the bits of one that is set alone. For trees under gravity alone that are more than one free body.
 
 use crate::numbers::lanes::Lanes;
 use crate::stages::start::{BodyStart, Pivot, Start, units_per_kilogram};
@@ -27,12 +27,12 @@ struct Placed<L> {
     com: Vector<L>,
 }
 
-/// The starts of a step of two motions, and those of the next.
+/// The starts of a step of two motions, and the starts of the next.
 #[derive(Clone)]
 pub(crate) struct TwoStarts<L> {
     pub(crate) start: Start<[f64; 2]>,
     end: Start<[f64; 2]>,
-    /// Whether `start` is that of both motions.
+    /// Whether `start` has the starts of both motions.
     known: bool,
     placed: Vec<Placed<L>>,
 }
@@ -202,15 +202,15 @@ impl<L: Lanes<Array = [f64; 2]>> Placed<L> {
     }
 }
 
-/// A body in its place, and what was computed on the way there.
+/// A placed body, with intermediate results.
 #[derive(Clone)]
 struct On<L> {
     own: Placed<L>,
     /// The joint frame on the parent, in the world.
     frame: Matrix<L>,
-    /// The joint's translation, in that frame (m); none of a hinge.
+    /// The joint's translation, in that frame (m); `None` for a hinge.
     translation: Option<Vector<L>>,
-    /// From the parent's centre of mass to the anchor (m).
+    /// Vector from the parent's centre of mass to the anchor (m).
     arm: Vector<L>,
 }
 

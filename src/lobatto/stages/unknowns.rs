@@ -1,7 +1,7 @@
 //! The unknowns of a step: guessed before it, and kept after it for the guess of the next one.
 
 use crate::stages::coefficients::Coefficients;
-/// What is guessed: the displacements in a step, and what is known of them.
+/// Inputs of the guess: the displacements in a step, and the motion at its start.
 pub struct Unknowns<'s, V> {
     /// At all stages; one entry a degree of freedom.
     pub displacement: &'s mut [V],

@@ -46,9 +46,9 @@ pub struct Stages<V: Numbers> {
     pub increment: Vec<V>,
     /// One entry a body.
     pub poses: Vec<StagePose<V>>,
-    /// What the Newton step leaves.
+    /// The factors of the Newton step.
     pub factors: Factors<V>,
-    /// What a sweep knows of the next body.
+    /// The inputs of a sweep for the next body.
     pub early: LookAhead<V, Stored<V>>,
     /// Forces besides gravity, if the mechanism has any.
     pub applied: Option<Box<Applied<V>>>,
@@ -57,8 +57,7 @@ pub struct Stages<V: Numbers> {
 }
 
 impl<V: Numbers> Stages<V> {
-    /// A workspace for a scheme and a mechanism on which nothing acts but gravity; the rules that are `kept` from leaving something out are
-    /// switched off.
+    /// A workspace for a scheme and a mechanism under gravity alone; the simplification rules in `kept` are disabled.
     pub fn unforced(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         Self::planned(Plan::lean(mechanism, kept), mechanism, tableau)
     }
@@ -81,7 +80,7 @@ impl<V: Numbers> Stages<V> {
         }
     }
 
-    /// Takes the start of the step and its length from those who have them in doubles.
+    /// Takes the start of the step and its length from callers that have them in doubles.
     pub fn take_start(&mut self, start: &Start, step: f64) {
         self.start.take(start, V::real);
         self.step = step;
@@ -104,7 +103,7 @@ impl<V: Numbers> Stages<V> {
             let turns = !plan.parent_slides;
             let mut pose = match plan.parent {
                 Some(parent) => {
-                    // From registers, because each body waits for its parent's.
+                    // Pose of the parent from registers, because each body waits for it.
                     let mut pose = if parent + 1 == index { last } else { self.poses[parent] };
                     if turns {
                         pose.anchor = rotate_increment(pose.w, pose.u, Vector::splat(&known.arm)).plus(pose.anchor);
@@ -153,14 +152,14 @@ impl<V: Lanes> Stages<V> {
         Stages { applied: Applied::new(mechanism, tableau), ..Stages::unforced(mechanism, tableau, kept) }
     }
 
-    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). Where sweeps are chosen
-    /// the same is written out: behind a call the compiler would know too late.
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). The choice of the sweeps writes
+    /// this condition out: behind a call the compiler would know it too late.
     #[inline(always)]
     pub fn is_general(&self) -> bool {
         V::GENERAL_ALONE || self.applied.is_some()
     }
 
-    /// What the predictor is to guess.
+    /// The unknowns of the predictor.
     pub fn unknowns(&mut self) -> Unknowns<'_, V> {
         let known = self.plan.known();
         Unknowns {

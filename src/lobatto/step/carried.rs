@@ -14,7 +14,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 pub(crate) struct Carried<V, S> {
     /// The start of its next step.
     pub(crate) start: S,
-    /// Where that is going to end.
+    /// The end of the carried motion.
     pub(crate) end: S,
     /// `θ` of the first motion.
     pub(crate) solved: Vec<V>,
@@ -31,7 +31,7 @@ pub(crate) struct Carried<V, S> {
 }
 
 impl<V: Lanes, S> Carried<V, S> {
-    /// Room for a mechanism of so many degrees of freedom, of which some are iterated.
+    /// Room for a mechanism with this number of degrees of freedom, of which some are iterated.
     pub(crate) fn new<W: Workspace<V, Start = S>>(
         mechanism: &Mechanism,
         freedoms: usize,
@@ -52,7 +52,7 @@ impl<V: Lanes, S> Carried<V, S> {
         }
     }
 
-    /// Takes the place of the first motion in a workspace, with a guess of what parts them.
+    /// Takes the place of the first motion in a workspace, with a guess of the distance.
     pub(crate) fn part_from<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
         self.solved.copy_from_slice(workspace.displacement());
         let first = workspace.unknowns();
@@ -78,8 +78,8 @@ impl<V: Lanes, S> Carried<V, S> {
         });
     }
 
-    /// Moves the end of the step by what its polynomials leave out, of which the freedom with the largest top Legendre coefficient `Σ_i L_i θ_i` has
-    /// `truncation` (rad, m), and the others a part by theirs: what a symmetry of the motion holds stays where it is.
+    /// Moves the end of the step by its truncation. The freedom with the largest top Legendre coefficient `Σ_i L_i θ_i` moves by `truncation` (rad,
+    /// m), and the others in proportion to theirs, so that freedoms held by a symmetry of the motion stay.
     pub(crate) fn truncate(&self, top: V, truncation: f64, displaced: &mut [f64]) {
         in_lanes!(V, {
             let share = truncation / largest_coefficient(&self.solved, top).max(f64::MIN_POSITIVE);
@@ -89,7 +89,7 @@ impl<V: Lanes, S> Carried<V, S> {
         });
     }
 
-    /// Takes what parts the motions in the solved step.
+    /// Takes the distance of the motions in the solved step.
     pub(crate) fn part<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
         let known = workspace.known();
         let (apart, solved) = (&mut self.apart[..], &self.solved[known..]);
@@ -101,7 +101,7 @@ impl<V: Lanes, S> Carried<V, S> {
         });
     }
 
-    /// Learns from what parts the motions in the step.
+    /// Learns from the distance of the motions in the step.
     pub(crate) fn learn<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
         let Unknowns { step, coefficients, .. } = workspace.unknowns();
         let (past, rates, apart) = (&mut self.past, &self.rates[..], &mut self.apart[..]);

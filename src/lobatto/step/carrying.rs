@@ -1,7 +1,8 @@
 //! A companion motion, computed in the steps of a kernel: its distance from the kernel's motion is the error that the steps have made.
 //!
-//! The iteration of a step ends at a stop, and what it leaves is the error of the step. A second motion `y` with a start of its own goes through
-//! the same steps, from the stages `θ` of the first and a guess of what parts them, and is iterated until what is left is a small part of that:
+//! The iteration of a step ends at a stop, and its remaining increment is the error of the step. A second motion `y` with a start of its own goes
+//! through the same steps, from the stages `θ` of the first and a guess of the distance. It is iterated until its remaining error is a small part of
+//! the distance:
 //!
 //! ```text
 //!     θ_y ← θ + δ̂                                      δ̂ from the last step's δ, and v_y − v at the start      extrapolation.rs
@@ -10,7 +11,7 @@
 //!     velocity from H(q̄) v̄ = Sᵀ p̄                      at the end of θ_y                                        (2.5.11h)
 //! ```
 //!
-//! So `y` has the errors of the first motion out of it, and `y − x` is what they have grown to. A step costs one to three iterations.
+//! So `y` does not have the errors of the first motion, and `y − x` is their accumulated effect. A step costs one to three iterations.
 
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{largest, write_ends};
@@ -23,7 +24,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-/// After so many iterations what parts the motions is no small difference any more.
+/// After this number of iterations the distance of the motions is no small difference any more.
 const HOPELESS: usize = 12;
 
 impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
@@ -66,9 +67,9 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         self.carried = Some(carried);
     }
 
-    /// Moves both motions through the solved step, `states` to their ends, at once: what the end of one needs is worked out beside that of the other
-    /// ([`crate::ending::two_motions`]). `None`, and nothing is done, where that is not to be had. Until [`Kernel::settle_carried`] the carried motion
-    /// can still be taken back.
+    /// Moves both motions through the solved step, `states` to their ends, at once: the ends of both are computed side by side
+    /// ([`crate::ending::two_motions`]). `None`, without any effect, if the mechanism has no such code. Until [`Kernel::settle_carried`] the carried
+    /// motion can still be taken back.
     pub(crate) fn end_both(
         &mut self,
         mechanism: &Mechanism,
@@ -142,7 +143,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         }
     }
 
-    /// The exact Newton method, of which one iteration leaves the square of what parts the motions.
+    /// The exact Newton method, of which one iteration leaves the square of the distance of the motions.
     fn solve_carried_exactly(&mut self, carrying: &Carrying) {
         let Kernel { workspace, newton: Some(newton), .. } = self else { return };
         workspace.begin_exactly();

@@ -1,5 +1,5 @@
-//! The interface of a step for integrators: when its iteration ends, how an attempt at it ended, and what can be asked
-//! of it. It is made by [`crate::step::kernel`], to 32 digits by [`crate::step::precise`].
+//! The interface of a step for integrators: when its iteration ends, how an attempt at it ended, and the queries about it. It is made by
+//! [`crate::step::kernel`], to 32 digits by [`crate::step::precise`].
 
 use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
@@ -11,18 +11,18 @@ use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
-/// A step of the scheme for one number of lanes; what the integrator sees of it.
+/// A step of the scheme for one number of lanes, as the integrator sees it.
 pub trait Step: Send + Sync {
     /// The same step with the same past: it goes on to the same bits.
     fn duplicate(&self) -> Box<dyn Step>;
-    /// Steps iterated as far as `stop` (rad, m) are to come: makes room for what only they need.
+    /// Steps iterated as far as `stop` (rad, m) are to come: makes room for their workspace.
     fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
-    /// Takes what was counted of the closures where steps are going to begin.
+    /// Takes the ranks of the closures counted at the start of the next steps.
     fn expect_at(&mut self, _counted: Arc<Counted>) {}
     /// Takes a state as the start of the next step, when it is not where the last step ended.
     fn begin(&mut self, mechanism: &Mechanism, state: &State);
-    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; without entries none act. Only steps of a mechanism
-    /// whose forces are [driven](catena_mechanism::description::forces::Forces::driven) heed them.
+    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; without entries the efforts are zero. Only steps of a
+    /// mechanism whose forces are [driven](catena_mechanism::description::forces::Forces::driven) heed them.
     fn drive(&mut self, _efforts: &[f64]) {}
     /// Takes efforts along some freedoms of scalar coordinates at all stages of the next attempt, freedom after freedom. Only steps of a mechanism
     /// whose forces are driven heed them.
@@ -52,21 +52,21 @@ pub trait Step: Send + Sync {
     fn exchange(&self) -> Exchange;
     /// How many iterations have kept the factors of an earlier one since this was asked last.
     fn take_kept(&mut self) -> usize;
-    /// What is known of the closures, if there are any, since a state was taken that no step had left.
+    /// Ranks and flags of the closures, if there are any, determined at the latest state that no step had left.
     fn known(&self) -> Option<&Known> {
         None
     }
-    /// Number of equations of the closures that the others imply at the end of the finished step; `None` without closures, and where
-    /// nothing had to be projected there.
+    /// Number of redundant equations of the closures at the end of the finished step; `None` without closures, or if the projection had no work
+    /// there.
     fn redundant(&self) -> Option<usize>;
     /// Brings positions and velocities near the closures, if there are any, on them.
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
-    /// A second motion is carried beside this one from its next step on, from this state; those of 32 digits carry none.
+    /// Carries a second motion beside this one from its next step on, from this state; without effect in steps of 32 digits.
     fn begin_to_carry(&mut self, _mechanism: &Mechanism, _state: &State) {}
     /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.
     fn carry_on(&mut self, _mechanism: &Mechanism, _state: &mut State, _carrying: &Carrying) {}
-    /// [`Step::finish`], and `beside`, the state of the carried motion, moves to its end, too, to the same bits for less; `None`, and nothing has
-    /// happened, where there is no such way.
+    /// [`Step::finish`] for both motions: `beside`, the state of the carried motion, moves to its end, too, to the same bits at lower cost. `None`,
+    /// without any effect, if the step has no such code.
     fn finish_both(
         &mut self,
         _mechanism: &Mechanism,
@@ -80,7 +80,7 @@ pub trait Step: Send + Sync {
     fn keep_carried(&mut self) {}
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
-    /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.
+    /// Two weighted sums, for each degree of freedom, of its displacements at the stages 2 … s of the last solved step.
     fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]);
     /// Displacement of a degree of freedom at the last stage of the last solved step.
     fn last_displacement(&self, freedom: usize) -> f64;

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! with θ the displacements of the freedoms since the start of the step (rad, m) at the stages i = 2 … s, and ρ, H and α as in
-//! [`crate::step::workspace`]. With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact
-//! Newton method with all stages coupled ([`crate::coupled::system`]), and velocities are projected on the loops
+//! [`crate::step::workspace`]. For closed loops, and for steps on which this does not converge (stiff springs, hard dampers), the iteration is the
+//! exact Newton method with all stages coupled ([`crate::coupled::system`]), and velocities are projected on the loops
 //! ([`crate::coupled::projection`]).
 
 use crate::coupled::closing::Closing;
@@ -44,7 +44,7 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) newton: Option<Box<Newton<V, W::Geometry<V>>>>,
     /// For how many more steps the exact Newton method comes first.
     pub(crate) exact_for: usize,
-    /// Where there are closures.
+    /// Projections, if the mechanism has closures.
     pub(crate) closing: Option<Closing<W::Geometry<One>>>,
     pub(crate) tableau: &'static Tableau,
     /// Top row of the inverse Legendre matrix for the stages 2 … s.
@@ -53,9 +53,9 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
-    /// What dry friction of contacts took from the finished step (J).
+    /// Energy that dry friction of contacts took from the finished step (J).
     pub(crate) friction: f64,
-    /// What is carried beside the motion.
+    /// The motion carried beside the motion of the run.
     pub(crate) carried: Option<Box<Carried<V, W::Start>>>,
     /// The end of the finished step.
     pub(crate) end: W::Start,
@@ -106,8 +106,8 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
     }
 }
 
-/// Moves a state by what a solved step has displaced, to the velocities there (2.5.11h), and takes it as the next start. `square` is what
-/// [`Workspace::end_velocities`] returned, which wrote `velocity` and completed the displacements.
+/// Moves a state by the displacements of a solved step, to the velocities there (2.5.11h), and takes it as the next start. `square` is the result of
+/// [`Workspace::end_velocities`], which wrote `velocity` and completed the displacements.
 pub(crate) fn land<V: Lanes, W: Workspace<V>>(
     workspace: &mut W,
     square: Option<f64>,
@@ -186,8 +186,8 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
         let unknowns = workspace.unknowns();
         in_lanes!(V, predictor.guess(unknowns, guess));
         if let Some(closing) = closing {
-            // No increment takes back what the roundings of their velocities would displace them by, and extrapolation multiplies it by some hundred
-            // a step.
+            // Increments do not take back a displacement by the roundings of their velocities, and extrapolation multiplies it by some hundred a
+            // step.
             let (displacement, _) = workspace.advanced();
             closing.known().locked_freedoms().for_each(|freedom| displacement[freedom] = V::zero());
         }

@@ -26,7 +26,7 @@ pub struct MakeStep<'m> {
     pub tableau: &'static Tableau,
     /// The plane that it moves in.
     pub plane: Option<Plane>,
-    /// Rules that leave nothing out.
+    /// Disabled simplification rules.
     pub kept: &'m [Rule],
 }
 
@@ -63,7 +63,7 @@ pub struct MakePrecise<'m> {
     pub mechanism: &'m Mechanism,
     /// The scheme.
     pub tableau: &'static Tableau,
-    /// Rules that leave nothing out.
+    /// Disabled simplification rules.
     pub kept: &'m [Rule],
 }
 
@@ -74,7 +74,7 @@ impl InVectors for MakePrecise<'_> {
     }
 }
 
-/// Makes what looks at eight instants of a tree without forces on bodies at once.
+/// Makes the evaluation of eight instants at once, for a tree without forces on bodies.
 #[derive(Clone, Copy)]
 pub struct MakeInstants<'m> {
     /// The mechanism.

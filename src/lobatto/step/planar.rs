@@ -1,7 +1,7 @@
 //! The workspace of a step of a mechanism that moves in a plane: three coordinates a body instead of six.
 //!
-//! The same scheme and the same iteration as in space ([`crate::step::spatial`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
-//! it leaves out is zero there, so that both take the same steps, but for rounding.
+//! The same scheme and the same iteration as in space ([`crate::step::spatial`]), with SO(2) embedded in R² instead of SO(3) in R⁹. Omitted terms are
+//! zero in a plane, so both take the same steps, but for rounding.
 //!
 //! ```text
 //!     turns and paths of all stages from θ       planar/sweeps.rs         g(Q_i) = 0 to rounding at every iterate
@@ -36,7 +36,7 @@ pub(crate) struct PlanarWorkspace<V: Lanes> {
     stages: PlanarStages<V>,
     coefficients: Coefficients<V>,
     weights: MomentumWeights<V>,
-    /// Gravity in the plane [m/s²]; nothing along the normal.
+    /// Gravity in the plane [m/s²]; zero along the normal.
     gravity: [f64; 3],
     plane: Plane,
 }
@@ -126,7 +126,7 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         self.stages.step = step;
     }
 
-    /// The velocities at the end have overwritten them, with those of other dampers if there are any.
+    /// The velocities at the end have overwritten them, with different dampers if the mechanism has dampers.
     fn has_factors(&self) -> bool {
         self.stages.applied.is_none()
     }

@@ -11,10 +11,10 @@
 //!     the start of the next step from the poses at the end of this one: nothing is rounded between steps
 //! ```
 //!
-//! Iterative refinement, as of linear systems: the residual has the digits, the correction needs none. The sweeps are those of
-//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step ([`crate::step::precise_start`]), which
-//! loses 10⁻³² of them a step; the joint positions of the [`State`] are what has been moved, summed with compensation.
-//! Source of the refinement: C. B. Moler, J. ACM 14 (1967).
+//! Iterative refinement, as of linear systems: the residual has all digits, and the correction needs few. The sweeps are the ones of
+//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step
+//! ([`crate::step::precise_start`]), which loses 10⁻³² of them a step. The joint positions of the [`State`] are the sums of all displacements, with
+//! compensation. Source of the refinement: C. B. Moler, J. ACM 14 (1967).
 
 use crate::ending::velocities::Ending;
 use crate::numbers::arithmetic::{Arithmetic, Numbers};
@@ -37,8 +37,8 @@ use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-/// The refinement ends when no joint increment is larger than this (rad, m): what the last one leaves is a tenth of it, and the velocity
-/// at the end of a step has that up to 36 times over h.
+/// The refinement ends when all joint increments are at most this (rad, m): the last one leaves a tenth of it, and the velocity at the end of a step
+/// has that up to 36 times over h.
 const ENOUGH: f64 = 1e-22;
 /// Increments below this that no longer fall are rounding.
 const ROUNDING: f64 = 1e-20;
@@ -51,7 +51,7 @@ pub struct Precise<V: Lanes> {
     /// The same step to sixteen digits.
     coarse: Kernel<V, SpatialWorkspace<V>>,
     fine: Stages<Double<V>>,
-    /// e: what sixteen digits leave out of the displacements.
+    /// e: the part of the displacements beyond sixteen digits.
     correction: Vec<V>,
     /// δ.
     increment: Vec<V>,
@@ -67,7 +67,7 @@ pub struct Precise<V: Lanes> {
 }
 
 impl<V: Lanes> Precise<V> {
-    /// The workspace for a tree under gravity and a scheme; `kept` are the rules that leave nothing out.
+    /// The workspace for a tree under gravity and a scheme; `kept` are the disabled simplification rules.
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let freedoms = mechanism.velocity_count;
         // The inverse of an inertia is not known to 32 digits.
@@ -243,7 +243,7 @@ mod tests {
         state
     }
 
-    /// Rates to 32 digits after so many steps, and as many back again if that is wanted.
+    /// Rates to 32 digits after `steps` steps, and as many back again if `and_back` is set.
     fn rates(kind: JointKind, stages: usize, step: f64, steps: usize, and_back: bool) -> Vec<Extended> {
         let mechanism = arm(kind);
         let mut state = moving(&mechanism);
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn what_turns_together_keeps_its_shape_over_four_thousand_steps() {
-        // Hinges, because what slides is soon far away.
+        // Hinges, because a slide is soon far away.
         let mechanism = arm(JointKind::Revolute);
         let (mut state, tableau) = (moving(&mechanism), Tableau::of(9).unwrap());
         let mut precise = Precise::<Portable<8>>::new(&mechanism, tableau, &[]);
@@ -295,7 +295,8 @@ mod tests {
 
     #[test]
     fn the_order_of_the_scheme_holds_far_below_the_rounding_of_doubles() {
-        // Of 9 stages: 16, a bit more or less while the next term of the error counts. Coefficients, series, axes or moments of inertia of sixteen digits would leave 1e-16, whatever the step.
+        // Order 16 for nine stages, a bit more or less while the next term of the error counts. Coefficients, series, axes or moments of inertia of
+        // sixteen digits would leave 1e-16, whatever the step.
         let [coarse, fine, finest] =
             [8, 16, 32].map(|steps| rates(JointKind::Revolute, 9, 0.5 / steps as f64, steps, false));
         let (first, second) = (largest_difference(&coarse, &fine), largest_difference(&fine, &finest));

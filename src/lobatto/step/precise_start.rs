@@ -1,6 +1,6 @@
 //! The start of a step to 32 digits, carried along from the end of the step before.
 //!
-//! With the turn `N` and the anchor displacement `Δa` of a body at the end of a step (and of its parent, `p`), in world axes,
+//! At the end of a step a body has the turn `N` and the anchor displacement `Δa` (its parent has the index `p`), in world axes:
 //!
 //! ```text
 //!     arm ← arm + Δa − Δa_p        com ← (1 + N) com        Σ ← (1 + N) Σ (1 + N)ᵀ
@@ -8,7 +8,7 @@
 //!     ω = ω_p + Σ s q̇              v_a = v_a,p + ω_p × arm + Σ s q̇,      v = v_a + ω × com
 //! ```
 //!
-//! Axes are made unit vectors again; what else turns together loses 10⁻³² of its lengths and angles a step.
+//! Axes are made unit vectors again; other vectors that turn together lose 10⁻³² of their lengths and angles a step.
 
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::{Arithmetic, Numbers};
@@ -42,8 +42,8 @@ pub(crate) fn widen<V: Lanes>(plan: &Plan, start: &Start, gravity: &[f64; 3], wi
     }
 }
 
-/// Makes the axes of a joint, which nearly are, unit vectors to 32 digits, and those of a ball joint normal to each other: a rotation about
-/// anything else stretches what it turns, other axes too, so that whatever is off would grow from step to step.
+/// Makes the axes of a joint, which nearly are, unit vectors to 32 digits, and the axes of a ball joint normal to each other. A rotation about
+/// another vector would stretch all vectors, axes included, so that the error would grow from step to step.
 #[inline(always)]
 fn straighten<V: Lanes>(own: &BodyPlan, axes: &mut [Long]) {
     for axis in &mut axes[own.freedoms()] {
@@ -113,7 +113,7 @@ fn turned_moments<V: Lanes>(pose: &StagePose<Double<V>>, sigma: &[Extended; 6], 
     [xx, xy, xz, yy, yz, zz]
 }
 
-/// What the equation of a body on a hinge that the world holds needs, if it is one, of which all else is known.
+/// The constants of the equation of a body on a hinge that the world holds, if it is one; all other fields of the body are set.
 #[inline(always)]
 fn set_pivot<V: Lanes>(own: &BodyPlan, index: usize, gravity: &[f64; 3], start: &mut Start<Extended>) {
     if let Some(pivot) = own.pivot {
@@ -122,7 +122,7 @@ fn set_pivot<V: Lanes>(own: &BodyPlan, index: usize, gravity: &[f64; 3], start: 
     }
 }
 
-/// The velocities of a body, of which all else is known, as are those of its parent.
+/// The velocities of a body whose other fields are set, as are the velocities of its parent.
 #[inline(always)]
 fn set_velocity<V: Lanes>(own: &BodyPlan, index: usize, start: &mut Start<Extended>) {
     let known = &start.bodies[index];
@@ -130,7 +130,7 @@ fn set_velocity<V: Lanes>(own: &BodyPlan, index: usize, start: &mut Start<Extend
     if let Some(parent) = own.parent {
         let parent = &start.bodies[parent];
         spin = Vector::splat(&parent.spin);
-        // From the parent's centre of mass by way of its anchor.
+        // Vector from the parent's centre of mass by way of its anchor.
         let arm = Vector::splat(&known.arm).minus(Vector::splat(&parent.com));
         velocity = spin.cross_plus(arm, Vector::splat(&parent.velocity));
     }

@@ -49,7 +49,7 @@ pub(crate) struct SpatialWorkspace<V: Lanes> {
 }
 
 impl<V: Lanes> SpatialWorkspace<V> {
-    /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
+    /// The workspace for a mechanism and a scheme; `kept` are the disabled simplification rules.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         let stages = Stages::new(mechanism, tableau, kept);
         SpatialWorkspace {
@@ -276,7 +276,7 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         } else {
             in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity))
         };
-        // What dampers brake is in the factors, and no kinetic energy.
+        // The resistance of dampers is in the factors, and is no kinetic energy.
         stages.applied.is_none().then_some(square)
     }
 

@@ -1,7 +1,7 @@
 //! The equations of a step as a [`Kernel`](crate::step::kernel::Kernel) sees them: the trait that the workspaces in space
 //! ([`crate::step::spatial`]) and in a plane ([`crate::step::planar`]) implement.
 //!
-//! With the displacements `θ_i` (rad, m) of the freedoms at the stages i = 2 … s, the residuals `ρ_k` and the factors of `H(q_k)`:
+//! The displacements of the freedoms at the stages i = 2 … s are `θ_i` (rad, m), the residuals `ρ_k`, and `H(q_k)` is kept as factors:
 //!
 //! ```text
 //!     simplified iteration      δ_i = Σ_k Â_ik α_k,   H(q_k) α_k = −ρ_k          [`Workspace::iterate`]
@@ -9,8 +9,8 @@
 //!     velocities at the end     H(q̄) v̄ = Sᵀ p̄                                    [`Workspace::end_velocities`]    (2.5.11h)
 //! ```
 //!
-//! The methods with a body of their own here are for what only space has: freedoms that need no iteration, ball joints, iterations in single
-//! precision, a body in free flight, the refinement of velocities. What they do by default is exact for a mechanism without these.
+//! The methods with a body of their own here are for features of space alone: freedoms that need no iteration, ball joints, iterations in single
+//! precision, a body in free flight, the refinement of velocities. Their default bodies are exact for a mechanism without these.
 
 use crate::coupled::newton::StageUnknowns;
 use crate::coupled::system::{Geometry, Screw};
@@ -26,11 +26,11 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-/// What a step is computed with: everything that has lanes.
+/// The workspace of a step: all data that has lanes.
 pub(crate) trait Workspace<V: Lanes>: Clone + Send + Sync + 'static {
-    /// What is constant of the mechanism.
+    /// Constants of the mechanism.
     type Plan: Clone + Send + Sync;
-    /// What the equations need of the known state.
+    /// Quantities of the equations at the known state.
     type Start: Clone + Send + Sync;
     /// Bodies and closures at all stages, for the exact Newton method, and at one configuration, for projections on the closures.
     type Geometry<L: Lanes>: Geometry<L, Plan = Self::Plan, Start = Self::Start> + Clone + Send + Sync;
@@ -43,7 +43,7 @@ pub(crate) trait Workspace<V: Lanes>: Clone + Send + Sync + 'static {
     fn bodies(_start: &Self::Start) -> Option<&[BodyState]> {
         None
     }
-    /// What is constant, without the rules that leave something out.
+    /// The constants, with the simplification rules disabled.
     fn full_plan(&self, mechanism: &Mechanism) -> Self::Plan;
     /// The bodies and closures: at all stages of a scheme, with the lines of springs, or without it at one configuration.
     fn geometry<L: Lanes>(&self, mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self::Geometry<L>;
@@ -63,7 +63,7 @@ pub(crate) trait Workspace<V: Lanes>: Clone + Send + Sync + 'static {
     fn increment(&self) -> &[V];
     /// Both, to be advanced.
     fn advanced(&mut self) -> (&mut [V], &[V]);
-    /// What the predictor guesses and learns from: the freedoms that are iterated.
+    /// The freedoms that are iterated, from which the predictor guesses and learns.
     fn unknowns(&mut self) -> Unknowns<'_, V>;
     /// Number of freedoms, the first ones, that need no iteration.
     fn known(&self) -> usize {
@@ -111,9 +111,9 @@ pub(crate) trait Workspace<V: Lanes>: Clone + Send + Sync + 'static {
     fn iterate(&mut self, keeps: bool, refined: bool) -> f64;
     /// The exact Newton method follows, from the displacements at hand.
     fn begin_exactly(&mut self) {}
-    /// Places the bodies at the present displacements, and writes what they resist with there, for the exact Newton method.
+    /// Places the bodies at the present displacements, and writes their residuals there, for the exact Newton method.
     fn place_stages(&mut self, geometry: &mut Self::Geometry<V>, bias: &mut [Screw<V>]);
-    /// What that method solves, after [`Workspace::place_stages`].
+    /// The unknowns of that method, after [`Workspace::place_stages`].
     fn stage_unknowns(&mut self) -> StageUnknowns<'_, V, Self::Geometry<V>>;
 
     /// E of the iterate: the largest top Legendre coefficient of the displacements, for which `top` has the weights, and of the bodies'
@@ -136,7 +136,7 @@ pub(crate) trait Workspace<V: Lanes>: Clone + Send + Sync + 'static {
     fn prepare_two(&mut self, _mechanism: &Mechanism) -> bool {
         false
     }
-    /// Writes down what the end of this motion takes from the solved step.
+    /// Writes down the inputs of the end of this motion from the solved step.
     fn record_end(&mut self, _refined: bool, _motion: usize) {}
     /// The velocities of both motions at the ends that were written down, and their squares; the second began at `beside`.
     fn two_velocities(&mut self, _beside: &Self::Start, _velocities: [&mut [f64]; 2]) -> [f64; 2] {

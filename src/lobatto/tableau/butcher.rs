@@ -4,8 +4,8 @@
 //!     c, b, A, Ā, Â, B, w, Ā B       symbols and formulas: exact.rs
 //! ```
 //!
-//! They are computed with about 32 digits (`exact`) and rounded once; what that cuts off is kept where it counts
-//! ([`Remainders`]). Source: the constrained scheme (2.5.11).
+//! They are computed with about 32 digits (`exact`) and rounded once; the rounding errors are kept for the uses that need them ([`Remainders`]).
+//! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11).
 
 use crate::numbers::extended::Extended;
 use crate::tableau::exact::Exact;
@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 
 /// Fewest stages: two, where the scheme is RATTLE.
 pub const MINIMUM_STAGES: usize = 2;
-/// Most stages: the order is then 30, beyond what doubles can use at any step size.
+/// Largest number of stages: the order is then 30, beyond the use of doubles at any step size.
 pub const MAXIMUM_STAGES: usize = 16;
 
 /// Coefficients of the s-stage Lobatto IIIA–IIIB pair. Matrices are row-major; indices below count from 1 as in the
@@ -40,21 +40,21 @@ pub struct Tableau {
     /// `(Ā B)_ji`, rows j = 1..s, columns i = 2..s (s × (s−1)): the velocity at stage j is
     /// `v₀ + Σ_i (Ā B)_ji (Q_i − q₀ − h c_i v₀) / h`.
     pub velocity: Vec<f64>,
-    /// What rounding has cut off `nodes`, `b_matrix` and `momentum_weights`: the coefficients to twice the digits.
+    /// Rounding errors of `nodes`, `b_matrix` and `momentum_weights`: the coefficients to twice the digits.
     pub remainders: Remainders,
     /// Row s of the inverse of the matrix `P_k(2c_i − 1)` (rows i, columns k = 0..s−1) (s): applied to values at the
     /// nodes it gives the highest Legendre coefficient of their interpolant, the step-size control's error measure.
     pub top_legendre: Vec<f64>,
 }
 
-/// The digits of the coefficients beyond those of a double; the same shapes as in [`Tableau`].
+/// The digits of the coefficients beyond a double; the same shapes as in [`Tableau`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remainders {
-    /// Beyond `nodes` (s).
+    /// Digits beyond `nodes` (s).
     pub nodes: Vec<f64>,
-    /// Beyond `b_matrix` ((s−1) × (s−1)).
+    /// Digits beyond `b_matrix` ((s−1) × (s−1)).
     pub b_matrix: Vec<f64>,
-    /// Beyond `momentum_weights` (s−1).
+    /// Digits beyond `momentum_weights` (s−1).
     pub momentum_weights: Vec<f64>,
 }
 
@@ -64,7 +64,7 @@ pub enum TableauError {
     /// The number of stages is out of range.
     #[error("{stages} stages: the number of stages must be from {MINIMUM_STAGES} to {MAXIMUM_STAGES}")]
     Stages {
-        /// What was asked for.
+        /// The requested number of stages.
         stages: usize,
     },
 }
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn tables_of_two_three_and_four_stages_are_the_published_ones() {
-        // Hairer, Lubich, Wanner, tables II.1.3 and II.1.4; the same numbers as tables 2.4 to 2.6 of the source.
+        // Hairer, Lubich, Wanner, tables II.1.3 and II.1.4; the same numbers as tables 2.4 to 2.6 of the thesis of T. M. Tyranowski.
         let over =
             |numerators: &[f64], denominator: f64| -> Vec<f64> { numerators.iter().map(|n| n / denominator).collect() };
         let two = Tableau::of(2).unwrap();

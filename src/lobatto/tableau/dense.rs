@@ -1,15 +1,14 @@
 //! Dense output: the motion inside a step, from the collocation polynomial.
 //!
-//! Each joint displacement is interpolated by the polynomial that meets it at all nodes and has the step's velocities
-//! at both ends; poses rebuilt from it satisfy every joint to rounding. With the interpolant `L` of the nodes alone
-//! and `ω(x) = Π (x − c_i)`,
+//! Each joint displacement is interpolated by the polynomial that meets it at all nodes and has the step's velocities at both ends; poses rebuilt
+//! from it satisfy every joint to rounding. Let `L` be the interpolant of the nodes alone and `ω(x) = Π (x − c_i)`:
 //!
 //! ```text
 //!     p(x) = L(x) + ω(x) (α + β x),    α = (h v₀ − L'(0)) / ω'(0),    α + β = (h v₁ − L'(1)) / ω'(1)
 //! ```
 //!
-//! What the velocities at the ends add has a part of degree `s` and one of degree `s + 1`. How large they are anywhere in the step tells how fast
-//! the coefficients of the motion fall, and whether the velocities belong to it:
+//! The velocities at the ends add a part of degree `s` and one of degree `s + 1`. How large they are anywhere in the step tells how fast the
+//! coefficients of the motion fall, and whether the velocities belong to it:
 //!
 //! ```text
 //!     ω (α + β x) = (α + β/2) ω + β ω (x − ½),    S = |α + β/2| max |ω|,    B = |β| max |ω (x − ½)|
@@ -37,7 +36,7 @@ pub struct DenseRule {
     reach: [f64; 2],
 }
 
-/// So many points of a step are looked at for the largest `|ω|`, which is flat there.
+/// Number of points of a step that are searched for the largest `|ω|`, which is flat there.
 const POINTS: usize = 64;
 
 /// Values and slopes at one point as linear combinations of nodal displacements and end velocities.
@@ -106,7 +105,7 @@ impl DenseWeights {
         [&self.value[1..=inner], &self.slope[1..=inner]]
     }
 
-    /// Displacement and its derivative by x, from those two sums over the nodes and `h v` at both ends.
+    /// Displacement and its derivative by x, from both sums over the nodes and `h v` at both ends.
     pub fn apply(&self, [value, slope]: [f64; 2], start: f64, end: f64) -> (f64, f64) {
         (
             value + self.value_ends[0] * start + self.value_ends[1] * end,
@@ -131,7 +130,7 @@ struct Nodal {
     omega: (f64, f64),
 }
 
-/// The nodal polynomials at `x`. Those of the stages that chosen steps have know their number when they are compiled, to the same bits.
+/// The nodal polynomials at `x`. The numbers of stages of chosen steps are known at compile time, with the same bits.
 fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
     match (<&[f64; 5]>::try_from(nodes), <&[f64; 9]>::try_from(nodes)) {
         (Ok(five), _) => nodal_at(five, scales, x),
@@ -142,8 +141,8 @@ fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
 
 /// The nodal polynomials of these nodes at `x`.
 ///
-/// All products of differences are taken from the first node to the last; those up to a node that is left out are shared by all
-/// that leave it out.
+/// All products of differences are taken from the first node to the last; products up to a node that is left out are shared by all sums that leave it
+/// out.
 #[inline(always)]
 fn nodal_at(nodes: &(impl AsRef<[f64]> + ?Sized), scales: &[f64], x: f64) -> Nodal {
     let nodes = nodes.as_ref();

@@ -1,8 +1,7 @@
 //! Computes the coefficients of the Lobatto IIIA–IIIB pair with about 32 digits.
 //!
-//! The nodes `c₁ = 0 < … < c_s = 1` are the zeros of `x (1 − x) P′_{s−1}(2x − 1)` with the Legendre polynomial P; the
-//! weights integrate polynomials of degree 2s − 3 exactly. With `ℓ_j` the Lagrange polynomials of the nodes and
-//! `D_ij = ℓ_j′(c_i)` their differentiation matrix,
+//! The nodes `c₁ = 0 < … < c_s = 1` are the zeros of `x (1 − x) P′_{s−1}(2x − 1)` with the Legendre polynomial P; the weights integrate polynomials
+//! of degree 2s − 3 exactly. Let `ℓ_j` be the Lagrange polynomials of the nodes and `D_ij = ℓ_j′(c_i)` their differentiation matrix:
 //!
 //! ```text
 //!     a_ij = ∫₀^{c_i} ℓ_j                        IIIA, collocation                      (2.5.11d)
@@ -24,8 +23,8 @@
 //!     γ_k = 1 / (2k+1) for k < s−1,   γ_{s−1} = 1 / (s−1),   ∫₀^x P_k = (P_{k+1} − P_{k−1}) / (2 (2k+1)) at 2x − 1
 //! ```
 //!
-//! Sources: the constrained scheme (2.5.11) and (2.5.12); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
-//! Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
+//! Sources: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, (2.5.11) and (2.5.12); E. Hairer, C. Lubich, G. Wanner,
+//! "Geometric Numerical Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
 
 use crate::numbers::extended::Extended;
 
@@ -66,8 +65,8 @@ impl Exact {
         let a_bar = matrix(s, s, |i, j| weights[j] * (one - a[j * s + i] / weights[i]));
         let a_hat = matrix(inner, inner, |i, k| (0..s).map(|j| a[(i + 1) * s + j] * a_bar[j * s + k]).sum());
 
-        // ℓ_j′(ξ_i) = P_{s−1}(ξ_i) / (P_{s−1}(ξ_j) (ξ_i − ξ_j)); the rows sum to zero because constants have no slope,
-        // and the slope with respect to c is twice that with respect to ξ.
+        // ℓ_j′(ξ_i) = P_{s−1}(ξ_i) / (P_{s−1}(ξ_j) (ξ_i − ξ_j)); the rows sum to zero because constants have no slope, and the slope with respect to
+        // c is twice the slope with respect to ξ.
         let mut derivative =
             matrix(s, s, |i, j| if i == j { Extended::ZERO } else { top[i] / (top[j] * (nodes[i] - nodes[j])) });
         for i in 0..s {
@@ -122,7 +121,7 @@ fn lobatto_points(stages: usize) -> Vec<Extended> {
     for upper in stages.div_ceil(2)..degree {
         // Chebyshev–Lobatto points lie between the same neighbours, which is near enough for Newton's method.
         let mut point = Extended::from((std::f64::consts::PI * (degree - upper) as f64 / degree as f64).cos());
-        // Five steps reach 32 digits from a start good to two; three more cost nothing and leave no doubt.
+        // Five steps reach 32 digits from a start good to two; three more are cheap and leave no doubt.
         for _ in 0..8 {
             // Newton on (1 − ξ²) P′ = n (P_{n−1} − ξ P_n), whose derivative is −n (n+1) P_n.
             let values = legendre_values(point, degree);
@@ -140,8 +139,7 @@ mod tests {
     use super::*;
     use crate::tableau::butcher::{MAXIMUM_STAGES, MINIMUM_STAGES};
 
-    /// Bound on what exact identities may leave: 32 digits, less the factor 2·10⁴ of the largest entry of B and a
-    /// few hundred operations.
+    /// Bound on the errors of exact identities: 32 digits, less the factor 2·10⁴ of the largest entry of B and a few hundred operations.
     const EXACT: f64 = 1e-24;
 
     fn power(base: Extended, exponent: usize) -> Extended {

@@ -1,4 +1,4 @@
-//! The coefficients of the scheme: all that depends on the number of stages s alone.
+//! The coefficients of the scheme, which depend on the number of stages s alone. Equation numbers: see the documentation of the crate.
 //!
 //! ```text
 //!     c_i, b_j                nodes and weights of Lobatto's quadrature, c₁ = 0, c_s = 1

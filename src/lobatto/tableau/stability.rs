@@ -7,17 +7,17 @@
 //!     Q_i = 1 − h²ω² Σ_{k<s} Â_ik Q_k,   i = 2..s,   Q₁ = 1              stable while |t| ≤ 1
 //! ```
 //!
-//! and beyond that no solver helps: the fastest mode grows by `(hω)²` a step. There are gaps, in which |t| exceeds 1 by
-//! so little that nothing grows before the motion has left them; those below 1 + 10⁻³ are passed over in the limits.
+//! and beyond that no solver helps: the fastest mode grows by `(hω)²` a step. There are gaps, in which |t| exceeds 1 by so little that a motion
+//! leaves them before it grows; the limits pass over gaps below 1 + 10⁻³.
 //!
-//! With a damper of ratio ζ, `y″ = −ω² y − 2ζω y′`, forces enter at all stages and the step is stable further than that:
+//! A damper of ratio ζ gives `y″ = −ω² y − 2ζω y′`; forces enter at all stages, and the step is stable further than without:
 //!
 //! ```text
 //!     F = −ω² Y − 2ζω V,   V = v₀ + h Ā F,   Y = y₀ + h A V,   y₁ = y₀ + h bᵀV,   v₁ = v₀ + h bᵀF
 //! ```
 //!
 //! while no eigenvalue of `(y₀, v₀) → (y₁, v₁)` exceeds 1 in size; for ζ ≥ ½ up to `(s − 1) √(2s)`, which is where the limit for
-//! ζ → ∞ is found to lie, and the least for such ζ within 2·10⁻³ (doc/findings/2026-11-stiff-limits.md).
+//! ζ → ∞ is found to lie, and the least for such ζ within 2·10⁻³ (doc/decisions/007-stability-with-springs-and-dampers.md).
 
 use crate::tableau::butcher::{MAXIMUM_STAGES, Tableau};
 use nalgebra::{DMatrix, DVector, Matrix2};
@@ -54,8 +54,8 @@ pub fn limit(tableau: &Tableau) -> f64 {
 /// Damping ratios for which limits are found.
 const RATIOS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 
-/// The largest hω up to which steps of this scheme are stable for a mode: found for the next lower of some damping
-/// ratios, because the limit grows with it up to ½, and only where the mode comes near to what is stable without damping.
+/// The largest hω up to which steps of this scheme are stable for a mode. It is found for the next lower one of some damping ratios, because the
+/// limit grows with the ratio up to ½, and only if the mode comes near the limit without damping.
 pub fn limit_for(tableau: &Tableau, product: f64, damping: f64) -> f64 {
     static DAMPED_LIMITS: [[OnceLock<f64>; RATIOS.len()]; MAXIMUM_STAGES + 1] =
         [const { [const { OnceLock::new() }; RATIOS.len()] }; MAXIMUM_STAGES + 1];
@@ -74,7 +74,7 @@ pub fn damped_limit(tableau: &Tableau, ratio: f64) -> f64 {
     if ratio >= 0.5 {
         return hard;
     }
-    // What is unstable for less than this is passed in few steps, and grows by less than what follows.
+    // A shorter unstable range is passed in few steps, and grows by less than the range after it.
     const STRIDE: f64 = 0.05;
     let mut frequency = undamped;
     while frequency < hard && growth(tableau, frequency + STRIDE, ratio) <= 1.0 {

@@ -76,7 +76,7 @@ pub fn in_avx512<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     }
 }
 
-/// Runs work in eight lanes of AVX-512; `None` where the processor has none.
+/// Runs work in eight lanes of AVX-512; `None` on processors without it.
 #[cfg(target_arch = "x86_64")]
 pub fn eight_in_avx512<W: InVectors>(work: W) -> Option<W::Output> {
     (Isa::detect() == Isa::Avx512).then(|| work.with::<x86::Avx512>())
@@ -97,7 +97,7 @@ pub fn in_avx2<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     })
 }
 
-/// Runs work in eight lanes of AVX2; `None` where the processor has none.
+/// Runs work in eight lanes of AVX2; `None` on processors without it.
 #[cfg(target_arch = "x86_64")]
 pub fn eight_in_avx2<W: InVectors>(work: W) -> Option<W::Output> {
     (Isa::detect() != Isa::Portable).then(|| work.with::<pair::Pair<x86::Avx256, 8>>())

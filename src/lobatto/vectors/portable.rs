@@ -1,4 +1,4 @@
-//! Lanes for every processor: an array, of which the compiler makes what vectors the build promises.
+//! Lanes for every processor: an array, which the compiler puts into the vectors of the target.
 //!
 //! On x86-64 that is two lanes, for old processors. Up to five stages have vectors of their own there ([`crate::vectors::x86::Sse2`]);
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.
@@ -22,7 +22,7 @@ impl<const N: usize> Portable<N> {
     fn zip3(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
         if Self::CALLED { Self::zip3_called(&self, &b, &c, operation) } else { self.zip3_in_place(b, c, operation) }
     }
-    /// By reference, because copies of the operands would be most of the instructions where it is called.
+    /// By reference, because copies of the operands would be most of the instructions at a call.
     #[inline(never)]
     fn zip3_called(a: &Self, b: &Self, c: &Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
         a.zip3_in_place(*b, *c, operation)

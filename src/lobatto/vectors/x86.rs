@@ -2,10 +2,10 @@
 //!
 //! Two proofs carry every block in it:
 //!
-//! - **P1** — the intrinsics of a vector type need a processor feature. Those of [`Sse2`] are promised by every x86-64 processor. The other
-//!   types cannot be named outside this crate. In it only the gates of [`crate::vectors`] begin with one, after
-//!   [`Isa::detect`](crate::numbers::lanes::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and tests that
-//!   ask the same; `pair` and `single` make others of those they are given. Who is handed a type by a gate runs behind its question.
+//! - **P1** — the intrinsics of a vector type need a processor feature. Every x86-64 processor has the features of [`Sse2`]. The other types cannot
+//!   be named outside this crate. In it only the gates of [`crate::vectors`] begin with one, after
+//!   [`Isa::detect`](crate::numbers::lanes::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and tests that ask
+//!   the same; `pair` and `single` make others from given ones. Who is handed a type by a gate runs behind its question.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
@@ -16,9 +16,9 @@ use crate::vectors::portable::Portable;
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
-/// knows that registers will be kept on the stack: without, it depends on what was called before whether all of those of 512 bits and half
-/// of those of 256 bits reach over such a border.
+/// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it knows that
+/// registers will be kept on the stack. Without this, the preceding calls decide whether all 512-bit slots and half of the 256-bit slots reach over
+/// such a border.
 #[inline(always)]
 fn align_frame() {
     #[repr(align(64))]
@@ -292,7 +292,7 @@ impl Single {
             ]
         }
     }
-    /// From double precision, lower and upper half.
+    /// Converts double precision, lower and upper half.
     #[inline(always)]
     pub(crate) fn from_halves(low: Avx256, high: Avx256) -> Self {
         // SAFETY: P1.

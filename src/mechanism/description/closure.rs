@@ -46,7 +46,7 @@ impl Attachment {
         product(&self.on(bodies).rotation, self.frame.rotation.matrix())
     }
 
-    /// What it is fixed in.
+    /// The body in which it is fixed.
     pub fn on<'b>(&self, bodies: &'b [BodyState]) -> &'b BodyState {
         self.body.map_or(&WORLD, |body| &bodies[body])
     }
@@ -84,7 +84,7 @@ impl LoopKind {
         }
     }
 
-    /// The axes of a and of b that are square to each other: the equations after those.
+    /// The axes of a and of b that are orthogonal to each other: the equations after the points.
     pub fn squares(self) -> &'static [(usize, usize)] {
         match self {
             LoopKind::Revolute | LoopKind::Cylindrical | LoopKind::Planar => &[(0, 2), (1, 2)],
@@ -119,7 +119,7 @@ impl LoopKind {
 pub struct LoopJoint {
     /// Its name.
     pub name: String,
-    /// What it leaves free.
+    /// The motions that it leaves free.
     pub kind: LoopKind,
     /// The frame on the first body.
     pub a: Attachment,
@@ -153,7 +153,7 @@ pub struct Mimic {
     pub offset: f64,
 }
 
-/// Where a scalar joint coordinate may be (rad or m).
+/// The allowed range of a scalar joint coordinate (rad or m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimit {
     /// The coordinate.

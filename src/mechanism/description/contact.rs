@@ -9,15 +9,15 @@
 //! | plane | a face, a half space: z points out of the body | (P, z) |
 //! | rim | the edge of the end of a cylinder, of radius ρ | the circle about z through P |
 //!
-//! With the unit normal n from a to b and the points of contact `p_a`, `p_b` on the surfaces, the gap and its rate are
+//! The unit normal n points from a to b, and the points of contact `p_a`, `p_b` are on the surfaces. The gap and its rate are
 //!
 //! ```text
 //!     φ = n · (p_b − p_a)  [m]          φ̇ = n · (v_b(p) − v_a(p))  [m/s]
 //! ```
 //!
-//! with the velocities of the bodies' material at p, whatever the features: that n turns and p moves on the surfaces adds nothing. So the
-//! gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A contact that is closed is the equation φ = 0 with
-//! a multiplier λ ≥ 0; its friction is among what a [`Grip`] says.
+//! with the velocities of the bodies' material at p, whatever the features: the turning of n and the motion of p on the surfaces do not contribute.
+//! So the gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A closed contact is the equation φ = 0 with a
+//! multiplier λ ≥ 0; its friction is a [`Grip`].
 
 use crate::description::closure::Attachment;
 use crate::description::joint::Pose;
@@ -77,7 +77,7 @@ pub struct Collider {
     pub body: Option<usize>,
     /// Its frame in the body frame, or in the world.
     pub pose: Pose,
-    /// What it is.
+    /// Its shape.
     pub shape: Shape,
 }
 
@@ -96,15 +96,15 @@ pub struct ContactPair {
     pub restitution: f64,
 }
 
-/// What touches of a body; see the table of the module.
+/// The touching feature of a body; see the table of the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Feature {
-    /// A point with a radius (m), or none.
+    /// A point with a radius (m), which may be zero.
     Point {
         /// r (m).
         radius: f64,
     },
-    /// A line along z with a radius (m), or none.
+    /// A line along z with a radius (m), which may be zero.
     Line {
         /// r (m).
         radius: f64,
@@ -118,14 +118,14 @@ pub enum Feature {
     },
 }
 
-/// What the tangential force of a closed contact does.
+/// The tangential force of a closed contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grip {
     /// It brakes the slip: `f = λ (n − μ t)` with `t = u_T/|u_T|` of the slip velocity `u_T = (1 − n nᵀ)(v_b(p) − v_a(p))` of the same instant.
     Slides {
         /// μ; zero for no friction.
         friction: f64,
-        /// Where a motion begins without slip: the direction in which it starts to slide, a unit vector in the world; zero if it does slip.
+        /// For a motion that begins without slip, the direction in which it starts to slide, a unit vector in the world; zero if it does slip.
         direction: Vector3<f64>,
     },
     /// It holds: `u_T = 0`, two equations of velocities more. The body rolls, or its point stays where it is.
@@ -138,12 +138,12 @@ pub const LEVEL: f64 = 2.0;
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for an
-    /// edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for
+    /// an edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
-    /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as [`crate::motion::contact_geometry`]
-    /// says; [`LEVEL`] times it of two rims nearly in one plane. Of a rim and a line with a radius: 0 for the place where the two are nearest, 1 for
-    /// the one where the line goes out of the rim.
+    /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as
+    /// [`crate::motion::contact_geometry`] says; [`LEVEL`] times it of two rims nearly in one plane. A rim and a line with a radius have 0 for the
+    /// place of least distance, 1 for the place at which the line goes out of the rim.
     pub side: f64,
     /// Its friction.
     pub grip: Grip,
@@ -232,7 +232,7 @@ impl Touch {
 /// A touch with the frames of its features.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TouchJoint {
-    /// What touches.
+    /// The features that touch, and their friction.
     pub touch: Touch,
     /// The frame of the first feature.
     pub a: Attachment,

@@ -20,7 +20,8 @@ pub struct Forces {
     pub point_springs: Vec<PointSpring>,
     /// Constant wrenches on bodies.
     pub wrenches: Vec<Wrench>,
-    /// Whether efforts are handed to every step ([`crate::motion::inputs::Inputs`]): nothing may then be left out that holds under gravity alone.
+    /// Whether efforts are handed to every step ([`crate::motion::inputs::Inputs`]): simplifications that hold under gravity alone are then not
+    /// allowed.
     pub driven: bool,
 }
 
@@ -40,7 +41,7 @@ pub struct JointSpring {
     pub coordinate: Coordinate,
     /// N m/rad or N/m.
     pub stiffness: f64,
-    /// Where it is free of force (rad or m).
+    /// The coordinate at which it is free of force (rad or m).
     pub rest: f64,
 }
 
@@ -76,7 +77,7 @@ pub struct PointSpring {
 pub struct Wrench {
     /// The body.
     pub body: usize,
-    /// Where the force acts, in the body frame (m).
+    /// The point of action of the force, in the body frame (m).
     pub point: Vector3<f64>,
     /// The force, in the world (N).
     pub force: Vector3<f64>,
@@ -96,7 +97,7 @@ impl Forces {
             && *wrenches == other.wrenches
     }
 
-    /// Whether nothing acts.
+    /// Whether there are no forces.
     #[inline]
     pub fn is_empty(&self) -> bool {
         let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven } = self;

@@ -1,7 +1,7 @@
 //! A joint: which relative motions of two bodies stay free.
 //!
-//! The joint frame `F` is fixed in both bodies; at zero displacement the two copies coincide. With the joint
-//! translation `t` (in `F` on the parent) and the joint rotation `Rj`,
+//! The joint frame `F` is fixed in both bodies; at zero displacement the two copies coincide. The joint has the translation `t` (in `F` on the
+//! parent) and the rotation `Rj`:
 //!
 //! ```text
 //!     R_child  = R_parent · F_p.R · Rj · F_c.Rᵀ
@@ -172,9 +172,8 @@ impl Joint {
         self.velocity_index..self.velocity_index + self.kind.velocity_count()
     }
 
-    /// Translation `t` (m) and rotation `Rj` of the joint for its own positions (`position_count` numbers) and, where they are known,
-    /// what their roundings left out (as many numbers, or none): the angle of a joint that has turned a thousand times is known to
-    /// 1e-12 rad without that.
+    /// Translation `t` (m) and rotation `Rj` of the joint for its own positions (`position_count` numbers) and their rounding errors (as many
+    /// numbers, or an empty slice): without these, the angle of a joint that has turned a thousand times is known to 1e-12 rad.
     #[inline(always)]
     pub fn displacement(&self, position: &[f64], rest: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
         let axes = self.kind.translation_axes();
@@ -194,7 +193,7 @@ impl Joint {
     }
 }
 
-/// Sine and cosine of an angle and what its rounding left out (rad).
+/// Sine and cosine of an angle and its rounding error (rad).
 #[inline]
 pub fn sine_cosine(angle: f64, rest: f64) -> (f64, f64) {
     let (sine, cosine) = angle.sin_cos();

@@ -1,4 +1,4 @@
-//! The mechanism: the constant data of what is simulated, and nothing that changes.
+//! The mechanism: the constant data of a simulation.
 //!
 //! A tree of rigid bodies, numbered depth first: a parent comes before its children and a subtree is contiguous.
 //! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
@@ -37,7 +37,7 @@ pub struct Mechanism {
     pub bodies: Vec<Body>,
     /// Joints that close loops of the tree.
     pub loops: Vec<LoopJoint>,
-    /// Contacts that are closed. Their equations come after those of the loops, and before the mimics.
+    /// Contacts that are closed. Their equations come after the equations of the loops, and before the mimics.
     pub touches: Vec<TouchJoint>,
     /// Joint coordinates that follow others.
     pub mimics: Vec<Mimic>,
@@ -45,7 +45,7 @@ pub struct Mechanism {
     pub forces: Forces,
     /// Limits of joints, within which closed loops are assembled.
     pub limits: Vec<JointLimit>,
-    /// What makes the motion nonsmooth: limits that stop it, dry friction, motors.
+    /// Causes of nonsmooth motion: limits that stop it, dry friction, motors.
     pub nonsmooth: Nonsmooth,
     /// Length of the position vector.
     pub position_count: usize,
@@ -141,7 +141,7 @@ impl Mechanism {
         after.checked_sub(1).filter(|_| freedom < self.velocity_count)
     }
 
-    /// The name of the joint that has this degree of freedom; nothing if there is none.
+    /// The name of the joint that has this degree of freedom; empty if there is none.
     pub fn joint_of_freedom(&self, freedom: usize) -> &str {
         self.body_of_freedom(freedom).map_or("", |body| &self.bodies[body].joint.name)
     }

@@ -1,7 +1,7 @@
 //! The nonsmooth elements of a mechanism: limits of joints and their impacts, dry friction, and motors whose effort is bounded or sampled.
 //!
-//! All of it is constant data; what state each element is in at an instant belongs to the run. Limits are
-//! [`JointLimit`]s of [`crate::description::closure`], because the assembly of closed loops respects them, too.
+//! All of it is constant data; the state of each element at an instant belongs to the run. Limits are [`JointLimit`]s of
+//! [`crate::description::closure`], because the assembly of closed loops respects them, too.
 
 use crate::description::closure::{Coordinate, JointLimit};
 use crate::description::contact::{Collider, ContactPair};
@@ -17,7 +17,7 @@ pub struct DryFriction {
     pub effort: f64,
 }
 
-/// What a motor does with its target `r(t)`.
+/// How a motor follows its target `r(t)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotorLaw {
     /// `τ = kp (r − q) + kd (ṙ − q̇)`.
@@ -41,13 +41,13 @@ pub enum MotorLaw {
 pub struct Motor {
     /// The coordinate that it drives.
     pub coordinate: Coordinate,
-    /// What it does.
+    /// The law of the motor.
     pub law: MotorLaw,
-    /// What it aims at: rad or m, rad/s or m/s, N m or N.
+    /// Its target: rad or m, rad/s or m/s, N m or N.
     pub target: Target,
     /// Its effort is never larger [N m or N]; infinite where it has no bound.
     pub max_effort: f64,
-    /// Its effort is worked out so often (s) and held in between; zero: at every instant.
+    /// Time between two computations of its effort (s), which is held in between; zero: at every instant.
     pub period: f64,
 }
 
@@ -118,7 +118,7 @@ pub struct SpeedLimit {
 /// Everything nonsmooth of a mechanism besides its [`JointLimit`]s.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Nonsmooth {
-    /// Limits that stop a motion: those of the mechanism that are simulated.
+    /// Limits that stop a motion: the simulated limits of the mechanism.
     pub limits: Vec<JointLimit>,
     /// Dry friction in joints.
     pub friction: Vec<DryFriction>,
@@ -133,12 +133,12 @@ pub struct Nonsmooth {
 }
 
 impl Nonsmooth {
-    /// Whether the motion is smooth: nothing of this can make an event.
+    /// Whether the motion is smooth: the mechanism has no limits, friction, motors and pairs.
     pub fn is_empty(&self) -> bool {
         self.limits.is_empty() && self.friction.is_empty() && self.motors.is_empty() && self.pairs.is_empty()
     }
 
-    /// Keeps the colliders of the world and those of bodies that have a new number, and the pairs of them.
+    /// Keeps the colliders of the world and of bodies that have a new number, and their pairs.
     pub fn keep_bodies(&mut self, number: impl Fn(usize) -> Option<usize>) {
         let mut places = Vec::with_capacity(self.colliders.len());
         let mut kept = 0;

@@ -1,20 +1,20 @@
 //! The rules that simplify the model of a run, and the names by which `--keep` disables them.
 //!
-//! A run without a rule is the full model, against which the rule is tested. The rules of `model::ReductionRule`, by
-//! which links are no bodies of their own, cannot be switched off: a joint that leaves nothing free is no joint here.
+//! A run without a rule is the full model, against which the rule is tested. The rules of `model::ReductionRule`, by which links are no bodies of
+//! their own, cannot be disabled: a joint without free motion is not a joint of a mechanism.
 
 use std::str::FromStr;
 
 /// A rule that can be switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// Parts of the mechanism that nothing connects are simulated apart.
+    /// Unconnected parts of the mechanism are simulated apart.
     Islands,
     /// An island at rest in equilibrium is not simulated.
     Sleep,
     /// Steps are made on the spanning tree with the least work, whichever joints the file closes loops with.
     Tree,
-    /// What moves in a plane is simulated with three coordinates a body.
+    /// Mechanisms that move in a plane are simulated with three coordinates a body.
     Planar,
     /// A body that never turns has no rotation.
     Translation,
@@ -24,7 +24,7 @@ pub enum Rule {
     Spheres,
     /// A body on a hinge that the world holds has one equation.
     Pivots,
-    /// A body that floats freely has no equations but those of its rotation.
+    /// A body that floats freely has only the equations of its rotation.
     Tumblers,
 }
 
@@ -66,18 +66,18 @@ impl Rule {
     pub fn condition(self) -> &'static str {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
-            Rule::Sleep => "starts at rest, and nothing accelerates",
+            Rule::Sleep => "starts at rest, and all accelerations are zero",
             Rule::Tree => "loops, and cutting them at other joints is less work",
             Rule::Planar => "all hinges about one direction, all slides across it, loops too",
-            Rule::Translation => "in space, nothing but slides between body and world",
+            Rule::Translation => "in space, only slides between body and world",
             Rule::Points => "in space, no inertia about the center of mass",
             Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
             Rule::Pivots => "in space, under gravity alone, on a hinge that the world holds",
-            Rule::Tumblers => "in space, under gravity alone, a body that floats and carries nothing",
+            Rule::Tumblers => "in space, under gravity alone, a body that floats and carries no other body",
         }
     }
 
-    /// What it saves, for people.
+    /// The saved work, for people.
     pub fn saving(self) -> &'static str {
         match self {
             Rule::Islands => "each with its own steps, on several cores, small ones together",

@@ -1,4 +1,4 @@
-//! What a motor aims at: a number, or values at given instants with a curve between them.
+//! The target of a motor: a number, or values at given instants with a curve between them.
 //!
 //! ```text
 //!     hold     r(t) = r_i                                  t_i ≤ t < t_{i+1}

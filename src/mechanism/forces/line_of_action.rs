@@ -1,4 +1,4 @@
-//! Where on its line of action a spring's two forces act.
+//! The points on its line of action at which a spring's two forces act.
 //!
 //! Equal and opposite forces F along the line through their points a and b have the same moments wherever on the line they act:
 //!
@@ -6,16 +6,16 @@
 //!     r_a × F = (P_b − O_a) × F      for F ∥ P_b − P_a        r_a = P_a − O_a (m), O_a: about which the torque on the body of a is taken
 //! ```
 //!
-//! Both act at one end where the arm of the other is far longer. This avoids the rounding of a product that is far larger than what is left of it:
-//! of an end 1e10 m outside its body, with a tension of 1e15 N, torques would be rounded by 1e9 N m.
+//! Both act at one end where the arm of the other is far longer. This avoids the rounding of a product that is far larger than the resulting torque:
+//! for an end 1e10 m outside its body, with a tension of 1e15 N, torques would be rounded by 1e9 N m.
 
 use nalgebra::SVector;
 
-/// An arm is long if it is by this factor longer than what takes its place.
+/// An arm is long if it is by this factor longer than its replacement.
 const LONG: f64 = 1e3;
 
-/// The end at which both forces act and the arm of the other body from there (m); `None` where each acts at its own end. `places` are the
-/// ends and `origins` what torques are taken about (m), `None` on the world.
+/// The end at which both forces act and the arm of the other body from there (m); `None` if each acts at its own end. `places` are the ends and
+/// `origins` the points of reference of torques (m), `None` on the world.
 pub fn common_end<const D: usize>(
     places: [SVector<f64, D>; 2],
     origins: [Option<SVector<f64, D>>; 2],

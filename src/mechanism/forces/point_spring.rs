@@ -10,9 +10,9 @@
 //!     ∂F_b/∂d = −k u uᵀ − (T/ℓ) Π − (c/ℓ) u (Π ḋ)ᵀ,      Π = 1 − u uᵀ
 //! ```
 //!
-//! The second term is the geometric stiffness: a taut spring resists turning. Where the points meet u has no direction;
-//! the force is taken to be zero there, which is right for a spring of no rest length. Any other has no force there that is
-//! defined, so no run starts there ([`PointSpring::is_undirected`]).
+//! The second term is the geometric stiffness: a taut spring resists turning. If the points meet, u has no direction. The force is taken to be zero
+//! there, which is right for a spring of rest length zero. Any other has no force there that is defined, so no run starts there
+//! ([`PointSpring::is_undirected`]).
 //!
 //! Source: E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 6.1.4
 //! (translational spring-damper-actuators).
@@ -68,7 +68,7 @@ impl PointSpring {
         self.stiffness * (length - self.rest_length) + self.damping * rate
     }
 
-    /// The force on b (N); that on a is its opposite.
+    /// The force on b (N); the force on a is its opposite.
     pub fn force(&self, line: &Line) -> Vector3<f64> {
         line.direction * -self.tension(line.length, line.rate)
     }

@@ -1,8 +1,8 @@
 //! All forces on a mechanism in a state: efforts, wrenches, energies and powers.
 //!
-//! Forces in joints act along the degrees of freedom, all others as wrenches on bodies, in the axes of the world.
-//! Springs and those loads that have a potential give energy back; dampers dissipate; what a load without a potential
-//! does is work put into the mechanism. So `T + V_gravity + V_spring + V_load + dissipated − work` is constant.
+//! Forces in joints act along the degrees of freedom, all others as wrenches on bodies, in the axes of the world. Springs, and loads that have a
+//! potential, give energy back; dampers dissipate; a load without a potential puts work into the mechanism. So
+//! `T + V_gravity + V_spring + V_load + dissipated − work` is constant.
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::Coordinate;
@@ -12,7 +12,7 @@ use crate::forces::line_of_action::common_end;
 use nalgebra::Vector3;
 use std::ops::AddAssign;
 
-/// Energy (J) stored in what has a potential besides gravity.
+/// Energy (J) stored in forces that have a potential, besides gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stored {
     /// In springs.
@@ -36,7 +36,7 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// What the mechanism has lost in all, less what was put in.
+    /// The energy that the mechanism has lost in all, less the work put in.
     #[inline]
     pub fn lost(&self) -> f64 {
         (self.dissipated - self.work) + self.friction + self.impacts
@@ -55,7 +55,7 @@ impl AddAssign for Exchange {
 /// A force (N) and a torque about the centre of mass [N m] on a body, in the axes of the world.
 pub type BodyWrench = (Vector3<f64>, Vector3<f64>);
 
-/// The scalar coordinate whose rate a degree of freedom is; none for the three rotations of a ball joint.
+/// The scalar coordinate whose rate a degree of freedom is; `None` for the three rotations of a ball joint.
 pub fn scalar_coordinate(mechanism: &Mechanism, freedom: usize) -> Option<Coordinate> {
     let body = mechanism.body_of_freedom(freedom)?;
     let joint = &mechanism.bodies[body].joint;
@@ -127,7 +127,7 @@ pub fn stored(mechanism: &Mechanism, position: &[f64], bodies: &[BodyState]) -> 
     stored
 }
 
-/// The powers (W) of what has no potential.
+/// The powers (W) of forces without a potential.
 pub fn powers(mechanism: &Mechanism, velocity: &[f64], bodies: &[BodyState]) -> Exchange {
     let forces = &mechanism.forces;
     let mut powers = Exchange::default();

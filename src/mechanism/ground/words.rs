@@ -12,7 +12,7 @@ pub fn rounded(value: f64) -> String {
     }
 }
 
-/// Six decimals, of numbers beyond 10⁹ six after the first digit; what rounds to zero has no sign.
+/// Six decimals, or six digits after the first for numbers beyond 10⁹; a value that rounds to zero has no sign.
 pub fn decimals(value: f64) -> String {
     if value.abs() >= 1e9 {
         return format!("{value:.6e}");

@@ -1,7 +1,7 @@
 //! Gap, normal and point of contact of two features, from the frames of both.
 //!
-//! With the origins `a`, `b` (m) and the axes `z_a`, `z_b` of the features ([`crate::description::contact`]), `d = b − a`, the sum R of
-//! the radii and the radius r of the second feature (m):
+//! The features ([`crate::description::contact`]) have the origins `a`, `b` (m) and the axes `z_a`, `z_b`; `d = b − a`, R is the sum of the radii and
+//! r the radius of the second feature (m):
 //!
 //! ```text
 //!     point–point:   n = d/|d|                        φ = |d| − R                p = b − r n
@@ -24,8 +24,8 @@
 //! ```
 //!
 //! Zero where the two touch, and with the gradient of the distance there: a gap of a contact that is closed. The first form is for lines that are
-//! steep to the plane of the circle, the second for flat ones. So is that of two circles about k_a and k_b, of which the second goes through the plane of
-//! the first, downwards, at b + ρ_b u:
+//! steep to the plane of the circle, the second for flat ones. The same holds for two circles about k_a and k_b, of which the second goes through the
+//! plane of the first, downwards, at b + ρ_b u:
 //!
 //! ```text
 //!     w = d + ρ_b u,   k_a·w = 0,   (k_b × u)·k_a < 0,   m = w/|w|
@@ -48,7 +48,7 @@ use crate::ground::smooth::{Smooth, Triple};
 use crate::motion::level_rims::{LevelRims, level_rims};
 use crate::motion::rim_and_line::{Beside, nearest};
 
-/// Where a feature is: its origin (m) and its axis.
+/// The frame of a feature: its origin (m) and its axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<S> {
     /// P.
@@ -68,7 +68,7 @@ pub struct Contact<S> {
     pub point: Triple<S>,
 }
 
-/// The contact of two features; `side` is what [`crate::description::contact::Touch::side`] says.
+/// The contact of two features, with [`crate::description::contact::Touch::side`].
 #[inline(always)]
 pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S>) -> Contact<S> {
     let apart = b.origin.minus(a.origin);
@@ -139,7 +139,7 @@ pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S
         }
         Cores::Rims(rim, other) => {
             let (rim, other) = (S::constant(rim), S::constant(other));
-            // Two directions in the plane of the second circle: up from that of the first, and along it.
+            // Two directions in the plane of the second circle: up from the plane of the first, and along it.
             let up = a.axis.minus(b.axis.times(a.axis.dot(b.axis)));
             let per_slope = length(up).reciprocal();
             let up = up.times(per_slope);

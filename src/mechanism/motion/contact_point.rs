@@ -1,7 +1,7 @@
 //! Closed contacts at an instant: where two shapes touch, and the force between them.
 //!
-//! With the unit normal n from b to a and the force f on a (N), `f_N = n · f` and `f_T = f − f_N n`, Coulomb's cone is `|f_T| ≤ μ f_N`. A gap φ (m)
-//! is negative where the shapes overlap.
+//! The unit normal n points from b to a, and f is the force on a (N). Let `f_N = n · f` and `f_T = f − f_N n`; Coulomb's cone is `|f_T| ≤ μ f_N`. A
+//! gap φ (m) is negative where the shapes overlap.
 
 use crate::description::contact::ContactPair;
 use nalgebra::Vector3;
@@ -16,7 +16,7 @@ pub struct ContactPoint {
     pub pair: usize,
     /// In the world (m).
     pub position: Vector3<f64>,
-    /// Of length one, from b to a, in the world.
+    /// Unit vector from b to a, in the world.
     pub normal: Vector3<f64>,
     /// On a, in the world (N).
     pub force: Vector3<f64>,
@@ -27,8 +27,8 @@ pub struct ContactPoint {
 }
 
 impl ContactPoint {
-    /// How far the force is outside the cone (N): the larger of `|f_T| − μ f_N` and `−f_N`, not negative. Four roundings of the force, 9e-16 of it, are
-    /// nothing: that much is lost where it is turned into the world and back (4e-6 N of the 4e10 N of a foot that jams).
+    /// How far the force is outside the cone (N): the larger of `|f_T| − μ f_N` and `−f_N`, not negative. Four roundings of the force, 9e-16 of it,
+    /// count as zero: they are lost as the force is turned into the world and back (4e-6 N of the 4e10 N of a foot that jams).
     pub fn cone_violation(&self, friction: f64) -> f64 {
         let normal = self.normal.dot(&self.force);
         let tangential = (self.force - normal * self.normal).norm();
@@ -63,7 +63,7 @@ impl ContactFigures {
         }
     }
 
-    /// Takes in what another part of the run has.
+    /// Adds the figures of another part of the run.
     pub fn include(&mut self, other: &ContactFigures) {
         self.penetration = self.penetration.max(other.penetration);
         self.cone_violation = self.cone_violation.max(other.cone_violation);

@@ -42,7 +42,7 @@ pub fn distance(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     distances.fold(0.0, |worst: f64, distance| if distance.is_nan() { f64::NAN } else { worst.max(distance) })
 }
 
-/// The mean of several answers, probe by probe; empty if there are none.
+/// The mean of several answers, probe by probe; empty without answers.
 pub fn mean(answers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
     let Some((first, others)) = answers.split_first() else { return Vec::new() };
     // Summed as deviations from the first, so that the mean does not lose the digits in which they agree.

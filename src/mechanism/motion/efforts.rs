@@ -4,9 +4,9 @@
 //!     Q · q̇ = Σ_bodies F · v + T · ω        for every q̇        Q = Jᵀ (F, T)   [N m or N]
 //! ```
 //!
-//! From the tips to the root: the wrench on a subtree about the anchor a of its first joint has the power `F·u + T_a·w` of that joint's rates
-//! (u translation, w rotation), and goes on to the parent. With the unit normal of a contact as F and its arm's torque as T, Q is the gradient of the
-//! gap.
+//! The recursion goes from the tips to the root: the wrench on a subtree about the anchor a of its first joint has the power `F·u + T_a·w` of that
+//! joint's rates (u translation, w rotation), and goes on to the parent. If F is the unit normal of a contact and T its arm's torque, Q is the
+//! gradient of the gap.
 
 use crate::description::body_state::BodyState;
 use crate::description::joint::FreeRotation;
@@ -15,7 +15,7 @@ use crate::forces::total::BodyWrench;
 use crate::ground::matrices::{column, product, times};
 use nalgebra::Vector3;
 
-/// Writes Q for wrenches on the bodies, about their centres of mass; `wrenches` then has those on the subtrees. Does not allocate.
+/// Writes Q for wrenches on the bodies, about their centres of mass; `wrenches` then has the wrenches on the subtrees. Does not allocate.
 pub fn efforts_of_wrenches(
     mechanism: &Mechanism,
     bodies: &[BodyState],

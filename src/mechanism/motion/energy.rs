@@ -16,7 +16,7 @@ use crate::motion::gaps::{loop_gaps, mimic_gap, touch_gaps};
 use crate::motion::state::State;
 use nalgebra::Vector3;
 
-/// Kinetic energy, and the potential energies by what holds them (J).
+/// Kinetic energy, and the potential energies by their sources (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Kinetic energy.
@@ -85,7 +85,7 @@ pub fn momentum(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vector3<f64>, V
 /// joint coordinates know, are measured on the maximal coordinates alone.
 #[inline]
 pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Violation {
-    // The bits of numbers without a sign are in the order of the numbers, and those of what is not a number are beyond all.
+    // The bits of nonnegative numbers are in the order of the numbers, and the bits of NaN are beyond all.
     let [mut position, mut velocity] = [0; 2];
     let mut see = |gap: f64, rate: f64| {
         position = gap.abs().to_bits().max(position);

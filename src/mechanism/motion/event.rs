@@ -1,6 +1,6 @@
 //! Events: the instants at which a motion is not smooth; and the states of joints between them.
 
-/// What happens at an instant.
+/// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum EventKind {
     /// A joint runs into its limit.
@@ -64,7 +64,7 @@ pub struct Event {
     pub body: usize,
     /// The pair that touches, where it is one ([`crate::description::contact::ContactPair::number`]).
     pub pair: Option<usize>,
-    /// Of an impact: its size along the coordinate, positive into the allowed range [N m s or N s]; of a contact along its normal.
+    /// Impulse of an impact: along the coordinate, positive into the allowed range [N m s or N s]; for a contact along its normal.
     pub impulse: Option<f64>,
 }
 
@@ -78,12 +78,12 @@ impl EventCounts {
         self.0[kind as usize] += 1;
     }
 
-    /// Of one kind.
+    /// The number of events of one kind.
     pub fn of(&self, kind: EventKind) -> usize {
         self.0[kind as usize]
     }
 
-    /// Of all kinds.
+    /// The number of events of all kinds.
     pub fn total(&self) -> usize {
         self.0.iter().sum()
     }
@@ -108,7 +108,7 @@ impl Side {
     }
 }
 
-/// What friction in a joint does.
+/// The state of friction in a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FrictionState {
     /// It holds the joint.
@@ -127,12 +127,12 @@ impl FrictionState {
     }
 }
 
-/// What a joint is up to.
+/// The state of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointStatus {
     /// The limit on which it rests.
     pub limit: Option<Side>,
-    /// What its friction does, if it has any.
+    /// The state of its friction, if it has any.
     pub friction: Option<FrictionState>,
     /// The effort of its motor, if it has one [N m or N].
     pub effort: Option<f64>,

@@ -1,4 +1,4 @@
-//! Gaps of loop joints, closed contacts and mimics at one instant: the check of every run. Those of loops and contacts from the maximal
+//! Gaps of loop joints, closed contacts and mimics at one instant: the check of every run. Gaps of loops and contacts come from the maximal
 //! coordinates alone.
 //!
 //! Equations as in the table of [`crate::description::closure::LoopJoint`]; rates by differentiating them. With `d = P_b − P_a`,
@@ -43,7 +43,7 @@ impl Gaps {
     }
 }
 
-/// The larger of two numbers, but not a number where one of them is none: nothing is worse than that.
+/// The larger of two numbers, and NaN if one of them is NaN.
 #[inline]
 pub fn worse(one: f64, other: f64) -> f64 {
     if one.is_nan() || other.is_nan() { f64::NAN } else { one.max(other) }

@@ -7,14 +7,14 @@ use nalgebra::DMatrix;
 
 /// Efforts along the degrees of freedom: constant over a step, and some that change with time in a known way.
 ///
-/// They act besides the forces of the mechanism ([`crate::description::forces::Forces`]). What they do is work put in, `∫ τ q̇ dt` (J).
+/// They act besides the forces of the mechanism ([`crate::description::forces::Forces`]). Their work is put into the mechanism, `∫ τ q̇ dt` (J).
 #[derive(Clone, Copy, Default)]
 pub struct Inputs<'i> {
-    /// One entry a degree of freedom [N m or N], for ball joints about the axes of the child's joint frame; or empty: nothing acts.
+    /// One entry a degree of freedom [N m or N], for ball joints about the axes of the child's joint frame; empty for zero efforts.
     pub efforts: &'i [f64],
-    /// Efforts that change in time, besides those.
+    /// Efforts that change in time, besides the constant ones.
     pub changing: Option<&'i dyn ChangingEfforts>,
-    /// Efforts that follow the state, besides the constant ones; in place of those that change in time.
+    /// Efforts that follow the state, besides the constant ones; in place of the efforts that change in time.
     pub feedback: Option<&'i dyn Feedback>,
 }
 
@@ -33,14 +33,14 @@ pub trait Feedback {
     /// The efforts along these freedoms in a state, which has its time [N m or N] (m).
     fn efforts(&self, state: &State, efforts: &mut [f64]);
     /// The derivatives of the efforts by positions and by rates in a state, f_q and f_v (m × n each), written into matrices of zeros. Errors cost
-    /// iterations, and beyond some size convergence, but no accuracy; so do those of the mobility.
+    /// iterations, and beyond some size convergence, but no accuracy; the same holds for errors of the mobility.
     fn derivatives(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>);
     /// The accelerations per unit of each effort in a state, Y (n × m).
     fn mobility(&self, state: &State) -> DMatrix<f64>;
 }
 
 impl<'i> Inputs<'i> {
-    /// Nothing acts from outside.
+    /// Zero efforts.
     pub const NONE: Inputs<'static> = Inputs { efforts: &[], changing: None, feedback: None };
 
     /// Constant efforts, one entry a degree of freedom.
@@ -48,7 +48,7 @@ impl<'i> Inputs<'i> {
         Inputs { efforts, ..Inputs::NONE }
     }
 
-    /// Writes the constant efforts, one entry a degree of freedom; zeros where nothing acts.
+    /// Writes the constant efforts, one entry a degree of freedom.
     #[inline]
     pub fn write_constant(&self, efforts: &mut [f64]) {
         efforts.fill(0.0);
@@ -85,7 +85,7 @@ impl<'i> Inputs<'i> {
         freedoms.iter().copied().zip(law)
     }
 
-    /// Whether nothing acts.
+    /// Whether all efforts are zero.
     #[inline]
     pub fn is_none(&self) -> bool {
         self.changing.is_none() && self.feedback.is_none() && self.efforts.iter().all(|&effort| effort == 0.0)

@@ -9,7 +9,7 @@ use crate::motion::inputs::Inputs;
 use crate::motion::state::State;
 pub use crate::motion::step_error::StepError;
 
-/// What an integrator is and how it has stepped so far; goes into reports and logs.
+/// Properties of an integrator and its steps so far, for reports and logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodDescription {
     /// Short name: `lobatto`, `dop853`, `rk4`, `euler`.
@@ -28,7 +28,7 @@ pub struct MethodDescription {
     pub frequency_step: Option<FrequencyStep>,
     /// The first step that was too long to stop a motion that dampers stop.
     pub ringing: Option<Ringing>,
-    /// Where the closures were nearest to saying less than elsewhere, as far as ends of steps show it.
+    /// The position at which the closures were nearest to a loss of rank, as far as ends of steps show it.
     pub singular: Option<SingularPosition>,
     /// Decimal digits that steps are solved to: 16, or 32.
     pub digits: u32,
@@ -42,7 +42,7 @@ pub struct MethodDescription {
 }
 
 impl MethodDescription {
-    /// Of a method with steps of `step` seconds and 16 digits, of which there is nothing else to tell.
+    /// A method with steps of `step` seconds and 16 digits, and without other properties.
     pub fn fixed(name: &str, stages: usize, order: usize, step: f64) -> Self {
         MethodDescription {
             name: name.to_string(),
@@ -62,7 +62,7 @@ impl MethodDescription {
         }
     }
 
-    /// Takes over what another part of the run has seen of stability: the step nearest to its limit, and what rang first.
+    /// Takes over the stability figures of another part of the run: the step nearest to its limit, and the first ringing.
     pub fn include_stability(&mut self, other: &MethodDescription) {
         let share = |seen: &FrequencyStep| seen.product / seen.limit;
         let seen = self.frequency_step.into_iter().chain(other.frequency_step);
@@ -99,7 +99,7 @@ pub struct Ringing {
 pub struct FrequencyStep {
     /// `h ω`: step times frequency of the fastest mode.
     pub product: f64,
-    /// Where the scheme becomes unstable.
+    /// The product at which the scheme becomes unstable.
     pub limit: f64,
     /// The step (s).
     pub step: f64,
@@ -113,20 +113,20 @@ impl FrequencyStep {
         self.product > self.limit
     }
 
-    /// The longest stable step where this one was made (s); infinite where nothing is stiff.
+    /// The longest stable step at this time (s); infinite without stiff forces.
     pub fn longest(&self) -> f64 {
         self.step * self.limit / self.product
     }
 }
 
-/// What one accepted step cost.
+/// The cost of one accepted step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepOutcome {
     /// Length of the step (s).
     pub step: f64,
     /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
     pub iterations: usize,
-    /// Those of the iterations that kept the factors of an earlier one.
+    /// Number of these iterations that kept the factors of an earlier one.
     pub kept: usize,
     /// Attempts that were thrown away before this step was accepted.
     pub rejected: usize,
@@ -140,10 +140,10 @@ pub struct StepOutcome {
 pub trait Integrator {
     /// Makes one step under these inputs that ends at or before `until`, and exactly at `until` if the step reaches it.
     ///
-    /// What acts is what `mechanism` and `inputs` say now: forces and gravity may change from step to step.
+    /// `mechanism` and `inputs` have the forces of this step: forces and gravity may change from step to step.
     ///
     /// # Errors
-    /// [`StepError`] when no step could be made; the state is then that of the last accepted step.
+    /// [`StepError`] if no step could be made; the state is then the end of the last accepted step.
     fn step(
         &mut self,
         mechanism: &Mechanism,
@@ -173,18 +173,18 @@ pub trait Integrator {
         false
     }
 
-    /// What this integrator is.
+    /// Properties of this integrator.
     fn description(&self) -> MethodDescription;
 
-    /// Hands over the events since this was asked last, in order of time. A smooth motion has none.
+    /// Hands over the events since this was asked last, in order of time. A smooth motion has no events.
     fn take_events(&mut self, _events: &mut Vec<Event>) {}
 
-    /// What the joint of a body is up to, where a mechanism has limits, dry friction or motors.
+    /// The state of a body's joint, if the mechanism has limits, dry friction or motors.
     fn joint_status(&self, _mechanism: &Mechanism, _state: &State, _body: usize) -> JointStatus {
         JointStatus::default()
     }
 
-    /// Adds the closed contacts to `out`, in a state of the last step: at its end, or inside it from [`Integrator::dense`]. A mechanism without
-    /// pairs of shapes that may touch has none.
+    /// Adds the closed contacts to `out`, in a state of the last step: at its end, or inside it from [`Integrator::dense`]. Without pairs of shapes
+    /// that may touch, this does nothing.
     fn contacts(&self, _mechanism: &Mechanism, _state: &State, _out: &mut Vec<ContactPoint>) {}
 }

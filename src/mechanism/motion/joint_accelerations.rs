@@ -1,14 +1,15 @@
 //! The accelerations of a joint's coordinates between two bodies whose motion is known: the inverse of
 //! [`crate::motion::kinematics::body_accelerations`].
 //!
-//! With the arms `r = a − x_p` and `c = a − x` from both centres of mass to the anchor, the joint's rates `u` and `w`, and `A = R_p F_p.R`, `B = R F_c.R`,
+//! Let `r = a − x_p` and `c = a − x` be the arms from both centres of mass to the anchor, `u` and `w` the joint's rates, and `A = R_p F_p.R`,
+//! `B = R F_c.R`:
 //!
 //! ```text
 //!     ẇ = Bᵀ (ω̇ − ω̇_p − ω_p × B w)
 //!     u̇ = Aᵀ (ẍ + ω̇ × c + ω × (ω × c) − ẍ_p − ω̇_p × r − ω_p × (ω_p × r) − 2 ω_p × A u)
 //! ```
 //!
-//! What the joint does not leave free is not looked at.
+//! Accelerations against the joint's constraints are ignored.
 
 use crate::description::body_state::BodyState;
 use crate::description::joint::{FreeRotation, Joint};

@@ -1,12 +1,12 @@
 //! The coordinates of a joint between two bodies whose places and velocities are known: the inverse of [`crate::motion::kinematics`].
 //!
-//! With the joint frames `A = R_p F_p.R` on the parent and `B = R F_c.R` on the child, and their origins `a` and `b` in the world,
+//! Let `A = R_p F_p.R` be the joint frame on the parent and `B = R F_c.R` on the child, with the origins `a` and `b` in the world:
 //!
 //! ```text
 //!     t = Aᵀ (b − a)        Rj = Aᵀ B        w = Bᵀ (ω − ω_p)        u = Aᵀ (ḃ − v_p − ω_p × (b − x_p))
 //! ```
 //!
-//! Angles come out from −π to π. What the joint does not leave free is not looked at.
+//! Angles come out from −π to π. Displacements against the joint's constraints are ignored.
 
 use crate::description::body_state::BodyState;
 use crate::description::joint::{FreeRotation, Joint, wxyz_from_rotation};

@@ -1,4 +1,4 @@
-//! From joint coordinates to maximal coordinates: the poses and velocities of all bodies.
+//! Forward kinematics from joint coordinates to maximal coordinates: the poses and velocities of all bodies.
 //!
 //! ```text
 //!     R = R_p F_p.R Rj F_c.Rᵀ                      a = x_p + R_p (F_p.t + F_p.R t)            x = a − R F_c.t
@@ -20,7 +20,7 @@ use crate::ground::matrices::{column, cross, product, product_transposed, times}
 use crate::motion::state::State;
 use nalgebra::{Matrix3, Vector3};
 
-/// Translation rates (in the joint frame on the parent) and rotation rates (in that on the child).
+/// Translation rates (in the joint frame on the parent) and rotation rates (in the joint frame on the child).
 #[inline(always)]
 pub fn joint_rates(joint: &Joint, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     let axes = joint.kind.translation_axes();
@@ -37,7 +37,7 @@ pub fn joint_rates(joint: &Joint, velocity: &[f64]) -> (Vector3<f64>, Vector3<f6
     (translation, rotation)
 }
 
-/// A body in its place, and what was computed on the way there.
+/// A placed body, with intermediate results.
 pub struct Placed {
     /// The body.
     pub body: BodyState,
@@ -47,7 +47,7 @@ pub struct Placed {
     pub translation: Vector3<f64>,
 }
 
-/// Places a body on its parent for the positions of its joint, what their roundings left out (or nothing), and the velocities.
+/// Places a body on its parent for the positions of its joint, their rounding errors (or an empty slice), and the velocities.
 #[inline(always)]
 pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], rest: &[f64], velocity: &[f64]) -> Placed {
     let (translation, turn) = joint.displacement(position, rest);
@@ -109,7 +109,7 @@ fn place_all(mechanism: &Mechanism, position: &[f64], rest: Option<&[f64]>, velo
 /// Linear acceleration of a body's centre of mass [m/s²] and its angular acceleration [rad/s²], in the world.
 pub type BodyAcceleration = (Vector3<f64>, Vector3<f64>);
 
-/// The accelerations of all bodies for those of the joints, written into `accelerations`. Does not allocate.
+/// The accelerations of all bodies for the accelerations of the joints, written into `accelerations`. Does not allocate.
 pub fn body_accelerations(
     mechanism: &Mechanism,
     bodies: &[BodyState],

@@ -1,8 +1,8 @@
-//! Where two circles pass each other that lie nearly in one plane, as the rims of two cylinders that stand on each other.
+//! The place at which two circles pass each other that lie nearly in one plane, as the rims of two cylinders that stand on each other.
 //!
-//! With the circles about the unit axes k and l, k·l > 0, of the radii ρ and τ (m), and d (m) from the centre of the first to that of the second, they are looked
-//! at along the middle of both axes. There each is an ellipse, and both are shortened by the same factor in the same direction: stretched back, they are circles
-//! of ρ and τ again, which cross in closed form.
+//! The circles are about the unit axes k and l, k·l > 0, with the radii ρ and τ (m); d (m) goes from the centre of the first to the centre of the
+//! second. The view is along the middle of both axes. There each is an ellipse, and both are shortened by the same factor in the same direction:
+//! stretched back, they are circles of ρ and τ again, which cross in closed form.
 //!
 //! ```text
 //!     2 c = |k + l|,   z = (k + l)/2c,   δ = l − k
@@ -13,8 +13,8 @@
 //!     n = side (k × m) × (l × u)/|…|                     φ = n·q         p = τ u + d, from the centre of the first
 //! ```
 //!
-//! φ is zero where the two touch, and has the gradient of the distance there. All of it is smooth where the planes are parallel; it is not where the circles are
-//! tangent (β = 0). Which of the two places it is follows from the direction of z.
+//! φ is zero where the two touch, and has the gradient of the distance there. All of it is smooth where the planes are parallel; it is not where the
+//! circles are tangent (β = 0). Which of the two places it is follows from the direction of z.
 //!
 //! Source: derived.
 

@@ -1,6 +1,6 @@
-//! Where a circle is nearest to a line that it does not touch.
+//! The nearest place of a circle to a line that it does not touch.
 //!
-//! With the circle about the unit axis k through the origin, of radius ρ (m), the line d + t f, and w the point of the line that is nearest to the centre, the
+//! The circle is about the unit axis k through the origin, with the radius ρ (m); the line is d + t f, and w its point nearest to the centre. The
 //! point w + σ f is at the distance R(σ) from the axis:
 //!
 //! ```text
@@ -9,19 +9,19 @@
 //!     F'(σ) = 1 − ρ (β²/R − (η₀ + β² σ)²/R³)
 //! ```
 //!
-//! F is convex where the line goes outwards, concave where it goes inwards. No root is further from zero than ρβ; the one of the least distance has the sign of η₀,
-//! because that side is nearer to the centre. From ±ρβ Newton's method comes down on it without passing it. Two more iterations have exact first and
-//! second derivatives in time.
+//! F is convex where the line goes outwards, concave where it goes inwards. No root is further from zero than ρβ; the one of the least distance has
+//! the sign of η₀, because that side is nearer to the centre. Newton's method starts at ±ρβ and comes down on it without passing it. Two more
+//! iterations have exact first and second derivatives in time.
 //!
 //! A line that lies across the disc of the circle has two such places, one on either side. There the line is told to go outwards.
 //!
-//! Source: derived; the convergence is that of Newton's method on a convex function, J. M. Ortega, W. C. Rheinboldt, Iterative Solution of Nonlinear
+//! Source: derived; for the convergence of Newton's method on a convex function, J. M. Ortega, W. C. Rheinboldt, Iterative Solution of Nonlinear
 //! Equations (1970), section 13.3.
 
 use crate::forces::point_spring::NO_LENGTH;
 use crate::ground::smooth::{Smooth, Triple};
 
-/// Nearest points have been found where a step is this part of ρ: the next one leaves nothing.
+/// The iteration ends at a step below this part of ρ: the next step is below rounding.
 const FOUND: f64 = 1e-9;
 /// More than Newton's method has needed: 17 at most in 60 000 random places.
 const ITERATIONS: usize = 24;
@@ -31,14 +31,14 @@ const FOR_DERIVATIVES: usize = 2;
 /// How a line is beside a circle about the origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside<S> {
-    /// From the circle to the line (m).
+    /// The vector from the circle to the line (m).
     pub between: Triple<S>,
     /// The point of the line (m).
     pub foot: Triple<S>,
 }
 
-/// The nearest points of a circle of a radius (m) about an axis through the origin, and of the line through a point (m) along a unit vector; if `outwards`
-/// is 1, where the line goes outwards, and if it is 0 wherever they are.
+/// The nearest points of a circle of a radius (m) about an axis through the origin, and of the line through a point (m) along a unit vector; if
+/// `outwards` is 1, where the line goes outwards, and if it is 0 wherever they are.
 #[inline(always)]
 pub fn nearest<S: Smooth>(
     radius: f64,

@@ -1,4 +1,4 @@
-//! The state: what changes in time.
+//! The state: the quantities that change in time.
 //!
 //! The state is stored as joint displacements, accumulated with compensation. The maximal-coordinate poses `(x, R)`
 //! and velocities `(v, ω)` of all bodies are rebuilt from them ([`crate::motion::kinematics`]), so that every joint holds to
@@ -7,14 +7,14 @@
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 
-/// Joint positions and velocities at a time; the layout is that of the [`Mechanism`].
+/// Joint positions and velocities at a time, in the layout of the [`Mechanism`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Time (s).
     pub time: f64,
     /// Joint positions (`position_count` numbers; see the table of [`crate::description::joint`]).
     pub position: Vec<f64>,
-    /// What rounding has cut off `position` so far, to be added to it (zero for quaternions).
+    /// Accumulated rounding errors of `position`, to be added to it (zero for quaternions).
     pub compensation: Vec<f64>,
     /// Joint velocities (`velocity_count` numbers).
     pub velocity: Vec<f64>,

@@ -12,7 +12,7 @@ pub enum StepError {
         short(*.time)
     )]
     NotConverged { time: f64, step: f64, joint: String, increment: f64 },
-    /// The stage equations could not be solved, and the step was beyond what the scheme is stable for.
+    /// The stage equations could not be solved, and the step was beyond the limit of stability of the scheme.
     #[error(
         "at t = {} s a step of {step:.1e} s is beyond the stability limit of {stages} stages and does not converge; use \
          --step below {longest:.1e} s, more --stages, or --tolerance",
@@ -25,7 +25,7 @@ pub enum StepError {
         short(*.time)
     )]
     TurnedTooFar { time: f64, step: f64, joint: String },
-    /// Every step changes the energy by more than the tolerance allows, or to that of another motion, however short.
+    /// Every step, however short, changes the energy by more than the tolerance allows, or to the energy of another motion.
     #[error(
         "at t = {} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance, or with --step more --stages",
         short(*.time)

@@ -1,6 +1,6 @@
 //! Closed contacts at one instant: gap, slip and their accelerations.
 //!
-//! With the material velocities of the bodies at the point of contact p, `u = v_b + ω_b × (p − x_b) − v_a − ω_a × (p − x_a)` [m/s],
+//! The material velocities of the bodies at the point of contact p differ by `u = v_b + ω_b × (p − x_b) − v_a − ω_a × (p − x_a)` [m/s]:
 //!
 //! ```text
 //!     φ̇ = n · u                      u_T = u − (n · u) n
@@ -8,8 +8,8 @@
 //!     (u · e)˙ = u̇ · e + u · (ω_a × e)                   along a tangent e that turns with a
 //! ```
 //!
-//! φ, n and p are differentiated exactly: [`crate::motion::contact_geometry`] in numbers with derivatives ([`crate::ground::smooth`]). Of a
-//! contact with features that make no pair everything is zero.
+//! φ, n and p are differentiated exactly: [`crate::motion::contact_geometry`] in numbers with derivatives ([`crate::ground::smooth`]). A contact with
+//! features that make no pair has zeros.
 
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::closure::Attachment;
@@ -30,7 +30,7 @@ pub struct TouchMotion {
     pub normal: Vector3<f64>,
     /// p in the world (m).
     pub point: Vector3<f64>,
-    /// `u_T`: how the material of b slips on that of a at p [m/s].
+    /// `u_T`: the slip of the material of b on the material of a at p [m/s].
     pub slip: Vector3<f64>,
 }
 
@@ -76,7 +76,7 @@ pub fn touch_accelerations(
     [gap.second, along(&tangents[0]), along(&tangents[1])]
 }
 
-/// An end of a contact with what moves it.
+/// An end of a contact with the motion of its body.
 struct Moving<'b> {
     body: &'b BodyState,
     acceleration: BodyAcceleration,
@@ -88,7 +88,7 @@ impl<'b> Moving<'b> {
         let body = end.body.map_or(&WORLD, |body| &bodies[body]);
         let acceleration = end.body.map_or((Vector3::zeros(), Vector3::zeros()), |body| accelerations[body]);
         let (linear, angular) = acceleration;
-        // What is fixed in the body, from its centre of mass.
+        // A vector fixed in the body, from its centre of mass.
         let turned = |arm: &Vector3<f64>| {
             let rate = body.angular_velocity.cross(arm);
             [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]

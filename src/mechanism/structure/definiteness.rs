@@ -1,23 +1,22 @@
 //! Whether every motion of a mechanism moves some mass.
 //!
-//! Massless bodies inside a tree and point masses are legitimate, but if the joint-space mass matrix is singular the motion is
-//! not determined. From the leaves inwards, each body has a 6×6 matrix `C`: where it moves with `t = (v, ω)`, its subtree has no
-//! less than the kinetic energy `½ |C t|²`, and no more if the joints further out give way. `C` is made by QR of the rows
+//! Massless bodies inside a tree and point masses are legitimate, but if the joint-space mass matrix is singular the motion is not determined. The
+//! recursion goes from the leaves inwards. Each body has a 6×6 matrix `C`: if it moves with `t = (v, ω)`, the kinetic energy of its subtree is at
+//! least `½ |C t|²`, and equal to it if the joints further out give way. `C` is made by QR of the rows
 //!
 //! ```text
 //!     √m v,   √J_k (Rᵀ ω)_k                           of the body itself, and those that its children have handed to it
 //! ```
 //!
-//! with the velocity `v` of the centre of mass and ω in the axes of the world. Each free direction `s` of its joint then takes
-//! its own part out, and what is left is handed to the parent:
+//! with the velocity `v` of the centre of mass and ω in the axes of the world. Each free direction `s` of its joint then takes its own part out, and
+//! the rest is handed to the parent:
 //!
 //! ```text
 //!     c = C s,     C ← (1 − c cᵀ/|c|²) C
 //! ```
 //!
-//! Where `c = 0` the joint moves without moving any mass. `CᵀC` is the articulated inertia and `|c|²` are the pivots of the mass
-//! matrix; factors keep twice the digits. The joints are put at odd displacements, so that only a singularity of the structure
-//! counts, not one of a special position.
+//! If `c = 0`, the joint moves without moving any mass. `CᵀC` is the articulated inertia and `|c|²` are the pivots of the mass matrix; factors keep
+//! twice the digits. The joints are put at odd displacements, so that only a singularity of the structure counts, not one of a special position.
 
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::FreeRotation;
@@ -27,11 +26,10 @@ use crate::motion::kinematics::{forward_kinematics, place};
 use crate::motion::state::quaternion_exponential;
 use nalgebra::{Matrix6, SMatrix, Vector6};
 
-/// A direction is lost if `|c|` is less than this part of what it is with all joints further out locked: far above rounding, far
-/// below mechanics.
+/// A direction is lost if `|c|` is less than this part of its value with all joints further out locked: far above rounding, far below mechanics.
 const DEPENDENT: f64 = 1e-7;
 
-/// What moves less than this part of the mass and inertia that there is moves none: some roundings, and below any mechanics.
+/// A direction that moves less than this part of the mass and inertia counts as massless: some roundings, and below any mechanics.
 const NOTHING: f64 = 1e-14;
 
 /// The body whose joint can move without moving any mass, if there is one: of several the outermost.
@@ -45,7 +43,7 @@ pub fn undetermined_body(mechanism: &Mechanism) -> Option<usize> {
     let position = odd_position(mechanism);
     let mut bodies = vec![WORLD; mechanism.bodies.len()];
     forward_kinematics(mechanism, &position, &vec![0.0; mechanism.velocity_count], &mut bodies);
-    // Factors of what the children of each body have handed to it, with their joints free and with all locked.
+    // Sums of the factors of each body's children, with their joints free and with all locked.
     let mut free = vec![Matrix6::zeros(); bodies.len()];
     let mut locked = free.clone();
     for (index, body) in mechanism.bodies.iter().enumerate().rev() {

@@ -1,8 +1,8 @@
-//! Islands: parts of a mechanism that nothing connects, each a mechanism of its own.
+//! Islands: unconnected parts of a mechanism, each a mechanism of its own.
 //!
-//! The trees of the mechanism are the nodes of a graph, and every loop joint, closed contact, mimic relation, point spring and pair that may touch between two
-//! of them is an edge; the islands are its connected components. The world connects nothing, because it does not move, and
-//! neither do gravity and loads: no body feels through them where another one is.
+//! The trees of the mechanism are the nodes of a graph, and every loop joint, closed contact, mimic relation, point spring and pair that may touch
+//! between two of them is an edge; the islands are its connected components. The world does not connect its neighbours, because it does not move.
+//! Gravity and loads do not connect bodies either: the force on one body does not depend on the place of another.
 //!
 //! Islands are numbered by their first bodies, and keep the order of bodies, closures and forces within them, so that an
 //! island is the mechanism one would have got without the others.
@@ -14,12 +14,12 @@ use crate::motion::state::State;
 use crate::structure::renumbering::Renumbering;
 use std::ops::Range;
 
-/// A part of a mechanism that nothing connects with the rest.
+/// A part of a mechanism without connection to the rest.
 #[derive(Clone, Debug)]
 pub struct Island {
     /// The part alone.
     pub mechanism: Mechanism,
-    /// Where its bodies and their coordinates are in the whole, one piece after another.
+    /// The places of its bodies and their coordinates in the whole, one piece after another.
     pub pieces: Vec<Piece>,
 }
 
@@ -34,7 +34,7 @@ pub struct Piece {
     pub velocities: Range<usize>,
 }
 
-/// The islands of a mechanism; none if nothing moves.
+/// The islands of a mechanism; empty for a mechanism without bodies.
 pub fn islands(mechanism: &Mechanism) -> Vec<Island> {
     let of_body = island_of_each_body(mechanism);
     let count = of_body.iter().max().map_or(0, |last| last + 1);
@@ -134,7 +134,7 @@ impl Island {
 
     fn cut_out(whole: &Mechanism, pieces: Vec<Piece>, of_body: &[usize], number: usize) -> Self {
         let here = |body: usize| of_body[body] == number;
-        // What has both ends in the world moves nobody; the first island keeps it.
+        // Closures with both ends in the world do not act on any body; the first island keeps them.
         let touches = |a: &Attachment, b: &Attachment| a.body.or(b.body).map_or(number == 0, here);
         let acts_here = |freedom: usize| whole.body_of_freedom(freedom).is_some_and(here);
         let into = Into { pieces: &pieces };
@@ -198,7 +198,7 @@ impl Island {
         self.mechanism.bodies.iter().filter(|body| body.parent.is_none()).map(|body| body.name.as_str())
     }
 
-    /// The state of the island in that of the whole.
+    /// The state of the island, taken from the state of the whole.
     pub fn state(&self, whole: &State) -> State {
         let mut state = State::zero(&self.mechanism);
         state.time = whole.time;
@@ -228,7 +228,7 @@ impl Island {
     }
 }
 
-/// From the numbering of the whole into that of an island.
+/// Translates the numbering of the whole into the numbering of an island.
 struct Into<'p> {
     pieces: &'p [Piece],
 }

@@ -1,7 +1,7 @@
-//! What acts on a mechanism, and what that accelerates, on another spanning tree than the file's.
+//! Efforts on a mechanism, and the accelerations they cause, on another spanning tree than the file's.
 //!
-//! Along coordinates that both trees have the same efforts act. An effort `w` along the rates `q̇ = a · (B ω_relative)` of a joint that is cut acts as the
-//! wrenches on both of its bodies that do the same work:
+//! Along coordinates that both trees have the same efforts act. An effort `w` along the rates `q̇ = a · (B ω_relative)` of a joint that is cut acts
+//! as the wrenches on both of its bodies that do the same work:
 //!
 //! ```text
 //!     sliding along the axis e at the anchor p       force  w e on the child, −w e on the parent, both at p
@@ -20,7 +20,7 @@ use crate::motion::state::State;
 use crate::structure::other_tree::OtherTree;
 
 impl OtherTree {
-    /// Takes what acts along degrees of freedom that both trees have [N m or N]. Does not allocate.
+    /// Takes the efforts along degrees of freedom that both trees have [N m or N]. Does not allocate.
     pub fn take_common_efforts(&self, efforts: &[f64], own: &mut [f64]) {
         own.fill(0.0);
         for [_, (here, there)] in &self.same {
@@ -28,7 +28,7 @@ impl OtherTree {
         }
     }
 
-    /// Takes what acts along all degrees of freedom of the file's tree, in a state of this one [N m or N].
+    /// Takes the efforts along all degrees of freedom of the file's tree, in a state of this one [N m or N].
     pub fn take_efforts(&mut self, file: &Mechanism, state: &State, efforts: &[f64], own: &mut [f64]) {
         self.take_common_efforts(efforts, own);
         let acts =
@@ -49,7 +49,7 @@ impl OtherTree {
         own.iter_mut().zip(room).for_each(|(own, effort)| *own += effort);
     }
 
-    /// Writes the accelerations of the file's joints for those here, in a state of both.
+    /// Writes the accelerations of the file's joints for the accelerations here, in a state of both.
     pub fn give_accelerations(
         &mut self,
         file: &Mechanism,
@@ -78,7 +78,7 @@ impl OtherTree {
     }
 }
 
-/// Adds the wrenches of efforts along a joint's own freedoms on its parent and its child, about their centres of mass; returns what they do to its
+/// Adds the wrenches of efforts along a joint's own freedoms on its parent and its child, about their centres of mass. Returns the wrench on its
 /// child: the force (N) and the torque about its anchor [N m].
 pub fn exert(
     joint: &Joint,

@@ -1,4 +1,4 @@
-//! The same mechanism on another spanning tree, and what its coordinates are on both.
+//! The same mechanism on another spanning tree, and the correspondence of its coordinates on both.
 //!
 //! A joint that turns round in the tree keeps its coordinate: with both of its frames turned by half a turn about x,
 //!
@@ -6,8 +6,8 @@
 //!     A' = B X,   B' = A X,   X = diag(1, −1, −1):        Rj' = X Rjᵀ X = Rz(q),    t' = q z
 //! ```
 //!
-//! for hinges and slides, so that displacements, rates and what acts along them stay what they were. The coordinates of the other joints follow from
-//! the places of the bodies ([`crate::motion::joint_coordinates`]).
+//! for hinges and slides, so displacements, rates and efforts along them are unchanged. The coordinates of the other joints follow from the places of
+//! the bodies ([`crate::motion::joint_coordinates`]).
 //!
 //! A loop joint holds for axes that point the same way or opposite ways; a joint of a tree has to know which. That is asked of a state.
 
@@ -30,7 +30,7 @@ pub struct OtherTree {
     pub mechanism: Mechanism,
     /// Its bodies by their numbers in the file's tree.
     pub(super) of_file: Vec<usize>,
-    /// Where the joints of its bodies are here, and its loop joints.
+    /// The places of the joints of its bodies on this tree, and of its loop joints.
     joints: Vec<Found>,
     closing: Vec<Found>,
     /// Coordinates that both have: positions and velocities, here and in the file's tree.
@@ -48,12 +48,12 @@ pub struct OtherTree {
     sorted: Vec<BodyState>,
 }
 
-/// Where a joint of the file is on the other tree.
+/// The place of a joint of the file on the other tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
     /// This body hangs on it; backwards if that is the body of its first end.
     Carries {
-        /// By its number on the other tree.
+        /// The number of the body on the other tree.
         body: usize,
         /// Whether the joint turns round.
         backwards: bool,
@@ -88,7 +88,7 @@ fn ways(mechanism: &Mechanism, tree: &SpanningTree, plane: Option<&Plane>, state
             JointKind::Prismatic => {
                 let diagonal = turn.diagonal();
                 let all = [same, about_x, about_y, about_z];
-                // The first of those that fit best.
+                // The first of the best ones.
                 all.into_iter()
                     .reduce(|best, way| if way.dot(&diagonal) > best.dot(&diagonal) { way } else { best })
                     .unwrap_or(same)
@@ -226,12 +226,12 @@ impl OtherTree {
         self.of_file[body]
     }
 
-    /// Where the joint of a body of the file's tree is.
+    /// The place of the joint of a body of the file's tree.
     pub fn joint(&self, body: usize) -> Found {
         self.joints[body]
     }
 
-    /// Where a loop joint of the file is.
+    /// The place of a loop joint of the file.
     pub fn closing(&self, index: usize) -> Found {
         self.closing[index]
     }

@@ -1,8 +1,8 @@
 //! The equations of a closure for a motion in a plane.
 //!
-//! With the normal n of the plane, the points of the closure are `d + z n` apart, d in the plane, and their height z never changes;
-//! nor does the component along n of any direction fixed in a body. Of the equations of [`crate::description::closure::LoopKind`] some are then satisfied
-//! once and for all, others ask for the same twice, and what is left is
+//! Let n be the normal of the plane. The points of the closure are `d + z n` apart, d in the plane, and their height z never changes; the component
+//! along n of any direction fixed in a body never changes either. Some equations of [`crate::description::closure::LoopKind`] are then satisfied once
+//! and for all, others are equal to each other, and the remaining ones are
 //!
 //! | translation        | z_a along n              | z_a across n             |
 //! |--------------------|--------------------------|--------------------------|
@@ -31,7 +31,7 @@ pub const PARALLEL: f64 = 1e-12;
 /// Points count as equally high if their heights differ by no more than this (m): rounding, with a margin.
 const LEVEL: f64 = 1e-11;
 
-/// An equation of a closure in a plane; directions are those of the world at zero displacement, and lie in the plane.
+/// An equation of a closure in a plane; directions are in the world at zero displacement, and lie in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanarEquation {
     /// The points coincide along a direction fixed in the first body.
@@ -118,7 +118,7 @@ pub fn planar_equations(
 
 /// A unit vector across another.
 pub fn across(direction: &Vector3<f64>) -> Vector3<f64> {
-    // From the axis of the world that is farthest from it, so that nothing cancels.
+    // The start is the axis of the world that is farthest from it, so that digits do not cancel.
     let axis = Matrix3::identity().column(direction.iamin()).into_owned();
     direction.cross(&axis).normalize()
 }

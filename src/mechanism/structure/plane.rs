@@ -6,9 +6,9 @@
 //!     ω = ψ̇ n,      ẋ · n = 0
 //! ```
 //!
-//! for every body, whatever its inertia and wherever its centre of mass is. What forces, products of inertia and offsets along n do
-//! is carried by the joints and moves nothing. Three coordinates a body say all there is to say; mimic relations are between them,
-//! and of the closures those remain that mean something in the plane ([`crate::structure::planar_loops`]).
+//! for every body, whatever its inertia and wherever its centre of mass is. The joints carry the effects of forces, products of inertia and offsets
+//! along n, which do not move the bodies. Three coordinates a body are complete. Mimic relations are between them, and closures keep the equations
+//! that are not trivial in the plane ([`crate::structure::planar_loops`]).
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::LoopJoint;
@@ -27,7 +27,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a mechanism; `None` if it has none, or contacts, whose equations are those of space.
+    /// The plane of a mechanism; `None` if it has none, or contacts, whose equations are spatial.
     pub fn of(mechanism: &Mechanism) -> Option<Plane> {
         if !mechanism.touches.is_empty() {
             return None;
@@ -53,7 +53,8 @@ impl Plane {
         Some(plane)
     }
 
-    /// What a loop joint asks of motions in the plane, for bodies that are placed so at zero displacement; `None` if it allows none.
+    /// The equations of a loop joint for motions in the plane, for bodies that are placed so at zero displacement; `None` if it allows no such
+    /// motion.
     pub fn equations(&self, joint: &LoopJoint, zero: &[BodyState]) -> Option<Vec<PlanarEquation>> {
         planar_equations(joint, &self.axes, zero)
     }
@@ -74,8 +75,8 @@ impl Plane {
     }
 }
 
-/// Directions of all joints in the world at zero displacement, z of the joint frame, and whether the joint turns about it; `None` if
-/// there is anything that has no such direction, or nothing at all.
+/// Directions of all joints in the world at zero displacement, z of the joint frame, and whether the joint turns about it; `None` if a joint has no
+/// such direction, or if there are no joints.
 fn joint_axes(mechanism: &Mechanism) -> Option<Vec<(Vector3<f64>, bool)>> {
     let planar = |kind| matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
     let possible = mechanism.bodies.iter().all(|body| planar(body.joint.kind));

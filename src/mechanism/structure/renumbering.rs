@@ -4,19 +4,19 @@ use crate::description::closure::Coordinate;
 use crate::description::mechanism::Mechanism;
 use crate::description::nonsmooth::Nonsmooth;
 
-/// From old numbers to new ones.
+/// Maps from old numbers to new ones.
 pub struct Renumbering<'r> {
-    /// Of bodies.
+    /// For bodies.
     pub body: &'r dyn Fn(usize) -> usize,
-    /// Of entries of the position vector.
+    /// For entries of the position vector.
     pub position: &'r dyn Fn(usize) -> usize,
-    /// Of entries of the velocity vector.
+    /// For entries of the velocity vector.
     pub freedom: &'r dyn Fn(usize) -> usize,
 }
 
 impl Renumbering<'_> {
-    /// Gives everything its new numbers but the bodies, which have theirs, and the colliders. A coordinate is that of the body whose joint
-    /// has it now.
+    /// Gives everything its new numbers but the bodies, which have theirs, and the colliders. A coordinate belongs to the body whose joint has it
+    /// now.
     pub fn apply(&self, mechanism: &mut Mechanism) {
         let Mechanism { bodies, loops, touches, mimics, forces, limits, nonsmooth, .. } = mechanism;
         let loop_ends = loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);

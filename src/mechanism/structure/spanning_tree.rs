@@ -1,8 +1,8 @@
 //! The graph of bodies and joints, and its spanning trees.
 //!
-//! The nodes are the bodies and the world, the edges the joints: those of the file's tree, and the loop joints that could as well be joints of a
-//! tree. A spanning tree hangs every body on one edge; all other edges are cut, which makes them closures. Which edges are cut changes
-//! the coordinates and the cost of a step, and nothing else.
+//! The nodes are the bodies and the world, the edges the joints: the joints of the file's tree, and the loop joints that could as well be joints of a
+//! tree. A spanning tree hangs every body on one edge; all other edges are cut, which makes them closures. The choice of the cut edges changes only
+//! the coordinates and the cost of a step.
 //!
 //! Not every joint can be cut: forces, mimic relations and efforts along its own coordinate need that coordinate. Not every loop joint can carry a
 //! body: there are no tree joints that are universal, cylindrical, fixed or of one distance. In a plane every loop joint that holds two points
@@ -28,7 +28,7 @@ pub enum Edge {
     Loop(usize),
 }
 
-/// What a body hangs on.
+/// The edge by which a body hangs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hang {
     /// The body above; `None` is the world.
@@ -42,7 +42,7 @@ pub struct Hang {
 /// A spanning tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SpanningTree {
-    /// What every body hangs on, by its number in the file's tree.
+    /// The edge of every body, by its number in the file's tree.
     pub hangs: Vec<Hang>,
     /// The bodies by these numbers, depth first.
     pub order: Vec<usize>,
@@ -71,10 +71,10 @@ impl SpanningTree {
     }
 }
 
-/// An edge and what it costs.
+/// An edge and its cost.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
-    /// The joint; `None` for what only closes: contacts, springs, mimic relations and loop joints that no body can hang on.
+    /// The joint; `None` for links that only close: contacts, springs, mimic relations and loop joints that no body can hang on.
     pub edge: Option<Edge>,
     /// Its two ends; `None` is the world.
     pub ends: [Option<usize>; 2],
@@ -143,7 +143,7 @@ impl Graph {
         self.links[body].fixed = true;
     }
 
-    /// Whether a joint that must stay is turned round by a tree though it has coordinates of its own on either end: nothing could act along them.
+    /// Whether a tree reverses a joint that must stay and that has coordinates of its own on either end: efforts could not act along them.
     pub fn turns(&self, mechanism: &Mechanism, tree: &SpanningTree) -> bool {
         tree.hangs.iter().any(|hang| match hang.by {
             Edge::Tree(of) => {
@@ -153,7 +153,7 @@ impl Graph {
         })
     }
 
-    /// Whether there is an edge beside those of the file's tree.
+    /// Whether there is an edge besides the edges of the file's tree.
     pub fn has_choice(&self) -> bool {
         self.links[self.bodies..].iter().any(|link| link.edge.is_some())
     }

@@ -35,7 +35,7 @@ pub fn spherical_bodies(mechanism: &Mechanism) -> Vec<bool> {
     mechanism.bodies.iter().map(|body| mechanism.is_plain_tree() && spherical(&body.inertia)).collect()
 }
 
-/// For each body whether its mass is at a point, or nowhere.
+/// For each body whether its mass is at a point, or zero.
 pub fn point_bodies(mechanism: &Mechanism) -> Vec<bool> {
     mechanism.bodies.iter().map(|body| body.inertia == Vector3::zeros()).collect()
 }

@@ -149,7 +149,7 @@ pub struct AccuracyReport {
     /// The largest error to expect at the end of any step (m).
     pub estimated: f64,
     /// The largest error that interpolation inside the steps adds (m), from the last terms of their polynomials
-    /// (`doc/findings/2026-11-24-between-steps-of-five-stages.md`); half of what a step moves in steps of first order.
+    /// (`doc/decisions/005-samples-between-steps.md`); half of what a step moves in steps of first order.
     pub between_steps: Option<f64>,
     /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
@@ -179,7 +179,7 @@ pub struct AccuracyReport {
 }
 
 /// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of what
-/// tells it alike (doc/findings/2026-11-benches.md, "Is the accuracy what was asked for?").
+/// tells it alike.
 const FINEST: f64 = 1e-11;
 /// Energy errors over the wanted accuracy (1/m) beyond which the estimate is not believed: steps are kept within one.
 const UNBALANCED: f64 = 10.0;

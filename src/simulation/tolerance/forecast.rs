@@ -11,7 +11,7 @@
 //! ```
 //!
 //! with the wanted accuracy `E`. The constants are those with which 700 random motions took the least time and the fewest of them several times that of
-//! the run that was accepted (`doc/findings/2026-11-25-small-costs-and-restarts.md`). Below a stop of 1e-13 there are only rounding errors; so the second
+//! the run that was accepted (`doc/decisions/006-cost-of-a-tolerance.md`). Below a stop of 1e-13 there are only rounding errors; so the second
 //! restart uses the finest stop. So does the first one of a run with events: what amplifies errors there are impacts, and a run that is finer by ten thousand
 //! keeps its accuracy hardly longer.
 

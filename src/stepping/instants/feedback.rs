@@ -1,15 +1,16 @@
 //! Efforts that follow the state at every stage: the stage equations and the law of the efforts solved together.
 //!
-//! With the efforts `e` at all stages (m × s) [N m or N], the solution `(q_j, v_j)(e)` of the stage equations under them, and a law `f`:
+//! Let `e` be the efforts at all stages (m × s) [N m or N], `(q_j, v_j)(e)` the solution of the stage equations under them, and `f` a law:
 //!
 //! ```text
 //!     e_j = f(t_j, q_j(e), v_j(e)),   j = 1..s
 //!     (1 − h² Â ⊗ f_q Y − h Ā ⊗ f_v Y) δ = f − e,   e ← e + δ              simplified Newton
 //! ```
 //!
-//! Y (n × m) are the accelerations per unit of effort and f_q, f_v the derivatives of the law, at the start of the step: by them stiff gains cost iterations,
-//! not steps. The rates are those that dampers feel, `ẏ_j` of [`catena_lobatto::equations::forces`], of ball joints `ω = T(θ) θ̇`. Stage s comes after the
-//! others, because Ā has no last column and Â no row of its own for it but the last. So the efforts are forces of the scheme, and its order stays 2s − 2.
+//! Y (n × m) are the accelerations per unit of effort and f_q, f_v the derivatives of the law, at the start of the step: by them stiff gains cost
+//! iterations, not steps. The rates are the rates of dampers, `ẏ_j` of [`catena_lobatto::equations::forces`], for ball joints `ω = T(θ) θ̇`. Stage s
+//! comes after the others, because Ā has no last column and Â no row of its own for it but the last. So the efforts are forces of the scheme, and its
+//! order stays 2s − 2.
 
 use crate::instants::stage_motion::stage_motion;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
@@ -47,8 +48,8 @@ pub(crate) fn attempt(
     let mut at_stages = AtStages::new(state, stages);
     let mut law = vec![0.0; count];
     feedback.efforts(state, &mut law);
-    // Freedom after freedom, as the kernel takes them. What the efforts at the start would do is what they follow first: constant ones of stiff laws would
-    // throw a light body away within the step.
+    // Freedom after freedom, as the kernel takes them. The first guess is the linear response to the efforts of the law at the start: constant efforts
+    // of stiff laws would throw a light body away within the step.
     let mut efforts = DVector::from_fn(count * stages, |place, _| law[place / stages]);
     newton.solve_mut(&mut efforts);
     let mut remainder = DVector::zeros(count * stages);
@@ -95,7 +96,7 @@ fn newton_matrix(tableau: &Tableau, feedback: &dyn Feedback, state: &State, leng
     let mobility = feedback.mobility(state);
     let (by_position, by_rate) = (by_position * &mobility, by_rate * mobility);
     let active = stages - 1;
-    // Nothing is displaced at stage 1, and nothing by the effort of stage s.
+    // Displacements at stage 1 are zero, and the effort of stage s has no effect.
     let a_hat = |row: usize, column: usize| {
         if row == 0 || column == active { 0.0 } else { tableau.a_hat[(row - 1) * active + column] }
     };
@@ -130,7 +131,7 @@ struct AtStages {
     /// Freedom after freedom (n × s).
     displacements: Vec<f64>,
     rates: Vec<f64>,
-    /// Of one stage (n).
+    /// Displacements of one stage (n).
     displacement: Vec<f64>,
     state: State,
 }

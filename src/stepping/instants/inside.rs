@@ -2,9 +2,9 @@
 //!
 //! The velocities at the ends of a step add a part of the size `S` and of degree `s`, and one of the size `B` and of degree `s + 1`, to the
 //! polynomial through the stages ([`catena_lobatto::tableau::dense`]). In a smooth motion these are its next coefficients, and small. A damper that
-//! is too hard for the step hardly changes the velocities at the ends, while the displacements are right: what the velocities add is an
-//! error then. In steps with such a damper a freedom is interpolated through the stages alone where `S + B` is more than half of its own top
-//! Legendre coefficient `E_i`.
+//! is too hard for the step hardly changes the velocities at the ends, while the displacements are right: the contribution of the velocities is an
+//! error then. In steps with such a damper a freedom is interpolated through the stages alone where `S + B` is more than half of its own top Legendre
+//! coefficient `E_i`.
 //!
 //! The error of samples inside a step of `s` stages, from the largest top Legendre coefficient `E` of the step, and from `S + B`, `E_i` and the
 //! [lever](crate::instants::levers) `l` of each freedom:
@@ -13,7 +13,7 @@
 //!     w = max l c_s √(S + B) E^{3/4},    or max ½ l E_i of those that are interpolated through the stages alone
 //! ```
 //!
-//! with the constants measured in `doc/findings/2026-11-24-between-steps-of-five-stages.md`.
+//! with the constants measured in `doc/decisions/005-samples-between-steps.md`.
 
 use crate::instants::levers::levers;
 use crate::instants::sampling::{Interpolation, LastStep};
@@ -38,11 +38,11 @@ pub(crate) struct Inside {
     top: &'static [f64],
     /// `c_s`, where it was measured.
     factor: Option<f64>,
-    /// Of each degree of freedom, whether it is interpolated through the stages alone,
+    /// For each degree of freedom, whether it is interpolated through the stages alone.
     alone: Vec<bool>,
-    /// and whether any is.
+    /// Whether any degree of freedom is.
     any_alone: bool,
-    /// What a displacement of each freedom moves the bodies by (1, m).
+    /// Motion of the bodies per displacement of each freedom (1, m).
     levers: Vec<f64>,
     /// The largest error of samples of freedoms that were interpolated through the stages alone, so far (m).
     ringing: f64,

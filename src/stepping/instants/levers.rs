@@ -1,5 +1,5 @@
-//! How far the bodies of a mechanism move for a small displacement of each degree of freedom: one for a slide [m/m], and for a rotation a distance from
-//! the origin of its joint (m).
+//! How far the bodies of a mechanism move for a small displacement of each degree of freedom: one for a slide [m/m], and for a rotation a distance
+//! from the origin of its joint (m).
 //!
 //! ```text
 //!     own(b)   = max( |c_b| + ρ_b,  max_children |a_child − a_b| )                         ρ² = tr(J) / (2 m)
@@ -7,16 +7,16 @@
 //!     lever(b) = max( own(b), min(reach(b), 1) )
 //! ```
 //!
-//! with the anchors `a` and the arm `c` from the anchor to the centre of mass, as [`catena_mechanism::motion::distance`] probes bodies. The reach is that
-//! of a chain that is stretched, and counts up to a metre: a ring of a hundred links is seldom as wide as its links are long together. Where slides
-//! carry bodies further away nobody knows how far, and the reach is a metre at least.
+//! with the anchors `a` and the arm `c` from the anchor to the centre of mass, as [`catena_mechanism::motion::distance`] probes bodies. The reach is
+//! the reach of a stretched chain, and counts up to a metre: a ring of a hundred links is seldom as wide as its links are long together. Slides may
+//! carry bodies further away by an unknown distance; the reach is then a metre at least.
 
 use catena_mechanism::description::mechanism::{Body, Mechanism};
 
 /// One entry a degree of freedom.
 pub(crate) fn levers(mechanism: &Mechanism) -> Vec<f64> {
     let mut levers = vec![1.0; mechanism.velocity_count];
-    // Of each body: to the joints of its children, and to the furthest of what they carry.
+    // For each body the distance to the joints of its children, and to the furthest body they carry.
     let mut arms = vec![[0.0_f64; 2]; mechanism.bodies.len()];
     for (index, body) in mechanism.bodies.iter().enumerate().rev() {
         let (joint, anchor) = (&body.joint, body.joint.on_child.translation.vector);
@@ -34,7 +34,7 @@ pub(crate) fn levers(mechanism: &Mechanism) -> Vec<f64> {
     levers
 }
 
-/// The distance at which the mass of a body sits on average (m); nothing without mass.
+/// The distance at which the mass of a body sits on average (m); zero without mass.
 fn radius(body: &Body) -> f64 {
     if body.mass > 0.0 { (0.5 * body.inertia.sum() / body.mass).sqrt() } else { 0.0 }
 }
@@ -69,7 +69,7 @@ mod tests {
         close(of(&[Planar, Revolute]), &[1.0, 1.0, 0.31, 0.11]);
         // Twenty rods are 4 m long, of which one counts.
         close(of(&[Revolute; 20])[..1].to_vec(), &[1.0]);
-        // Behind a slide nobody knows how far what hangs there is.
+        // The distance of bodies behind a slide is unknown.
         close(of(&[Revolute, Prismatic, Revolute]), &[1.0, 1.0, 0.11]);
     }
 }

@@ -1,4 +1,4 @@
-//! Instants inside a step: which polynomial, its error, and what a controller sees at the stages.
+//! Instants inside a step: its polynomial, the error of samples, and a controller's view of the stages.
 
 pub(crate) mod feedback;
 pub(crate) mod inside;

@@ -77,8 +77,8 @@ impl LastStep<'_> {
         inverse_tangent(&last, &[0, 1, 2].map(|axis| self.end.velocity[first + axis]))
     }
 
-    /// Writes positions and velocities at a point of the step, from the polynomial `both` through stages and end velocities; those freedoms that
-    /// `alone` marks from the one through the stages alone. Does not allocate.
+    /// Writes positions and velocities at a point of the step, from the polynomial `both` through stages and end velocities; freedoms marked by
+    /// `alone` come from the polynomial through the stages alone. Does not allocate.
     pub fn sample(
         &self,
         mechanism: &Mechanism,

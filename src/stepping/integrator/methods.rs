@@ -1,4 +1,5 @@
-//! Which method an integrator is: fixed steps, reversible ones, ones with 32 digits, or steps that are chosen for a tolerance; and why one cannot be used.
+//! Which method an integrator is: fixed steps, reversible ones, ones with 32 digits, or steps that are chosen for a tolerance; and why one cannot be
+//! used.
 
 use crate::integrator::{Lobatto, Mode};
 use crate::length::control::Control;
@@ -31,7 +32,7 @@ pub enum MethodError {
     /// The length of the steps.
     #[error("a step of {step} s: steps must be longer than zero, and finite")]
     Step {
-        /// What was asked for (s).
+        /// The given step (s).
         step: f64,
     },
     /// Reversible steps need a motion that is reversible itself and whose pace is known.
@@ -47,7 +48,7 @@ pub enum MethodError {
     /// Steps with 32 digits have eight lanes.
     #[error("steps with 32 digits have at most {MOST_PRECISE_STAGES} stages, not {stages}")]
     TooManyStages {
-        /// What was asked for.
+        /// The given number of stages.
         stages: usize,
     },
 }
@@ -79,7 +80,8 @@ impl Lobatto {
     /// Fixed steps of `step` seconds, solved to 32 digits ([`catena_lobatto::step::precise`]): conserved quantities do not drift by rounding.
     ///
     /// # Errors
-    /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under gravity.
+    /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under
+    /// gravity.
     pub fn precise(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {
@@ -97,7 +99,8 @@ impl Lobatto {
     /// round retraces itself ([`crate::length::reversible`]).
     ///
     /// # Errors
-    /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under gravity.
+    /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under
+    /// gravity.
     pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {
@@ -142,7 +145,7 @@ impl Lobatto {
         lobatto
     }
 
-    /// Makes room, before the first step, for what only coarse stops need.
+    /// Makes room, before the first step, for the workspace of coarse stops.
     pub(super) fn prepare(&mut self, mechanism: &Mechanism) {
         if let Mode::Chosen(control) = &self.mode {
             self.stepper.kernel.expect(mechanism, control.rule().increment);

@@ -19,9 +19,9 @@ const CAUTION: f64 = 0.9;
 /// No joint is to turn further in the next step (rad): a little less than [`MAX_TURN`].
 const REPRESENTED: f64 = 0.97 * MAX_TURN;
 
-/// Below this share of the wanted E the error of a step is that of its iteration.
+/// Below this share of the wanted E the error of a step is the error of its iteration.
 const NEGLIGIBLE: f64 = 0.1;
-/// But not for so many steps after one that changed the energy too much.
+/// This does not hold for this number of steps after one that changed the energy too much.
 const WARY: usize = 20;
 
 /// An E of some roundings: the step is too short for anything to be seen of its shape.
@@ -49,13 +49,13 @@ impl Control {
                 Decision::Retry { guess: Guess::Past }
             }
             Attempt::Inaccurate { legendre, .. } => {
-                // Of early iterates E tells too little.
+                // E of early iterates is too uncertain.
                 let smoothest = if self.rule().early { None } else { self.see_kink(step, legendre) };
                 self.memory.broken_off += 1;
                 self.shorten(step, legendre, smoothest)
             }
             Attempt::Converged { iterations, legendre, turn, .. } => {
-                // Less is rounding, and its ratio to that of the step before says nothing.
+                // Values below this are rounding, and their ratio to the E of the step before is meaningless.
                 let error = legendre.max(1e-16);
                 if error > self.limit && self.memory.kink != Kink::Seen {
                     let smoothest = self.see_kink(step, error);
@@ -108,19 +108,19 @@ impl Control {
             return Err(f64::NEG_INFINITY);
         }
         let mut by_energy = f64::INFINITY;
-        // Of attempts that are thrown away, too: a motion that begins at rest has no other measure.
+        // Attempts that are thrown away count, too: a motion that begins at rest has no other measure.
         self.memory.kinetic = self.memory.kinetic.max(energies.kinetic);
         // Each of the two is rounded, also where they cancel.
         let rounding = self.memory.rounding.max(1e-13 * (energies.kinetic + energies.potential));
-        // A motor near its target has hardly any kinetic energy, and a displacement of the size of the tolerance changes that of its springs.
+        // A motor near its target has hardly any kinetic energy, and a displacement of the size of the tolerance changes the energy of its springs.
         let (pull, stiffness) = energies.pull;
         let stored = pull + 0.5 * stiffness * self.tolerance;
         let share = ENERGY_SHARE * self.tolerance * (self.memory.kinetic + stored);
-        // Where nothing moves that is a part of roundings.
+        // At rest this share is a part of roundings.
         let allowed = share.max(unseen(energies.pushes));
-        // What rounding changes does not fall with the step.
+        // The change by rounding does not fall with the step.
         let change = (energies.change.abs() - rounding).max(0.0);
-        // At rest nothing is allowed and nothing changes.
+        // At rest the allowed change is zero, and so is the change.
         if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.memory.wary > 0 || change > allowed) {
             let order = (2 * self.stages - 1) as f64;
             by_energy = CAUTION.ln() + (allowed / change).ln() / order;
@@ -144,13 +144,13 @@ impl Control {
         memory.previous = Some(error);
         (memory.refused, memory.unresolved, memory.smoothest, memory.kink) = (None, None, None, Kink::Unseen);
         memory.rounding *= FORGOTTEN;
-        // A truncated last step must not shorten what follows.
+        // A truncated last step must not shorten the steps after it.
         memory.step = if step < 0.999 * memory.step { memory.step.max(step * factor) } else { step * factor };
     }
 
-    /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
-    /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
-    /// The energy decides on such a step.
+    /// Whether E belongs to a kink: a shorter step has as large a one, while truncation would fall to zero. Joint coordinates have one where a motion
+    /// passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded. The energy decides on
+    /// such a step.
     fn is_kink(&mut self, step: f64, error: f64) -> bool {
         let (longer, larger) = *self.memory.unresolved.get_or_insert((step, error));
         if step > 0.8 * longer {
@@ -161,8 +161,8 @@ impl Control {
         error >= 0.5 * larger && error <= KINK * self.limit
     }
 
-    /// The length with the least E, where E is that of a kink for certain: a step half as long has as large a one. Whether it was solved or not,
-    /// that is the one to try again. (With forces E does not tell: hard dampers leave much in any step.)
+    /// The length with the least E, if E belongs to a kink for certain: a step half as long has as large a one. Whether it was solved or not, that is
+    /// the one to try again. (With forces E does not tell: hard dampers leave much in any step.)
     fn see_kink(&mut self, step: f64, error: f64) -> Option<f64> {
         let memory = &mut self.memory;
         let (smoothest, least) = *memory.smoothest.get_or_insert((step, error));
@@ -174,8 +174,9 @@ impl Control {
         kink.then_some(smoothest)
     }
 
-    /// Whether a change of energy is one of rounding alone: E is nothing else either (hard dampers change much where little moves), or a step half as long
-    /// changes the energy as much, where truncation would fall to nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
+    /// Whether a change of energy is one of rounding alone: either E is rounding, too (hard dampers change much in a slow motion), or a step half as
+    /// long changes the energy as much, where truncation would fall to zero. Joint rates near a gimbal lock are thousands of times the rates of the
+    /// bodies, and so are their roundings.
     fn is_rounding(&mut self, step: f64, error: f64, change: f64) -> bool {
         let (first_step, first_change) = *self.memory.refused.get_or_insert((step, change));
         let stays = step <= 0.5 * first_step && change >= 0.1 * first_change;
@@ -308,7 +309,7 @@ mod tests {
     fn a_change_of_energy_is_rounding_where_e_is_or_where_half_the_step_changes_as_much() {
         let judge = |control: &mut Control, step, legendre| {
             let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
-            // Ten times what a step may change, and not more than roundings do.
+            // Ten times the allowed change of a step, and no more than roundings.
             let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
             control.judge(&solved, Some(energies), step, Guess::Past) == Decision::Accept
         };

@@ -9,23 +9,23 @@ use catena_mechanism::description::mechanism::{Body, Mechanism};
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-/// What an iteration may leave of what parts the motions,
+/// The part of the distance of both motions that an iteration may leave.
 const PART: f64 = 0.02;
-/// and after so many of them it may leave more.
+/// Number of iterations after which an iteration may leave the larger part `REST`.
 const MOST: usize = 2;
 const REST: f64 = 0.05;
 /// Steps of which E is above this part of the largest that is kept have a truncation that counts.
 const TRUNCATED: f64 = 0.5;
 
 /// The error at the end of a step consists of products of two coefficients that the polynomials leave out. There are n² such products for n degrees
-/// of freedom, so the estimate grows like n² up to this n (`doc/findings/2026-11-24-honest-both-ways.md`).
+/// of freedom, so the estimate grows like n² up to this n (`doc/decisions/004-error-estimated-along-the-run.md`).
 const MANY_FREEDOMS: f64 = 8.0;
 
-/// The motion beside that of the run.
+/// The companion: a second motion beside the motion of the run.
 #[derive(Clone)]
 pub struct Companion {
     state: State,
-    /// Where it is at the end of a finished step, if it went through it [with the run](Companion::finish).
+    /// Its state at the end of a finished step, if it went through it [with the run](Companion::finish).
     next: State,
     ahead: bool,
     /// The factor of the truncation error for few degrees of freedom, `min(1, n/8)²`.
@@ -33,13 +33,13 @@ pub struct Companion {
     begun: bool,
     /// Truncation of the next step to be accepted (rad, m).
     truncation: f64,
-    /// The weights of the stages 2 … s in a top Legendre coefficient, and room for that of each degree of freedom.
+    /// The weights of the stages 2 … s in a top Legendre coefficient, and room for the coefficients of each degree of freedom.
     top: &'static [f64],
     coefficients: Vec<[f64; 2]>,
 }
 
 impl Companion {
-    /// None so far: it begins with the next step.
+    /// A companion that begins with the next step.
     pub(crate) fn new(mechanism: &Mechanism, tableau: &'static Tableau) -> Self {
         let freedoms = mechanism.velocity_count as f64 / MANY_FREEDOMS;
         Companion {
@@ -54,7 +54,7 @@ impl Companion {
         }
     }
 
-    /// Where it is.
+    /// Its state.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -64,8 +64,8 @@ impl Companion {
         self.begun
     }
 
-    /// Takes note of a step that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
-    /// error falls like E², which is chosen to be that of the stop ([`crate::length::control`]).
+    /// Takes note of a step that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local error
+    /// falls like E², which is chosen to match the stop ([`crate::length::control`]).
     pub(crate) fn see(&mut self, legendre: f64, limit: f64, wanted: f64, stop: f64) {
         let counts = legendre > TRUNCATED * limit;
         self.truncation = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };
@@ -78,8 +78,8 @@ impl Companion {
         kernel.begin_to_carry(mechanism, state);
     }
 
-    /// Finishes the solved step of the run from `state` to `time` (s), of which `end` is to become the end, and goes through it, both at once; returns the
-    /// energy at the end. `None`, and nothing is done, where steps cannot.
+    /// Finishes the solved step of the run from `state` to `time` (s), of which `end` is to become the end, and goes through it, both at once;
+    /// returns the energy at the end. `None`, without any effect, if the step cannot do that.
     pub(crate) fn finish(
         &mut self,
         kernel: &mut dyn Step,
@@ -138,8 +138,8 @@ impl Companion {
         Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation }
     }
 
-    /// Whether the truncation, whose sign nothing tells, takes the motions further apart over a step of `length` seconds. They part in the directions
-    /// in which errors grow, and if truncation brought them together there by chance nothing would tell of the error any more.
+    /// Whether the truncation, whose sign is unknown, takes the motions further apart over a step of `length` seconds. They part in the directions in
+    /// which errors grow. If truncation brought them together there by chance, the estimate would lose the error.
     fn parts_further(&mut self, kernel: &dyn Step, mechanism: &Mechanism, state: &State, length: f64) -> bool {
         kernel.weigh_displacements([self.top, self.top], &mut self.coefficients);
         let mut along = 0.0;
@@ -149,7 +149,7 @@ impl Companion {
             for offset in 0..joint.kind.velocity_count() {
                 let freedom = joint.velocity_index + offset;
                 let mut apart = length * (self.state.velocity[freedom] - state.velocity[freedom]);
-                // Of ball joints the rates will do.
+                // For ball joints the rates suffice.
                 if offset < scalars {
                     let entry = joint.position_index + offset;
                     apart += self.state.position[entry] - state.position[entry];

@@ -9,19 +9,18 @@
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
 //! ```
 //!
-//! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, with five `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`, so that samples inside a step are
-//! within the tolerance `T`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a
-//! finished one that changes the energy by more than its share of the tolerance; what is near that share does not grow, unless `E` is so small
-//! that the change can only be what the iteration has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
-//! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
-//! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`catena_lobatto::stages::predictor`]). Where E does not
-//! fall with the step the motion has a kink, and the energy alone decides. Whatever
-//! these say, a step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones
-//! ([`crate::watching::watch`]).
+//! So that samples inside a step are within the tolerance `T`, nine stages have `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, and five have
+//! `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so
+//! is a finished one that changes the energy by more than its share of the tolerance. A step near that share does not grow, unless `E` is so small
+//! that the change can only come from the iteration, which does not grow with the step. The energy shows errors that the polynomials do not, such as
+//! a passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster seldom has done
+//! so once. The polynomial of an attempt with too large an E is the guess of the next one ([`catena_lobatto::stages::predictor`]). If E does not fall
+//! with the step, the motion has a kink, and the energy alone decides. Whatever these say, a step stays within the limit of stability, and a motion
+//! that hard dampers are about to stop is stopped in short ones ([`crate::watching::watch`]).
 //!
-//! Where the simplified iteration does not converge, not from the plain guess either, a tree under gravity gets half the step: one of the exact
-//! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff
-//! spring would ask for shorter steps all along.
+//! If the simplified iteration does not converge, not even from the plain guess, a tree under gravity gets half the step: a step of the exact Newton
+//! method costs ten times as much, and is tried after some halvings only. A mechanism with forces tries it at once, because a stiff spring would
+//! require shorter steps all along.
 
 use crate::length::stage_choice::StageChoice;
 use crate::length::stepper::{Stepper, Stride};
@@ -35,51 +34,50 @@ use catena_mechanism::motion::state::State;
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
 pub const COARSEST_STOP: f64 = 0.1;
 
-/// `h Ω` of the first step for the stop
+/// `h Ω` of the first step for the stop [`FIRST_STOP`].
 const FIRST: f64 = 0.4;
-/// of this size,
+/// The stop at which `h Ω` of the first step is [`FIRST`].
 const FIRST_STOP: f64 = 1e-10;
-/// and the power of the stop with which it grows: that with which E lets the steps of nine stages grow, 1/(2s − 2).
+/// The power of the stop with which `h Ω` grows: E lets the steps of nine stages grow with the same power, 1/(2s − 2).
 const FIRST_POWER: f64 = 1.0 / 16.0;
 
-/// The largest E of a step that is kept, over the wanted one. What such a step does to a motion that amplifies errors is among the worst
-/// that the run does; with 8 a chain of ten links ended ten times further off than was asked for in one run of a hundred, with 4 in one of
-/// eight hundred, and with 3 in no fewer.
+/// The largest E of a step that is kept, over the wanted one. Such a step makes one of the largest errors of the run if the motion amplifies errors.
+/// A bound of 8 made a chain of ten links end ten times further off than the tolerance in one run of a hundred, 4 in one of eight hundred, and 3 in
+/// as many.
 const KEPT: f64 = 3.3;
 
 /// The largest error of a sample inside a step, over a power of the largest E that is kept: factor and power for a number of stages, for which they
-/// were measured. Dense output has a lower order than the ends of steps (`doc/findings/2026-11-24-samples-between-steps.md`, and
-/// `2026-11-24-between-steps-of-five-stages.md`).
+/// were measured. Dense output has a lower order than the ends of steps (`doc/decisions/005-samples-between-steps.md`).
 const BETWEEN: [(usize, f64, f64); 2] = [(5, 0.25, 1.5), (9, 0.35, 1.25)];
 /// The part of the tolerance that samples inside steps may be off by.
 const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
 
-/// Steps are looked into whose E is above this part of the largest so far: what interpolation errs by grows with E.
+/// Only steps whose E is above this part of the largest so far are evaluated inside: the error of interpolation grows with E.
 const AMONG_LARGEST: f64 = 0.5;
 
 /// The part of the wanted E up to which a step is likely to be kept after one that changed the energy too much.
 const LIKELY: f64 = 0.5;
 
-/// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
-/// whose E was too large all iterations are in double precision.
+/// After this number of abandoned attempts at a step, early iterates are not used again: E may belong to a kink. And after as many whose E was too
+/// large all iterations are in double precision.
 const HASTE: usize = 2;
 
-/// The largest E of a kink over that of other steps.
+/// The largest E of a kink over the E of other steps.
 pub const KINK: f64 = 100.0;
 
-/// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
+/// After this number of halvings of a step of a tree under gravity that does not converge, the exact Newton method is tried.
 const PATIENCE: usize = 3;
 
-/// What to do with an attempt.
+/// The decision on an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decision {
     /// Keep the step; [`Control::step`] is the length of the next one.
     Accept,
     /// Try again with the new [`Control::step`].
     Retry {
-        /// What to begin from.
+        /// The start of the next attempt.
         guess: Guess,
     },
 }
@@ -95,13 +93,13 @@ pub struct Control {
     pub wanted: f64,
     /// The largest E of a step that is kept.
     pub limit: f64,
-    /// Whether iterates say whether a step is too long, early ones, too: what stiff springs and hard dampers leave in them says nothing.
+    /// Whether iterates, early ones too, show that a step is too long. False with stiff springs and hard dampers, which disturb iterates.
     pub telling: bool,
     /// How often a step that does not converge is halved before the exact Newton method is tried.
     pub(crate) patience: usize,
-    /// The largest E of the steps that were kept,
+    /// The largest E of the steps that were kept.
     pub(crate) largest: f64,
-    /// and the largest error of samples inside them (m), where it is known.
+    /// The largest error of samples inside these steps (m), if it is known.
     pub(crate) between: Option<f64>,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
@@ -124,7 +122,7 @@ pub enum Kink {
     Refused,
 }
 
-/// What the controller remembers of the motion.
+/// The controller's memory of the motion.
 #[derive(Clone, Default)]
 pub struct Memory {
     /// Length of the next step (s); zero before the first.
@@ -139,13 +137,13 @@ pub struct Memory {
     pub unresolved: Option<(f64, f64)>,
     /// The same of the one with the least E, of trees under gravity.
     pub smoothest: Option<(f64, f64)>,
-    /// What that says.
+    /// Whether these attempts show a kink.
     pub kink: Kink,
-    /// How many attempts at the present step had too large an E,
+    /// Number of attempts at the present step that had too large an E.
     pub too_long: usize,
-    /// and how many of them were broken off for it.
+    /// Number of these attempts that were abandoned for it.
     pub broken_off: usize,
-    /// What rounding alone was seen to change the energy by (J).
+    /// Observed change of the energy by rounding alone (J).
     pub rounding: f64,
     /// Whether an attempt at the present step was thrown away.
     pub rejected: bool,
@@ -228,7 +226,7 @@ impl Control {
         self.memory.step
     }
 
-    /// Where the iteration stops.
+    /// The stopping rule of the iteration.
     pub fn rule(&self) -> StopRule {
         StopRule {
             increment: self.stop,
@@ -339,8 +337,8 @@ impl Control {
         }
     }
 
-    /// Whether a solved step with this E is likely to be kept, by its energy, too: what a companion does in one that is thrown away is for nothing. Of
-    /// steps after one that changed the energy too much, those with a large E often do so again.
+    /// Whether a solved step with this E is likely to be kept, by its energy, too: the work of a companion in a rejected step is lost. After a step
+    /// that changed the energy too much, steps with a large E often do so again.
     pub(crate) fn is_likely_kept(&self, legendre: f64) -> bool {
         legendre <= if self.memory.wary > 0 { LIKELY * self.wanted } else { self.limit }
     }

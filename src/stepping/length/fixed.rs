@@ -1,8 +1,8 @@
 //! Fixed steps: they end on the grid `t₀ + n h`, counted, so that no rounding accumulates in the time.
 //!
-//! A step that does not converge is tried again without the past, then halved, and the grid is met again afterwards. A step of a
-//! closed mechanism that has come out on another branch of a singular position, which its energy shows, is treated the same way. Where
-//! the shortest step fails, too, the run ends.
+//! A step that does not converge is tried again without the past, then halved, and the grid is met again afterwards. A step of a closed mechanism
+//! that has come out on another branch of a singular position, which its energy shows, is treated the same way. If the shortest step fails, too, the
+//! run ends.
 
 use crate::length::stepper::{HALVINGS, Stepper};
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};

@@ -1,4 +1,4 @@
-//! What acts on a mechanism, as its kernel knows it: a kernel is made for one gravity and one set of forces.
+//! The forces on a mechanism, as its kernel knows them: a kernel is made for one gravity and one set of forces.
 
 use crate::watching::unseen::Pushes;
 use catena_mechanism::description::forces::Forces;
@@ -6,19 +6,19 @@ use catena_mechanism::description::mechanism::Mechanism;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// What acts on a mechanism, as a kernel was made for it.
+/// Gravity and forces on a mechanism, for which a kernel was made.
 #[derive(Clone)]
 pub(crate) struct Outside {
     gravity: Vector3<f64>,
     forces: Forces,
-    /// What they push with.
+    /// The sizes of these forces.
     pub(crate) pushes: Pushes,
     /// The mechanism with forces that are driven, once efforts have been handed to a step.
     pub(crate) driven: Option<Arc<Mechanism>>,
 }
 
 impl Outside {
-    /// What acts on it now.
+    /// The present gravity and forces.
     pub(crate) fn new(mechanism: &Mechanism) -> Self {
         Outside {
             gravity: mechanism.gravity,
@@ -28,7 +28,7 @@ impl Outside {
         }
     }
 
-    /// Whether that is what acts on this mechanism.
+    /// Whether this mechanism has the same gravity and forces.
     #[inline]
     pub(crate) fn is_that_of(&self, mechanism: &Mechanism) -> bool {
         let same = self.forces.driven == mechanism.forces.driven && self.forces.are_those_of(&mechanism.forces);

@@ -8,10 +8,10 @@
 //!     ln (h₊ / h₋) = −√(h₊ h₋) L                                between the steps before and after a state
 //! ```
 //!
-//! Turning time round exchanges `h₊` and `h₋` and changes the sign of L, which leaves the rule as it is. It is the leapfrog for
-//! `d ln h = −L dt`, so that `h Ω` stays near a constant ε for good where ε is small enough. Where it leaves the band of
-//! 2/3 to 3/2 of it the step is set anew, where the pace falls so fast that the rule has no solution or is near to that the
-//! step grows as if it fell less, and where a step fails ε is halved: all three break the symmetry, and are counted.
+//! Turning time round exchanges `h₊` and `h₋` and changes the sign of L, which leaves the rule as it is. It is the leapfrog for `d ln h = −L dt`, so
+//! that `h Ω` stays near a constant ε for good where ε is small enough. The step is set anew if `h Ω` leaves the band of 2/3 to 3/2 of ε. If the pace
+//! falls so fast that the rule has no solution, or nearly none, the step grows as if it fell less. If a step fails, ε is halved. All three break the
+//! symmetry, and are counted.
 //!
 //! Source: E. Hairer and G. Söderlind, SIAM J. Sci. Comput. 26 (2005), with logarithms in place of reciprocals, which cannot
 //! lead to negative steps.
@@ -100,7 +100,7 @@ impl Reversible {
                 stepper.finish(mechanism, state);
                 outcome.exact = exact;
                 stepper.accept(mechanism, state, length, end, &mut outcome)?;
-                // A step that was cut off at the end of the run says nothing about the next.
+                // A step cut off at the end of the run does not determine the next.
                 if let (false, Some(pace)) = (reaches, stepper.pace(mechanism, state)) {
                     self.follow(&pace);
                 }
@@ -121,7 +121,7 @@ impl Reversible {
         }
     }
 
-    /// A step of so many seconds could not be made: shorter ones from now on. One that was cut off at the end of the run says nothing about ε.
+    /// A step of this length (s) failed: shorter ones from now on. A step cut off at the end of the run does not change ε.
     pub fn fail(&mut self, length: f64) {
         self.resets += 1;
         if length >= self.step {

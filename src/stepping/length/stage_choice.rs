@@ -1,17 +1,18 @@
 //! How many stages the steps of a tolerance have.
 //!
-//! Nine, on every processor. On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few stages as with
-//! those that fill it: nine with AVX-512. Two vectors of four lanes do not take twice as long as one either: in a plane arithmetic waits for arithmetic, and in
-//! space the first iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not
-//! have. With five stages and coarse tolerances some trees take less time with AVX2, but truncation is no less than the error of the iteration there, and the
-//! companion of a run does not see it: of 1856 runs that said that they had reached their accuracy 32 had not (doc/findings/2026-11-25-five-stages.md).
+//! Nine, on every processor. All stages of trees are solved side by side in the lanes of a vector, so that an iteration costs the same with few
+//! stages as with a full vector: nine with AVX-512. Two vectors of four lanes do not take twice as long as one either: in a plane arithmetic waits
+//! for arithmetic, and in space the first iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]),
+//! which five stages do not have. Five stages with coarse tolerances would save time on some trees with AVX2, but truncation is no less than the
+//! error of the iteration there, and the companion of a run does not see it: 32 of 1856 runs reported their accuracy as reached wrongly
+//! (doc/decisions/002-stages-for-a-tolerance.md).
 //!
-//! Closed loops have five where their tolerance is not fine (doc/findings/2026-11-stages.md): all stages are coupled there, and an iteration with nine costs
-//! twice as much. Nine make steps so long that Newton's method limits them, and not the accuracy. One or two four-bars, which pass singular positions, need
-//! much shorter steps with five, and keep nine; and so do springs and dampers so stiff that the stability of the scheme limits the step, which nine stages extend
-//! to twice the length: the trial runs see that (`simulation::tolerance::accuracy`).
+//! Closed loops have five where their tolerance is not fine: all stages are coupled there, and an iteration with nine costs twice as much. Nine
+//! stages make steps so long that Newton's method limits them, not the accuracy. One or two four-bars, which pass singular positions, need much
+//! shorter steps with five, and keep nine; and so do springs and dampers so stiff that the stability of the scheme limits the step, which nine stages
+//! extend to twice the length: the trial runs see that (`simulation::tolerance::accuracy`).
 //!
-//! Time with nine stages over that with five, same tolerance (m), least and most of the scenes of each kind:
+//! The table has the time with nine stages over the time with five, at the same tolerance (m), least and most of the scenes of each kind:
 //!
 //! | | 1e-2 | 1e-3 | 1e-4 | 1e-5 | 1e-6 | 1e-7 | 1e-8 | 1e-9 |
 //! |---|---|---|---|---|---|---|---|---|
@@ -27,19 +28,19 @@
 //! | larger trees in a plane, AVX2 | | 0.9–2.5 | 0.7–2.6 | 0.6–2.0 | 0.5–2.5 | 0.4–1.3 | 0.4–2.6 | 0.3–0.8 |
 //! | loops, AVX2 | 1.2–3.6 | 1.4–3.1 | 1.3–3.4 | 1.2–3.3 | 1.1–3.1 | 1.1–2.7 | 0.7–2.4 | |
 //!
-//! In the second row the figures below one are those of long rows of four-bars, where nine stages end ten times further off; for the same
-//! error both take the same time there.
+//! Figures below one in the second row belong to long rows of four-bars, where nine stages end ten times further off; for the same error both take
+//! the same time there.
 
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::structure::plane::Plane;
 
-/// The finest tolerance at which loops have few stages (m), less what rounding may take from it.
+/// The finest tolerance at which loops have few stages (m), with a margin for rounding.
 const FEW_DOWN_TO: f64 = 0.99e-6;
 /// In a plane loops of fewer bodies than these have nine stages.
 const SMALLEST_IN_A_PLANE: usize = 6;
 
-/// What decides on the number of stages.
+/// The choice of the number of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StageChoice {
     /// Five.
@@ -73,11 +74,10 @@ impl StageChoice {
         Tableau::of(self.count()).expect("five and nine stages are in range")
     }
 
-    /// `c = E_tol / √ε` of the step control ([`crate::length::control`]). On closed loops Newton's method leaves no error of the iteration, and
-    /// where a motion passes singular positions truncation is well above `E²`: with c = 1 four-bars ended up to two tolerances off,
-    /// with ½ within one, for the same time. Nine stages grow so fast with the step that a tenth of a step is a decade of E²: a small c
-    /// costs nothing there, and leaves truncation well below what the iteration does (chain of ten links: of 68 runs two end more than
-    /// ten tolerances off, with c = 0.3 eight).
+    /// `c = E_tol / √ε` of the step control ([`crate::length::control`]). On closed loops Newton's method leaves no error of the iteration, and where
+    /// a motion passes singular positions truncation is well above `E²`: with c = 1 four-bars ended up to two tolerances off, with ½ within one, for
+    /// the same time. Steps of nine stages are so sensitive that a tenth of a step is a decade of E². So a small c is cheap, and leaves truncation
+    /// well below the error of the iteration (chain of ten links: of 68 runs two end more than ten tolerances off, with c = 0.3 eight).
     pub(crate) fn wanted_share(self) -> f64 {
         match self {
             StageChoice::Few => 0.5,

@@ -32,19 +32,19 @@ use std::sync::Arc;
 /// Whatever makes a step shorter does so at most this often before it gives up.
 pub(crate) const HALVINGS: u32 = 14;
 
-/// A step that is not longer than what is left.
+/// A step that is not longer than the rest of the run.
 #[derive(Clone)]
 pub(crate) struct Stride {
     /// Its length (s).
     pub length: f64,
-    /// Where it ends (s).
+    /// Its end (s).
     pub end: f64,
     /// Whether that is where the run ends.
     pub reaches: bool,
 }
 
 impl Stride {
-    /// From `time` as far as `step`, but exactly to `until` where that is nearer, or further by a rounding.
+    /// A stride from `time` as far as `step`, but exactly to `until` if that is nearer, or further by a rounding.
     pub fn towards(until: f64, time: f64, step: f64) -> Self {
         let remaining = until - time;
         if step >= remaining * (1.0 - 1e-9) {
@@ -64,11 +64,11 @@ pub(crate) struct Stepper {
     pub tableau: &'static Tableau,
     /// Looks now and then how near the steps are to the limit of stability.
     pub watch: Watch,
-    /// What it looks at.
+    /// Its source of frequencies.
     modes: Modes,
-    /// Where the last step started, for dense output.
+    /// Start of the last step, for dense output.
     origin: State,
-    /// Where a step is finished before it is accepted, and where the last one ended.
+    /// The end of a step before it is accepted, and then the end of the last one.
     end: State,
     length: f64,
     /// Its inside.
@@ -78,17 +78,17 @@ pub(crate) struct Stepper {
     ranks: Ranks,
     steps: usize,
     stepped_time: f64,
-    /// What the last step left behind; anything else means that somebody moved the state.
+    /// The time at which the last step ended; another time means that the state was moved from outside.
     left_at: Option<f64>,
-    /// What acts, as far as the kernel knows.
+    /// Gravity and forces that the kernel knows.
     outside: Outside,
     /// Efforts that change in time, at the stages of an attempt.
     changing: Vec<f64>,
     /// Efforts of the last attempt, added up [N or N m].
     efforts: f64,
-    /// What was counted of the closures where the first step is going to begin.
+    /// The ranks of the closures counted at the start of the first step.
     pub counted: Option<Arc<Counted>>,
-    /// What goes beside the motion, if anything does.
+    /// The companion, if there is one.
     pub companion: Option<Box<Companion>>,
 }
 
@@ -130,7 +130,7 @@ impl Stepper {
         driven && self.outside.is_that_of(mechanism)
     }
 
-    /// What acts has changed: takes note of it, and returns the mechanism that a kernel is to be made for.
+    /// Takes note of changed forces, and returns the mechanism for which a kernel is to be made.
     pub fn learn(&mut self, mechanism: &Mechanism, inputs: Inputs) -> Arc<Mechanism> {
         let was_driven = self.outside.driven.is_some();
         self.outside = Outside::new(mechanism);
@@ -153,7 +153,7 @@ impl Stepper {
         self.outside.driven.clone()
     }
 
-    /// Starts anew where the state is not what the last step left; returns whether that was so.
+    /// Starts anew if the state is not the end of the last step; returns whether that was so.
     pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
         let moved = self.left_at != Some(state.time) || *state != self.end;
         if moved {
@@ -161,7 +161,7 @@ impl Stepper {
                 self.kernel.expect_at(counted);
             }
             self.kernel.begin(mechanism, state);
-            // One that has begun knows nothing of where the motion was moved to.
+            // A companion that has begun does not know the state to which the motion was moved.
             self.companion = self.companion.take().filter(|companion| !companion.has_begun());
             if let Some(companion) = &mut self.companion {
                 companion.begin(self.kernel.as_mut(), mechanism, state);
@@ -260,13 +260,12 @@ impl Stepper {
         &self.origin
     }
 
-    /// What the first attempt at a step begins from.
+    /// The guess of the first attempt at a step.
     pub fn first_guess(&self) -> Guess {
         if self.kernel.has_past() { Guess::Past } else { Guess::Plain }
     }
 
-    /// Finishes the solved step, without moving `state`; returns the energies at its end, with the change that nothing
-    /// accounts for.
+    /// Finishes the solved step, without moving `state`; returns the energies at its end, with the unexplained change.
     pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
         if let Some(companion) = &mut self.companion {
             companion.wait();
@@ -407,7 +406,7 @@ impl Stepper {
         self.stepped_time / self.steps.max(1) as f64
     }
 
-    /// Where equations of the loops were redundant that elsewhere were not.
+    /// The position at which equations of the loops became redundant, if there was one.
     pub fn singular(&self) -> Option<SingularPosition> {
         self.ranks.singular()
     }

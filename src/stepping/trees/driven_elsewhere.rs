@@ -1,13 +1,13 @@
 //! Efforts from outside for steps on another spanning tree than the file's ([`crate::trees::other_tree`]).
 //!
-//! They act along coordinates that both trees have, each with its own number. With the injections `E` of the m driven freedoms into the file's n and `E'`
-//! into the n' here, the rates `v = S v'`, and `v' = T v` of motions that the closures allow, a law f of the file's state becomes
+//! They act along coordinates that both trees have, each with its own number. Let `E` and `E'` inject the m driven freedoms into the file's n and
+//! into the n' here. The rates are `v = S v'`, and `v' = T v` for motions that the closures allow. A law f of the file's state becomes
 //!
 //! ```text
 //!     f'(t, q', v') = f(t, q(q'), S v')       f'_q' = f_q S,   f'_v' = f_v S        Y' E' = T Y E
 //! ```
 //!
-//! What S changes by with the positions is left out of `f'_q'`, where errors cost no accuracy ([`Feedback`]).
+//! The derivative of S by the positions is left out of `f'_q'`, where errors cost no accuracy ([`Feedback`]).
 
 use crate::trees::turns::Turns;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -17,7 +17,7 @@ use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::other_tree::OtherTree;
 use nalgebra::DMatrix;
 
-/// What acts on the other tree, and room for it.
+/// Inputs on the other tree, and room for them.
 #[derive(Clone)]
 pub(crate) struct Driven {
     /// Constant efforts, one entry a degree of freedom here [N m or N].
@@ -38,13 +38,13 @@ struct Room {
 }
 
 impl Driven {
-    /// Nothing acts yet.
+    /// Inputs of zero.
     pub fn new(other: &OtherTree) -> Self {
         let efforts = vec![0.0; other.mechanism.velocity_count];
         Driven { efforts, changing: Vec::new(), following: Vec::new(), room: None }
     }
 
-    /// Makes a step with what acts on the file's tree; the joints that it acts in are on both trees, and `turns` begin where the step does.
+    /// Makes a step with the inputs of the file's tree. The driven joints are on both trees, and `turns` begin at the start of the step.
     pub fn within<R>(
         &mut self,
         file: &Mechanism,

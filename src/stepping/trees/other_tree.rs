@@ -5,12 +5,12 @@
 //!     State of the file ─ take ─▶ own State ── Lobatto::step ──▶ own State ─ give ─▶ State of the file
 //! ```
 //!
-//! The integrator's own state is kept from step to step; it is computed again if the caller has changed the other one. The angle of a joint that is cut follows from
-//! the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with dense
-//! output inside the step where it is long.
+//! The integrator's own state is kept from step to step; it is computed again if the caller has changed the other one. The angle of a joint that is
+//! cut follows from the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with
+//! dense output inside the step where it is long.
 //!
-//! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the first
-//! time, another tree is chosen (`driven_elsewhere`).
+//! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the
+//! first time, another tree is chosen (`driven_elsewhere`).
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::recipe::Recipe;
@@ -29,8 +29,8 @@ use catena_mechanism::structure::plane::Plane;
 use catena_mechanism::structure::spanning_tree::{Graph, SpanningTree};
 use nalgebra::Vector3;
 
-/// The spanning tree on which steps of a mechanism are made, if it is not the file's; efforts from outside act in the joints of the bodies `driven`, and
-/// `kept` are rules that leave nothing out.
+/// The spanning tree on which steps of a mechanism are made, if it is not the file's. Efforts from outside act in the joints of the bodies `driven`,
+/// and `kept` are disabled simplification rules.
 pub fn other_tree(mechanism: &Mechanism, driven: &[usize], kept: &[Rule]) -> Option<(SpanningTree, Option<Plane>)> {
     if mechanism.loops.is_empty() || kept.contains(&Rule::Tree) {
         return None;
@@ -49,14 +49,14 @@ pub struct OnOtherTree {
     tree: SpanningTree,
     plane: Option<Plane>,
     inside: Inside,
-    /// Where the last step began and ended, in the coordinates of the file.
+    /// Start and end of the last step, in the coordinates of the file.
     origin: State,
     left: Option<State>,
-    /// What acted when it was made.
+    /// Gravity and forces at its creation.
     gravity: Vector3<f64>,
     forces: Forces,
     turns: Turns,
-    /// The bodies in whose joints efforts act from outside, and those efforts here.
+    /// The bodies in whose joints efforts act from outside, and their efforts here.
     in_joints: Vec<usize>,
     driven: Driven,
     /// The error of samples inside the steps that were made on other trees before this one (m).
@@ -79,7 +79,7 @@ struct Inside {
     other: OtherTree,
     lobatto: Lobatto,
     state: State,
-    /// Room for what dense output says.
+    /// Room for the results of dense output.
     position: Vec<f64>,
     velocity: Vec<f64>,
 }
@@ -161,8 +161,8 @@ impl OnOtherTree {
         Ok(outcome)
     }
 
-    /// The weighted mean of the squares of a scalar joint coordinate's rate over the last step [(m/s)² or (rad/s)²]; `rates` is room. Zero of a joint
-    /// that is cut, along which nothing acts.
+    /// The weighted mean of the squares of a scalar joint coordinate's rate over the last step [(m/s)² or (rad/s)²]; `rates` is room. Zero for a
+    /// joint that is cut, because it has no forces.
     pub fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
         let freedom = match (&self.on_file, self.inside.other.joint(coordinate.body)) {
             (Some(_), _) => coordinate.freedom,
@@ -182,7 +182,7 @@ impl OnOtherTree {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
     }
 
-    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.
     pub fn give_up_below(&mut self, length: f64) {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).give_up_below(length);
     }
@@ -221,7 +221,7 @@ impl OnOtherTree {
         self.left = Some(state.clone());
     }
 
-    /// Makes sure that all joints which are driven are on this tree; `false` if there is none with all of them.
+    /// Makes sure that all driven joints are on this tree; `false` if no tree has all of them.
     fn heed(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> bool {
         let count = self.in_joints.len();
         for freedom in acting(inputs).filter(|&freedom| self.inside.other.freedom(freedom).is_none()) {

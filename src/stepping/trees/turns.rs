@@ -1,6 +1,6 @@
 //! Whole turns of joints whose angles are computed from the places of bodies, between −π and π.
 //!
-//! With the rates at two instants, between which a joint turns by little,
+//! The rates are known at two instants, between which a joint turns by little:
 //!
 //! ```text
 //!     turned = ½ (t₁ − t₀) (q̇₀ + q̇₁)        q₁ += 2π round((q₀ + turned − q₁) / 2π)
@@ -32,7 +32,7 @@ const LITTLE: f64 = FRAC_PI_4;
 const PARTS: usize = 64;
 
 impl Turns {
-    /// Of the joints of these bodies that turn.
+    /// The turns of the revolute joints of these bodies.
     pub fn new(mechanism: &Mechanism, bodies: &[usize]) -> Self {
         let joints = bodies.iter().map(|&body| &mechanism.bodies[body].joint);
         let turning = joints.filter(|joint| joint.kind.rotation() == FreeRotation::AboutZ);

@@ -10,9 +10,9 @@
 //!     z·T = 0,   t·F = 0                                         for every free rotation z and translation t
 //! ```
 //!
-//! The joint accelerations `q̈` follow from the last line by the articulated recursion; applied wrenches are taken off `f` and
-//! `T` of their bodies, and efforts τ in the joints stand in place of the zeros. With the wrenches of all bodies
-//! held fast, a displacement with the twist `(α, ψ)` of each body changes that line by `K δq`, the geometric stiffness:
+//! The joint accelerations `q̈` follow from the last line by the articulated recursion; applied wrenches are taken off `f` and `T` of their bodies,
+//! and efforts τ in the joints stand in place of the zeros. With the wrenches of all bodies held fast, a displacement with the twist `(α, ψ)` of each
+//! body changes that line by `K δq`, the geometric stiffness:
 //!
 //! ```text
 //!     δ(z·T) = (ψ_p × z)·T + z·δT,       δ(t·F) = (ψ_p × t)·F
@@ -34,7 +34,7 @@ use nalgebra::{Matrix3, Vector3};
 /// One number where the step has a lane for each stage.
 type Scalar = Portable<1>;
 
-/// What is kept of a body.
+/// Data of a body.
 #[derive(Clone, Copy, Default)]
 pub struct Body {
     /// Acceleration of the anchor [m/s²].
@@ -51,7 +51,7 @@ pub struct Body {
     turn: Matrix3<f64>,
 }
 
-/// What the elimination of a degree of freedom leaves.
+/// Factors of the elimination of a degree of freedom.
 #[derive(Clone, Copy, Default)]
 struct Row {
     force_ratio: Vector3<f64>,
@@ -68,11 +68,11 @@ type Pair = (Vector3<f64>, Vector3<f64>);
 pub struct Dynamics {
     pub bodies: Vec<Body>,
     rows: Vec<Row>,
-    /// What children have left, in the slots of [`Plan::below`].
+    /// Sums of the children's inertias, in the slots of [`Plan::below`].
     slots: Vec<Articulated<Scalar>>,
     /// Twists of the last forward sweep; wrenches on the way to it.
     pub pairs: Vec<Pair>,
-    /// What wrenches change by, leaf to root.
+    /// Changes of the wrenches, leaf to root.
     pub changes: Vec<Pair>,
     pub accelerations: Vec<f64>,
     /// Applied to each body: force (N), and torque about its anchor [N m].
@@ -82,7 +82,7 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// Room for a mechanism on which nothing acts but gravity.
+    /// Room for a mechanism under gravity alone.
     pub fn new(plan: &Plan, freedoms: usize) -> Self {
         let count = plan.bodies.len();
         Dynamics {
@@ -225,7 +225,7 @@ impl Dynamics {
         size
     }
 
-    /// What the rows of a joint change by where its axes turn with the parent by `turn` and the wrench changes.
+    /// Changes of the rows of a joint, if its axes turn with the parent by `turn` and the wrench changes.
     pub fn rows_of(&self, own: &BodyPlan, start: &Start, index: usize, turn: &Vector3<f64>, out: &mut [f64]) {
         let (force, torque) = self.changes[index];
         let body = &self.bodies[index];
@@ -237,7 +237,7 @@ impl Dynamics {
         }
     }
 
-    /// Root to leaf: the solution in place of what each row said without its parent, and the twists of all bodies.
+    /// Root to leaf: the solution in place of each row's value without its parent, and the twists of all bodies.
     fn forward(&mut self, plan: &Plan, start: &Start, values: &mut [f64]) {
         for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate() {
             let (mut linear, mut angular) = self.parent_twist(own);

@@ -1,15 +1,15 @@
 //! The frequency of the fastest mode of a tree under gravity.
 //!
-//! The largest ω of a mechanism at an instant is that of `H δq̈ + K δq = 0` with the joint-space inertia and the geometric
-//! stiffness of [`crate::watching::dynamics`]. With `w = H⁻¹ K v` the power iteration finds it from below,
+//! The largest ω of a mechanism at an instant solves `H δq̈ + K δq = 0` with the joint-space inertia and the geometric stiffness of
+//! [`crate::watching::dynamics`]. The power iteration `w = H⁻¹ K v` finds it from below,
 //!
 //! ```text
 //!     ω⁴ ← wᵀ H w / vᵀ H v = wᵀ K v / vᵀ H v,     v ← w        [1/s⁴]
 //! ```
 //!
-//! because `H⁻¹ K` is symmetric in the scalar product of H. Negative eigenvalues (an inverted pendulum) count by their size.
-//! The direction is kept from instant to instant, so that one iteration now and then follows the mode. With forces and
-//! closures [`crate::watching::linearised`] does the same.
+//! because `H⁻¹ K` is symmetric in the scalar product of H. Negative eigenvalues (an inverted pendulum) count by their size. The direction is kept
+//! from instant to instant, so that one iteration now and then follows the mode. Mechanisms with forces or closures use
+//! [`crate::watching::linearised`].
 
 use crate::watching::dynamics::Dynamics;
 use catena_lobatto::plan::tree::Plan;
@@ -31,7 +31,7 @@ pub struct Fastest {
 }
 
 impl Fastest {
-    /// Nothing known yet.
+    /// A search without a known direction.
     pub fn new(freedoms: usize) -> Self {
         let mut fastest = Fastest { direction: vec![0.0; freedoms], image: vec![0.0; freedoms] };
         fastest.forget();
@@ -43,8 +43,7 @@ impl Fastest {
         first_direction(&mut self.direction);
     }
 
-    /// The frequency at an instant [rad/s], from below, after some power iterations; zero where nothing is stiff or the state
-    /// is not finite.
+    /// The frequency at an instant [rad/s], from below, after some power iterations; zero without stiffness, or if the state is not finite.
     pub fn estimate(
         &mut self,
         dynamics: &mut Dynamics,

@@ -1,6 +1,6 @@
 //! How accelerations change in time: the equations of motion, differentiated as they stand.
 //!
-//! With the symbols of [`super`], a dot for the derivative in time and arms, sliding velocities and turning rates that turn with the parent,
+//! The symbols are as in [`super`]; a dot is the derivative in time, and arms, sliding velocities and turning rates turn with the parent:
 //!
 //! ```text
 //!     ḟ = m (ȧ + d³c/dt³)  [N/s],     Ṫ = d²(J ω)/dt² + ċ × f + c × ḟ + Σ_children (Ṫ + ṙ × F + r × Ḟ)  [N m/s]

@@ -7,9 +7,9 @@
 //!     C d = −∂a/∂q̇ d = −(a(q̇ + d) − a(q̇ − d)) / 2          [1/s]
 //! ```
 //!
-//! the second exactly, because accelerations are polynomials of second degree in velocities; the first without the dampers,
-//! whose forces change with the directions in which they act, but pull nothing back. K is symmetric in the
-//! scalar product of the inertia H, so that the power iteration `w = K d` finds its largest eigenvalue from below,
+//! the second exactly, because accelerations are polynomials of second degree in velocities; the first without the dampers, whose forces change with
+//! the directions in which they act, but do not pull back. K is symmetric in the scalar product of the inertia H, so that the power iteration
+//! `w = K d` finds its largest eigenvalue from below,
 //!
 //! ```text
 //!     ω⁴ ← T(w) / T(d),      2ζω ← dᵀH C d / dᵀH d,      d ← w        with T(x) = ½ xᵀH x, the kinetic energy of rates x (J)
@@ -23,8 +23,8 @@
 //!
 //! while on the slow motion behind a hard damper a is as small as that is slow, and w with it.
 //!
-//! Deviations are projected on the closures; what of them is of second order there does not count in central differences.
-//! Where K alone is wanted on a tree under gravity, [`crate::watching::dynamics`] has it without differences.
+//! Deviations are projected on the closures; their second-order part does not count in central differences. A tree under gravity needs K alone, which
+//! [`crate::watching::dynamics`] has without differences.
 
 use crate::watching::dynamics::Dynamics;
 use crate::watching::fastest_mode::first_direction;
@@ -42,7 +42,7 @@ use catena_mechanism::motion::state::State;
 /// ε: second order and rounding leave some nine digits of K.
 const DEVIATION: f64 = 1e-6;
 
-/// What of a motion is about to stop is one to speak of if it has this part of the largest rate.
+/// A decaying part of a motion counts if it has this part of the largest rate.
 const SHARE: f64 = 1e-2;
 
 /// Accelerations of a mechanism with forces and closures at one state after another.
@@ -145,7 +145,7 @@ pub struct Linearised {
 }
 
 impl Linearised {
-    /// Nothing known yet.
+    /// An estimate without a known direction.
     pub fn new(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
         let damped = !forces.joint_dampers.is_empty() || forces.point_springs.iter().any(|spring| spring.damping > 0.0);
@@ -172,14 +172,14 @@ impl Linearised {
         first_direction(&mut self.direction);
     }
 
-    /// Takes over what is known of the closures.
+    /// Takes over the ranks and flags of the closures.
     pub fn heed(&mut self, known: &Known) {
         if let Some(closing) = &mut self.motion.closing {
             closing.projection.heed(known.of_freedoms());
         }
     }
 
-    /// The mode at a state, from below, after some power iterations; zero where nothing is stiff or the state is not finite.
+    /// The mode at a state, from below, after some power iterations; zero without stiffness, or if the state is not finite.
     pub fn estimate(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.motion.project(mechanism, state, &mut self.direction);
         scale(&mut self.direction);
@@ -194,7 +194,7 @@ impl Linearised {
                 let resisting = self.undamped.as_ref().unwrap_or(mechanism);
                 self.motion.add(resisting, &self.state, sign * -0.5 / DEVIATION, &mut self.image);
             }
-            // What is left of the differences across the closures is no part of the mode.
+            // The rest of the differences across the closures does not belong to the mode.
             self.motion.project(mechanism, state, &mut self.image);
             self.state.copy_from(state);
             let before = self.motion.kinetic(mechanism, &mut self.state, self.direction.iter().copied());
@@ -230,7 +230,7 @@ impl Linearised {
         let Linearised { motion, acceleration, image, state: moved, .. } = self;
         acceleration.fill(0.0);
         motion.add(mechanism, state, 1.0, acceleration);
-        // Of the size of rates, so that the sums of the differences keep their digits.
+        // The scale has the size of rates, so that the sums of the differences keep their digits.
         let scale = largest(&state.velocity).max(1.0) / largest(acceleration);
         acceleration.iter_mut().for_each(|value| *value *= scale);
         image.fill(0.0);

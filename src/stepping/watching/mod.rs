@@ -1,4 +1,4 @@
-//! What is monitored every few steps: the linearised motion, its fastest mode, jerks, and what forces do over roundings.
+//! Quantities monitored every few steps: the linearised motion, its fastest mode, jerks, and the work of forces over roundings.
 
 #[doc(hidden)]
 pub mod dynamics;

@@ -20,16 +20,16 @@ pub struct Modes {
     plan: Plan,
     /// The state at hand, as the start of a step.
     start: Start,
-    /// Of a tree under gravity.
+    /// For a tree under gravity.
     dynamics: Option<Dynamics>,
     fastest: Fastest,
-    /// Of all others.
+    /// For all other mechanisms.
     linearised: Option<Box<Linearised>>,
     jerks: Vec<f64>,
 }
 
 impl Modes {
-    /// Nothing known yet.
+    /// Modes without known directions.
     pub fn new(mechanism: &Mechanism) -> Self {
         let plan = Plan::new(mechanism);
         let freedoms = mechanism.velocity_count;
@@ -52,7 +52,7 @@ impl Modes {
         }
     }
 
-    /// Takes over what is known of the closures.
+    /// Takes over the ranks and flags of the closures.
     pub fn heed(&mut self, known: &Known) {
         if let Some(linearised) = &mut self.linearised {
             linearised.heed(known);
@@ -70,7 +70,7 @@ impl Modes {
         linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations)).unwrap_or_default()
     }
 
-    /// What dampers are about to stop at a state, if there is any to speak of.
+    /// The motion that dampers are about to stop at a state, if there is one that counts.
     pub fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
         self.linearised.as_mut().and_then(|linearised| linearised.transient(mechanism, state))
     }

@@ -4,13 +4,13 @@
 //!     Ω⁴ = Ω₀⁴ + Σ (q̇⁴ + q̈²)  [1/s⁴],     L = d/dt ln Ω = Σ (4 q̇³ q̈ + 2 q̈ q⃛) / (4 Ω⁴)  [1/s]
 //! ```
 //!
-//! What is made of it: [`crate::length::reversible`].
+//! Its use: [`crate::length::reversible`].
 
 use crate::watching::dynamics::Dynamics;
 use catena_lobatto::plan::tree::Plan;
 use catena_lobatto::stages::start::Start;
 
-/// Pace of what hardly moves [1/s].
+/// Pace of a motion that is nearly at rest [1/s].
 const FLOOR: f64 = 1e-3;
 
 /// The fastest fall of the pace over a step, `h₋ L`, that the rule is asked for: below −2/e it has no solution.
@@ -40,7 +40,7 @@ impl Pace {
 
     /// The step after a step of length `before` (s).
     pub(crate) fn next(&self, before: f64) -> f64 {
-        // With x = ½ ln(h₊/h₋) and u = h₋ L: 2 x + u eˣ = 0.
+        // Let x = ½ ln(h₊/h₋) and u = h₋ L: 2 x + u eˣ = 0.
         let u = (before * self.growth).max(STEEPEST);
         let mut x = 0.0_f64;
         for _ in 0..8 {

@@ -5,7 +5,7 @@ use catena_mechanism::motion::integrator::SingularPosition;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::counting;
 
-/// Where the solves leave more equations next to nothing than elsewhere, and kinematics agrees.
+/// The position at which the solves leave more equations redundant than elsewhere, and kinematics confirms it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Ranks {
     fewest: Option<usize>,
@@ -15,7 +15,7 @@ pub(crate) struct Ranks {
     refuted: usize,
 }
 
-/// Kinematics is asked no more once it has not agreed so often: what solves leave of light bodies says nothing.
+/// Kinematics is not asked again after this number of refutations: the residue of light bodies in the solves is meaningless.
 const REFUTED: usize = 64;
 
 impl Ranks {

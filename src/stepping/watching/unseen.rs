@@ -1,19 +1,19 @@
-//! The energy that no step sees: what all forces on a mechanism do over the displacement that the iteration leaves of places.
+//! The energy that no step sees: the work of all forces on a mechanism over the displacement that the iteration leaves in places.
 //!
 //! ```text
 //!     F = Σ m |g| + Σ |τ| + Σ (|f| + |t|) + √(2 U Σ k)          [N; N m of joints that turn]
 //!     W = F δ,    δ = 10⁻¹³ m                                    [J]
 //! ```
 //!
-//! with efforts τ from outside and of loads, wrenches (f, t), springs that store U with stiffnesses k (`Σ k |Δ| ≤ √(2 U Σ k)`). It does not depend on where the height or the origin is 0, and is there where nothing moves: a kinetic energy is one of roundings
-//! then, and no energy is small against it.
+//! with efforts τ from outside and of loads, wrenches (f, t), springs that store U with stiffnesses k (`Σ k |Δ| ≤ √(2 U Σ k)`). It does not depend on
+//! the zero of the height or the origin, and does not vanish at rest, where the kinetic energy is rounding and no scale.
 
 use catena_mechanism::description::mechanism::Mechanism;
 
-/// δ: what roundings and the iteration leave of places (m; rad), a thousand roundings of a metre.
+/// δ: the error of places from rounding and the iteration (m; rad), a thousand roundings of a metre.
 const LEFT: f64 = 1e-13;
 
-/// Of the forces of a mechanism what does not change.
+/// The constant part of the forces of a mechanism.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pushes {
     /// Weights, loads and wrenches, added up [N or N m].
@@ -23,7 +23,7 @@ pub struct Pushes {
 }
 
 impl Pushes {
-    /// Those of a mechanism.
+    /// The pushes of a mechanism.
     pub fn of(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
         let weight = mechanism.total_mass() * mechanism.gravity.norm();
@@ -34,7 +34,7 @@ impl Pushes {
         Pushes { constant: weight + loads + wrenches, stiffness: joints + points }
     }
 
-    /// F with springs that store so much (J), and efforts of this sum.
+    /// F with springs that store this energy (J), and efforts of this sum.
     pub fn with(&self, stored: f64, efforts: f64) -> f64 {
         self.constant + (2.0 * stored.max(0.0) * self.stiffness).sqrt() + efforts
     }
@@ -71,7 +71,7 @@ mod tests {
             let coordinate = Coordinate { body, position: body, freedom: body };
             slides.forces.joint_springs.push(JointSpring { coordinate, stiffness, rest: 0.0 });
         }
-        // Both are pressed by 0.1 m: exactly 10 N and 30 N. By 0.2 and 0.1 m: 50 N, and at most 3 N more are said.
+        // Both are pressed by 0.1 m: exactly 10 N and 30 N. Springs at 0.2 and 0.1 m: 50 N, and the estimate adds at most 3 N more.
         let pushes = Pushes::of(&slides);
         assert!((pushes.with(0.5 * 400.0 * 0.01, 0.0) - 83.0).abs() < 1e-12);
         let said = pushes.with(0.5 * (100.0 * 0.04 + 300.0 * 0.01), 0.0) - 43.0;

@@ -1,4 +1,4 @@
-//! What a run monitors: how near its steps are to the limit of stability ([`catena_lobatto::tableau::stability`]), and whether they leave oscillations.
+//! Monitors a run: how near its steps are to the limit of stability ([`catena_lobatto::tableau::stability`]), and whether they leave oscillations.
 //!
 //! ```text
 //!     h ω ≤ 0.8 limit      of the fastest mode, at the first steps and every 40, every 8 once h ω > ½ limit
@@ -13,13 +13,12 @@ use catena_mechanism::motion::integrator::{FrequencyStep, Ringing};
 const INTERVAL: usize = 40;
 /// Steps between two looks where a step is near to the limit.
 const CLOSE_INTERVAL: usize = 8;
-/// Power iterations of a look that knows nothing of the mode yet, because the first direction is only a guess; and of one at a step that has
-/// failed, which has cost more.
+/// Power iterations of a look without a known mode, because the first direction is only a guess; and of a look at a failed step, which has cost more.
 pub const FIRST_LOOK: usize = 4;
 /// Part of the limit that chosen steps keep to.
 const SAFE: f64 = 0.8;
 
-/// Shorter steps than this part of the time (s) are not made to stop what rings.
+/// Shorter steps than this part of the time (s) are not made to stop ringing.
 const SHORTEST: f64 = 1e-9;
 
 /// A mode of the linearised motion.
@@ -40,19 +39,19 @@ pub struct Transient {
     pub rate: f64,
 }
 
-/// When to look at the frequency, and what has been seen.
+/// The times of the looks at the frequency, and their results.
 #[derive(Clone)]
 pub struct Watch {
     tableau: &'static Tableau,
-    /// Steps until the first look,
+    /// Steps until the first look.
     first: usize,
-    /// and until the next.
+    /// Steps until the next look.
     wait: usize,
     latest: Option<FrequencyStep>,
     nearest: Option<FrequencyStep>,
-    /// The rates γ at which dampers stop the fastest mode and what was heard [1/s].
+    /// The rates γ at which dampers stop the fastest mode and the latest transient [1/s].
     decays: [f64; 2],
-    /// What was seen to ring first.
+    /// The first observed ringing.
     ringing: Option<Ringing>,
     /// The longest step that stops it (s), and its largest rate, until it is taken.
     settling: Option<(f64, f64)>,
@@ -61,8 +60,8 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it; with `forces`
-    /// at once, because springs may leave nothing to look at after a few.
+    /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it; with `forces` at once, because
+    /// springs may make the run useless after a few.
     pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
         let first = if forces { 1 } else { CLOSE_INTERVAL };
         Watch {
@@ -107,20 +106,21 @@ impl Watch {
             self.wait = CLOSE_INTERVAL;
         }
         self.latest = Some(seen);
-        // Beyond the limit the motion is soon none that would tell anything: the first such step counts.
+        // Beyond the limit the motion soon becomes meaningless: the first such step counts.
         if self.nearest.is_none_or(|nearest| seen.product > nearest.product && !nearest.is_unstable()) {
             self.nearest = Some(seen);
         }
     }
 
-    /// Whether to look for what dampers are about to stop.
+    /// Whether to look for motions that dampers are about to stop.
     pub fn listens(&self) -> bool {
         self.listens
     }
 
-    /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
+    /// Notes at `time` a motion that dampers are about to stop, if it rings in steps of `step`.
     ///
-    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (doc/findings/2026-11-stiff-limits.md).
+    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each
+    /// (doc/decisions/007-stability-with-springs-and-dampers.md).
     pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
         self.decays[1] = decay;
         let s = self.tableau.stages as f64;
@@ -132,20 +132,20 @@ impl Watch {
         }
     }
 
-    /// Whether dampers are too hard for a step (s), as far as is known: half as hard as those that reverse a velocity in each step.
+    /// Whether dampers are too hard for a step (s), as far as is known: half as hard as dampers that reverse a velocity in each step.
     pub fn is_too_hard(&self, step: f64) -> bool {
         let s = self.tableau.stages as f64;
         self.decays.iter().any(|decay| step * decay > s * (s - 1.0))
     }
 
-    /// What was seen to ring first.
+    /// The first observed ringing.
     pub fn ringing(&self) -> Option<Ringing> {
         self.ringing
     }
 
-    /// Takes the next step (s) that stops what rings, after the first step of a motion: steps that are chosen grow again from it, with nothing
-    /// left to ring. What rings later is not the motion but what iterations leave, which is as large in short steps; and what is slower than
-    /// the `tolerance` (m, rad) in a second is nothing to a run that wants no more.
+    /// Takes the next step (s) that stops the ringing, after the first step of a motion: chosen steps grow again from it, and the ringing has ended.
+    /// Later ringing comes from the iteration, and is as large in short steps. A run with the `tolerance` (m, rad) ignores ringing that moves less
+    /// than this in a second.
     pub fn take_settling(&mut self, time: f64, tolerance: f64) -> Option<f64> {
         self.listens = false;
         let (settling, rate) = self.settling.take()?;
@@ -162,7 +162,7 @@ impl Watch {
         self.latest.map_or(f64::INFINITY, |seen| SAFE * seen.longest())
     }
 
-    /// What was seen last.
+    /// The latest observation.
     pub fn latest(&self) -> Option<FrequencyStep> {
         self.latest
     }

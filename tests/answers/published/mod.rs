@@ -1,7 +1,6 @@
 //! Published benchmark problems, with their published or independently computed answers, by the scheme and by the comparator.
 //!
-//! The numbers are those of the project's page of benchmark problems (`benchmarks.md`); the comments on the
-//! tables name the sections there, and the sources that page gives for them. Computed answers hold to all digits printed.
+//! The comment on each table names its source. Computed answers were refined until finer steps changed no printed digit.
 
 mod pendula;
 mod tops;

@@ -79,7 +79,7 @@ fn planar_chain(name: &str, inertia: f64, length: f64, centre: f64, angles: &[f6
 }
 
 /// The scheme and the comparator, and how far they may be off after ten seconds of motions that magnify an error of the start at
-/// most sevenfold, as the page finds: rounding, and what steps of the comparator are off by.
+/// most sevenfold: rounding, and the error of the steps of the comparator.
 const METHODS: [(Method, f64); 2] = [(Method::Scheme(0.01), 1e-11), (Method::Comparator, 1e-10)];
 
 fn check_chain(model: &Model, tip: f64, answers: &[ChainAnswer]) {
@@ -98,7 +98,8 @@ fn check_chain(model: &Model, tip: f64, answers: &[ChainAnswer]) {
     }
 }
 
-// "Chains and double pendula", model wafr, ConstrainedDynamics.jl as models::PLANAR_CHAIN: the inertia of ConstrainedDynamics' cylinders of radius 0.05 m, (r² + h²/6)/2.
+// "Chains and double pendula", model wafr, ConstrainedDynamics.jl as models::PLANAR_CHAIN: the inertia of ConstrainedDynamics' cylinders of radius
+// 0.05 m, (r² + h²/6)/2.
 const WAFR_CHAIN: [(usize, [ChainAnswer; 3]); 2] = [
     (
         2,

@@ -48,7 +48,7 @@ fn growth(tableau: &Tableau, omega: f64, damping_ratio: f64) -> f64 {
 
 #[test]
 fn spring_under_a_hard_damper_limits_the_step_at_the_documented_place() {
-    // doc/findings/2026-11-stiff-limits.md: h ω = (s − 1) √(2s) for any hard damper; a per mille to either side.
+    // doc/decisions/007-stability-with-springs-and-dampers.md: h ω = (s − 1) √(2s) for any hard damper; a per mille to either side.
     for stages in 2..=9 {
         let tableau = Tableau::of(stages).unwrap();
         let limit = (stages as f64 - 1.0) * (2.0 * stages as f64).sqrt();

@@ -1,4 +1,4 @@
-//! Claims about the literal scheme (2.5.11), the oracle of the fast solver: it is what the source says it is.
+//! Claims about the literal scheme (2.5.11 of `doc/method.md`), the oracle of the fast solver: it has the properties that its source proves.
 //!
 //! Its states are compared with benchmark answers, its order with 2s − 2 (theorem 2.5.2), its trajectories with the
 //! discrete Euler–Lagrange equations (2.5.8) of the discrete Lagrangian (2.5.12), none of which it is built from.

@@ -23,7 +23,7 @@ fn tip(mechanism: &Mechanism, state: &State) -> Vector3<f64> {
     crank.position + crank.rotation * Vector3::new(0.5, 0.0, 0.0)
 }
 
-/// Error of the tip of a four-bar at t = 1 s; the exact value is that of benchmarks.md, A02, N = 1.
+/// Error of the tip of a four-bar at t = 1 s; the exact value solves the equation of one angle of problem A02 of the IFToMM library, N = 1.
 fn four_bar_error(kept: &[Rule], rows: usize, stages: usize, step: f64) -> f64 {
     let (mechanism, mut state) = closed::four_bars(1, rows);
     run_keeping(kept, &mechanism, &mut state, stages, step, 1.0);
@@ -71,7 +71,7 @@ fn bricard_moves_as_published_with_its_redundant_equation() {
 
 #[test]
 fn forty_four_bars_reach_the_published_motion_in_long_steps() {
-    // N = 40 is symmetric: the motion is that of one angle; (N+1)/3 + N = 53.67, (N+1)/2 + N = 60.5 (benchmarks.md, A02).
+    // N = 40 is symmetric: the motion is that of one angle; (N+1)/3 + N = 53.67, (N+1)/2 + N = 60.5 (problem A02 of the IFToMM library).
     let (mechanism, mut state) = closed::four_bars(40, 5);
     let (_, gap) = run(&mechanism, &mut state, 5, 0.04, 2.0);
     let (mut angle, mut rate) = (std::f64::consts::FRAC_PI_2, -1.0_f64);

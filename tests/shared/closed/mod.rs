@@ -29,8 +29,8 @@ fn rod(name: &str, parent: Option<usize>, hinge_at: f64) -> Body {
     }
 }
 
-/// Benchmark A02, N four-bars in a row, closed with revolute joints (5 equations each, 3 of them redundant) or, with 3
-/// `rows`, with spherical ones (1 redundant).
+/// Benchmark A02 of the IFToMM library (lim.ii.udc.es/IFToMM), N four-bars in a row, closed with revolute joints (5 equations each, 3 of them
+/// redundant) or, with 3 `rows`, with spherical ones (1 redundant).
 pub fn four_bars(count: usize, rows: usize) -> (Mechanism, State) {
     let mut bodies = Vec::new();
     for index in 0..=count {
@@ -65,7 +65,7 @@ pub fn arch(foot: f64) -> Mechanism {
     mechanism
 }
 
-/// Benchmark A04, Bricard's mechanism: five rods, six hinges, one redundant equation everywhere.
+/// Benchmark A04 of the IFToMM library (lim.ii.udc.es/IFToMM), Bricard's mechanism: five rods, six hinges, one redundant equation everywhere.
 pub fn bricard() -> (Mechanism, State) {
     let points =
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [1.0, -1.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]];

@@ -38,7 +38,7 @@ pub struct Body {
     /// A constant force at the centre of mass, in the world.
     #[serde(default)]
     force: [f64; 3],
-    /// What touches.
+    /// Colliding shapes.
     #[serde(default)]
     pub shape: Option<Shape>,
 }

@@ -1,11 +1,11 @@
-//! The stepping loop of Rapier, and what it costs: what both programs time.
+//! The stepping loop of Rapier and its cost, which both programs time.
 
 pub mod jointed;
 
 use cpu_time::ThreadTime;
 use rapier3d_f64::prelude::*;
 
-/// What Rapier moves.
+/// The bodies and joints that Rapier moves.
 #[derive(Default)]
 pub struct World {
     pub bodies: RigidBodySet,
@@ -15,7 +15,7 @@ pub struct World {
 }
 
 impl World {
-    /// Makes so many steps; CPU time of the loop [s].
+    /// Makes `steps` steps; CPU time of the loop [s].
     pub fn step(&mut self, gravity: [f64; 3], parameters: &IntegrationParameters, steps: usize) -> f64 {
         let gravity = Vector::from_array(gravity);
         let (mut pipeline, mut islands) = (PhysicsPipeline::new(), IslandManager::new());

@@ -1,8 +1,8 @@
 //! Runs a scene in Rapier and prints its cost and where the bodies are at the end, as one line of JSON.
 //!
-//! `rapier-runner SCENE.json multibody|impulse STEPS REPEATS`, called by `peer_rapier.py`, which writes the scene. The
-//! clock runs over the stepping loop alone and the fastest of the repeats counts. Damping, which Rapier gives to the
-//! joints of a multibody by itself, is switched off; no collider exists; nothing sleeps.
+//! `rapier-runner SCENE.json multibody|impulse STEPS REPEATS`, called by `peer_rapier.py`, which writes the scene. The clock runs over the stepping
+//! loop alone and the fastest of the repeats counts. Damping, which Rapier gives to the joints of a multibody by itself, is switched off. The scene
+//! has no colliders, and bodies never sleep.
 
 use anyhow::{Result, bail};
 use rapier_runner::jointed::{Jointed, Joints, Scene};

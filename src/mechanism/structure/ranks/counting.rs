@@ -1,6 +1,6 @@
 //! How many equations of the closures are independent at a configuration, which of them are redundant, and which freedoms cannot move.
 //!
-//! Rank is kinematics. With the gradient J of all equations ([`crate::structure::ranks::rows`]), made dimensionless by lengths,
+//! Rank is kinematics. The gradient J of all equations ([`crate::structure::ranks::rows`]) is made dimensionless by lengths:
 //!
 //! ```text
 //!     A_ix = J_ix · (1 / L_i of a row in m,  1 of a row in rad) · (L_x of a slide,  1 of a turn),      L = size of the loop (m)
@@ -25,16 +25,16 @@ pub const ROUNDING: f64 = 1e-10;
 const PER_GAP: f64 = 100.0;
 /// No gap makes more than this part of the first pivot rounding: a mechanism that is not closed yet still has most of its rank.
 const COARSEST: f64 = 1e-4;
-/// A freedom whose part in the null space is below this is still: rounding leaves 1e-13 of those that are, mechanics 9e-7 of the others.
+/// A freedom whose part in the null space is below this is still: rounding leaves 1e-13 of still freedoms, mechanics 9e-7 of the others.
 const STILL: f64 = 1e-10;
-/// Rows of a projection are independent if this part of the first is left; what roundings leave is far below.
+/// Rows of a projection are independent if this part of the first is left; rounding leaves far less.
 const PROJECTED: f64 = 1e-6;
 /// Pivots below this part of the first are weak: some milliradians from a singular position.
 pub const WEAK: f64 = 1e-2;
 /// Blocks of more rows than this are decided by insertion, whose cost is linear in the number of loops.
 const DENSE: usize = 300;
 
-/// What the closures say at one configuration.
+/// Ranks of the closures at one configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ranks {
     /// For every equation its closure (the loops first, then the mimics), and whether the others imply it.
@@ -43,25 +43,25 @@ pub struct Ranks {
     pub still: Vec<bool>,
     /// For every degree of freedom whether its block has as many independent equations as freedoms: that holds beside the configuration, too.
     pub locked: Vec<bool>,
-    /// Orthonormal directions in which the mechanism can move, in the coordinates of the freedoms divided by `lengths`; none where a block was
-    /// too large for them.
+    /// Orthonormal directions in which the mechanism can move, in the coordinates of the freedoms divided by `lengths`; `None` if a block was too
+    /// large for them.
     pub free: Option<Vec<Vec<f64>>>,
     /// The length (m) of every slide, and one for every turn.
     pub lengths: Vec<f64>,
-    /// The smallest pivot that counts, as a part of the first of its block; one where there is none.
+    /// The smallest pivot that counts, as a part of the first of its block; one without pivots.
     pub weakest: f64,
     /// Number of independent equations that are weak: their pivots are below [`WEAK`] of the first of their block.
     pub weak: usize,
 }
 
 impl Ranks {
-    /// What the closures say of a mechanism in a state.
+    /// The ranks of the closures of a mechanism in a state.
     pub fn at(mechanism: &Mechanism, state: &State) -> Self {
         let (rows, lengths) = closure_rows(mechanism, state, &body_states(mechanism, state));
         Ranks::of(&rows, lengths, ROUNDING)
     }
 
-    /// What equations say that are dimensionless with the lengths of the freedoms; pivots below a part `rounding` of the first do not count.
+    /// The ranks of equations that are dimensionless with the lengths of the freedoms; pivots below a part `rounding` of the first do not count.
     pub fn of(rows: &[Row], lengths: Vec<f64>, rounding: f64) -> Self {
         let count = lengths.len();
         let mut ranks = Ranks {
@@ -166,7 +166,7 @@ fn blocks(rows: &[Row], count: usize) -> Vec<(Vec<usize>, Vec<usize>)> {
         blocks[number[head]].0.push(freedom);
     }
     for (index, row) in rows.iter().enumerate() {
-        // A row without freedoms says nothing to any of them, and stays implied.
+        // A row without freedoms constrains none of them, and stays implied.
         if let Some(&(freedom, _)) = row.entries.first() {
             blocks[number[first(&mut earlier, freedom)]].1.push(index);
         }

@@ -1,5 +1,4 @@
-//! Rank of a large sparse matrix: rows are rotated into a triangle one after the other, and a row
-//! that becomes zero depends on those before it.
+//! Rank of a large sparse matrix: rows are rotated into a triangle one after the other, and a row that becomes zero depends on earlier rows.
 //!
 //! ```text
 //!     columns from the last to the first:   r = row c of the triangle, if it has one:   (r, a) ← Givens rotation that clears a_c
@@ -7,14 +6,13 @@
 //! ```
 //!
 //! Freedoms are numbered from the world outwards, so that the last come first and the triangle fills in as the elimination of a tree does: the cost
-//! is linear in the number of loops of a row of four-bars. There is no choice of columns: of 471 random mechanisms with lengths spread by 1e6 one
-//! is counted wrong, of those with lengths within a thousand none.
-//! Source: J. A. George, M. T. Heath, Linear Algebra and its Applications 34 (1980) 69.
+//! is linear in the number of loops of a row of four-bars. Columns are not chosen: one of 471 random mechanisms with lengths spread by 1e6 is counted
+//! wrong, and all with lengths within a thousand are right. Source: J. A. George, M. T. Heath, Linear Algebra and its Applications 34 (1980) 69.
 
 /// A row of a sparse matrix: columns and entries, the last column first.
 type Sparse = Vec<(usize, f64)>;
 
-/// The rows that those before them do not imply; entries are given in the order of columns, and those of up to `threshold` are rounding.
+/// The rows that earlier rows do not imply; entries are given in the order of columns, and entries up to `threshold` are rounding.
 pub fn independent<'r>(rows: impl Iterator<Item = &'r [(usize, f64)]>, threshold: f64) -> Vec<usize> {
     let mut triangle: std::collections::HashMap<usize, Sparse> = std::collections::HashMap::new();
     let mut found = Vec::new();
@@ -35,7 +33,7 @@ pub fn independent<'r>(rows: impl Iterator<Item = &'r [(usize, f64)]>, threshold
     found
 }
 
-/// Rotates a row into the one that is held at the same first column; returns what is left of it without that column.
+/// Rotates a row into the held row with the same first column; returns the rest of it without that column.
 fn rotate(held: &mut Sparse, row: &Sparse) -> Sparse {
     let (x, y) = (held[0].1, row[0].1);
     let length = x.hypot(y);

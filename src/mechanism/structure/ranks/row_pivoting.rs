@@ -6,19 +6,19 @@
 //!         a_j ← a_j − (a_j · q) q   of all rows left
 //! ```
 //!
-//! Rows keep their natural size: a row that is nothing but rounding must not become a unit vector. Of rows that are equally long to 1e-6 the first
-//! is taken, so that those that are left over are of the last loops, whatever the roundings. Source: modified Gram–Schmidt with pivoting,
-//! Å. Björck, Numerical Methods for Least Squares Problems (1996), section 2.4.
+//! Rows keep their natural size: a row of pure rounding must not become a unit vector. Among rows that are equally long to 1e-6 the first is taken,
+//! so that the remaining rows belong to the last loops, whatever the roundings. Source: modified Gram–Schmidt with pivoting, Å. Björck, Numerical
+//! Methods for Least Squares Problems (1996), section 2.4.
 
 /// Rows that are shorter than the longest by no more than this part of it count as equally long.
 const EQUAL: f64 = 1e-6;
 
-/// What the QR has found.
+/// The result of the QR.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pivoted {
     /// The independent rows, in the order of the pivots.
     pub order: Vec<usize>,
-    /// What was left of each of them when it was taken.
+    /// The length of each of them when it was taken.
     pub pivots: Vec<f64>,
     /// The longest that was left before each of them, of which a pivot is the first that is about as long.
     pub longest: Vec<f64>,
@@ -83,7 +83,7 @@ impl Pivoted {
     }
 }
 
-/// Takes what is along orthonormal vectors out of a vector.
+/// Removes the components along orthonormal vectors from a vector.
 fn remove(vector: &mut [f64], basis: &[Vec<f64>]) {
     for unit in basis {
         let along = dot(vector, unit);

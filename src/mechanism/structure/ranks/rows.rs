@@ -1,7 +1,7 @@
 //! The gradients of all closing equations in joint coordinates, dimensionless.
 //!
-//! Of a loop only the freedoms on its circuit count: those between its ends and where their branches meet. With the points `P_a`, `P_b` (m),
-//! `d = P_b − P_a`, directions `u` on a and `w` on b, and a turn about the axis `z` through the point p, or a slide along `t`,
+//! The freedoms of a loop are the ones on its circuit: between its ends and the body at which their branches meet. The points are `P_a`, `P_b` (m),
+//! `d = P_b − P_a`, directions `u` on a and `w` on b, and a turn is about the axis `z` through the point p, or a slide along `t`:
 //!
 //! ```text
 //!     equation            turn on the branch of b    of a                                 slide on the branch of b, of a
@@ -36,11 +36,11 @@ pub struct Row {
     pub closure: usize,
     /// The freedoms that it knows, in their order, and the entries.
     pub entries: Vec<(usize, f64)>,
-    /// What it is off by, dimensionless like the entries.
+    /// Its error, dimensionless like the entries.
     pub gap: f64,
 }
 
-/// How a freedom moves what it carries: about or along an axis through a point.
+/// The motion that a freedom gives to the bodies it carries: about or along an axis through a point.
 #[derive(Clone, Copy)]
 struct Screw {
     turns: bool,
@@ -48,7 +48,7 @@ struct Screw {
     point: Vector3<f64>,
 }
 
-/// The size of every loop (m), and the length of every freedom: that of its loops for a slide (m), one for a turn.
+/// The size of every loop (m), and the length of every freedom: for a slide the size of its loops (m), for a turn one.
 pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64>) {
     let circuits: Vec<[Vec<usize>; 2]> = mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect();
     let sizes = sizes(mechanism, bodies, &circuits);
@@ -69,8 +69,8 @@ pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64
     (sizes, lengths)
 }
 
-/// All equations of a state whose bodies are placed so, in the order of a projection on the closures, and the length of every freedom: that of
-/// its loops for a slide (m), one for a turn.
+/// All equations of a state whose bodies are placed so, in the order of a projection on the closures, and the length of every freedom: for a slide
+/// the size of its loops (m), for a turn one.
 pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> (Vec<Row>, Vec<f64>) {
     let screws = screws(mechanism, bodies);
     let circuits: Vec<[Vec<usize>; 2]> = mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect();
@@ -140,7 +140,7 @@ fn freedoms_of(mechanism: &Mechanism, circuit: &[Vec<usize>; 2]) -> Vec<(usize, 
     freedoms
 }
 
-/// The equations of a contact, of which `entries` are those along a direction at a point.
+/// The equations of a contact, of which `entries` are the entries along a direction at a point.
 fn touch_rows(
     joint: &TouchJoint,
     bodies: &[BodyState],
@@ -182,7 +182,7 @@ pub fn mimic_rows(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> Vec<
     mechanism.mimics.iter().enumerate().map(row).collect()
 }
 
-/// Where the rows of a closure, which are the last, begin.
+/// The first of the rows of a closure, which are the last.
 fn first_row(rows: &[Row], closure: usize) -> usize {
     rows.iter().rposition(|row| row.closure != closure).map_or(0, |last| last + 1)
 }
@@ -225,7 +225,7 @@ pub fn circuit(mechanism: &Mechanism, ends: [&Attachment; 2]) -> [Vec<usize>; 2]
 fn sizes(mechanism: &Mechanism, bodies: &[BodyState], circuits: &[[Vec<usize>; 2]]) -> Vec<f64> {
     let mut far = 0.0_f64;
     let loops = mechanism.loops.iter().map(|joint| [&joint.a, &joint.b].map(|end| end.place(bodies).0));
-    // The origins of what touches may be anywhere in a plane or on a line.
+    // The origins of touching features may be anywhere in a plane or on a line.
     let touches = mechanism.touches.iter().map(|joint| [touch_motion(joint, bodies).point; 2]);
     let own: Vec<f64> = loops
         .chain(touches)

@@ -1,7 +1,7 @@
 //! Compressed chunks: records packed by Zstandard, or samples by what repeats in them.
 //!
 //! What never changes, descriptions and geometry, is packed by Zstandard: it is written once and may be most of the log. For samples that
-//! would cost as much as everything else about them (doc/findings/2026-11-logging.md), so it is done on request only. By default [`Repetitions`] packs
+//! would cost as much as everything else about them (doc/decisions/020-log-container.md), so it is done on request only. By default [`Repetitions`] packs
 //! them, which costs hardly more than the bytes that it saves.
 //! Equal meshes of one robot may be megabytes apart. So large chunks that never change are searched for matches from end to end, which costs
 //! some megabytes of tables and would not pay for small ones.

@@ -11,7 +11,7 @@
 //! those of bags do.
 //!
 //! The crate's own writer takes a message in seven pieces, each through three layers with a checksum in two of them, which is a third
-//! of what a sample costs and cannot be given a chunk that is encoded already; that is why it is not used (doc/findings/2026-11-logging.md). Its
+//! of what a sample costs and cannot be given a chunk that is encoded already; that is why it is not used (doc/decisions/020-log-container.md). Its
 //! readers, and those of Python, hold what is written here against the format in `tests/program/log_readback/`. Source: MCAP format
 //! specification (mcap.dev/spec).
 

@@ -1,7 +1,7 @@
 //! Runs free bodies on a level floor in Rapier and prints its cost and where they are at the end, as one line of JSON.
 //!
 //! `contacts SCENE.json STEPS REPEATS ITERATIONS`, called by `contact_peers.py`, which writes the scene. The clock runs over the stepping loop alone
-//! and the fastest of the repeats counts. Bodies may sleep, as they do by default; ITERATIONS are those of the solver (4 by default).
+//! and the fastest of the repeats counts. Bodies may sleep, as they do by default; ITERATIONS are the iterations of the solver (4 by default).
 
 use anyhow::{Result, bail};
 use rapier_runner::World;

@@ -1,7 +1,8 @@
 //! Runs jointed bodies that touch in Rapier and prints its cost and where they are at some instants, as one line of JSON.
 //!
 //! `standing SCENE.json STEPS ITERATIONS`, called by `standing_peers.py`, which writes the scene. Feet touch a floor, and without a floor all shapes
-//! touch each other. Joints are those of multibodies. The clock runs over the stepping loop of the last run alone; nothing sleeps; ITERATIONS are those of the solver.
+//! touch each other. Joints are multibody joints. The clock runs over the stepping loop of the last run alone; bodies never sleep; ITERATIONS are the
+//! iterations of the solver.
 
 use anyhow::{Result, bail};
 use rapier_runner::jointed::{Jointed, Joints, Scene, pose};
