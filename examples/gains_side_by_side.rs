@@ -1,4 +1,4 @@
-//! A batch of controllers: arms side by side, each held by gains of its own, on all cores.
+//! A batch of controllers: arms side by side, each held by gains of its own, on all cores. The highest gains are too high for ticks of a millisecond.
 //!
 //! `cargo run --release --example gains_side_by_side`
 

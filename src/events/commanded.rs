@@ -6,9 +6,9 @@
 //!     τ = kp (r − q) − kd q̇,    τ = kd (r − q̇)    or    τ = r           r: the last target that was given
 //! ```
 //!
-//! The target is part of the efforts at the stages, not of a spring's rest, so that another one asks for no other workspace. A motor that works out its
-//! effort at ticks sees it at the next tick. A jump of the effort may let go of joints and contacts at rest, or reach the bound of the motor: the mode is
-//! decided anew then.
+//! The target is part of the efforts at the stages, not of a spring's rest, so that another one asks for no other workspace. A motor that works out
+//! its effort at ticks sees it at the next tick. A jump of the effort may let go of joints and contacts at rest, or reach the bound of the motor: the
+//! mode is decided anew then.
 
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::Commands;

@@ -53,8 +53,8 @@ impl Batch {
         self.runs.get_mut(run).ok_or(Error::Count { what: "the number of a run", given: run, wanted: count })
     }
 
-    /// All runs go on for a duration (s), under efforts (runs × length of v) and targets (runs × motors), which may be empty. Returns the runs that have
-    /// failed, with their errors; they stay where they were until they are placed.
+    /// All runs go on for a duration (s), under efforts (runs × length of v) and targets (runs × motors), which may be empty. Returns the runs that
+    /// have failed, with their errors; they stay where they were until they are placed.
     ///
     /// # Errors
     /// Wrong counts of numbers.

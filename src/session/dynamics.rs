@@ -5,8 +5,8 @@
 //!     a = a₀(q, v) + Y(q) τ         with closed loops and mimic relations
 //! ```
 //!
-//! The mass matrix is that of the tree. Limits, dry friction, motors and contacts are left out: a run computes their forces. With the velocities u of a
-//! state, v = T u: M = T⁻ᵀ H T⁻¹, Y = T Y_u Tᵀ. Links and points are in [`crate::session::quantities`].
+//! The mass matrix is that of the tree. Limits, dry friction, motors and contacts are left out: a run computes their forces. With the velocities u of
+//! a state, v = T u: M = T⁻ᵀ H T⁻¹, Y = T Y_u Tᵀ. Links and points are in [`crate::session::quantities`].
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 5 to 7.
 
@@ -38,8 +38,8 @@ impl Model {
         Ok(self.mass_matrix_at(&state))
     }
 
-    /// The efforts τ (n) that give the accelerations a = dv/dt (n) besides gravity, springs, dampers and loads [N m or N]. If there are closed loops or joints
-    /// that mimic others, several efforts do, and these are the least.
+    /// The efforts τ (n) that give the accelerations a = dv/dt (n) besides gravity, springs, dampers and loads [N m or N]. If there are closed loops
+    /// or joints that mimic others, several efforts do, and these are the least.
     ///
     /// # Errors
     /// Wrong lengths, numbers that are not finite, and accelerations that the loops do not allow.

@@ -1,7 +1,7 @@
 //! Many runs of one model from many starts, in parallel.
 //!
-//! Each run is bit-identical to that of [`Simulation`](crate::session::Simulation) from the same start, for any number of threads. It may have numbers
-//! of its own, and efforts and targets of motors of its own at ticks, between which they are held:
+//! Each run is bit-identical to that of [`Simulation`](crate::session::Simulation) from the same start, for any number of threads. It may have
+//! numbers of its own, and efforts and targets of motors of its own at ticks, between which they are held:
 //!
 //! ```text
 //!     τ(t) = u_k − K (x_k − x̄)      for t_k ≤ t < t_{k+1},  t_k = k T       x = (q, v),  K: n × (length of q + length of v),  T: the period (s)

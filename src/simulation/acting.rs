@@ -23,8 +23,8 @@ impl Simulation<'_> {
         Ok(())
     }
 
-    /// Gives a motor of the mechanism a target from now on, until it is given another: rad or m, rad/s or m/s, N m or N. A motor that works out its effort
-    /// at ticks sees it at the next tick.
+    /// Gives a motor of the mechanism a target from now on, until it is given another: rad or m, rad/s or m/s, N m or N. A motor that works out its
+    /// effort at ticks sees it at the next tick.
     ///
     /// # Errors
     /// [`InputError`] for a motor that does not exist and for what is not finite.

@@ -119,8 +119,8 @@ impl<'s> Simulation<'s> {
         Self::with(mechanism, state, counted, options, Estimate::Itself)
     }
 
-    /// The same for a program that makes the run step by step: without an estimate of its error, so that it costs what its steps cost. Each step keeps
-    /// to its share of the tolerance.
+    /// The same for a program that makes the run step by step: without an estimate of its error, so that it costs what its steps cost. Each step
+    /// keeps to its share of the tolerance.
     ///
     /// # Errors
     /// [`SimulationError`] for stages and steps that cannot be.

@@ -25,8 +25,8 @@ impl Simulation {
         Ok(State { model: self.model.clone(), kept, asked: self.control.as_ref().map(|control| control.ticks()) })
     }
 
-    /// Goes on from a state of this run, or of another run of the same model with the same settings, bit for bit. The figures of the report begin anew
-    /// there. What a controller remembers itself is not part of the state.
+    /// Goes on from a state of this run, or of another run of the same model with the same settings, bit for bit. The figures of the report begin
+    /// anew there. What a controller remembers itself is not part of the state.
     ///
     /// # Errors
     /// A state of another model or of other settings, and a run with a log, which cannot go back.
@@ -71,8 +71,8 @@ impl Simulation {
         Ok(copy)
     }
 
-    /// Goes on from other coordinates at a time (s): as a new run with these settings from there, without the price of a new one. Efforts from outside
-    /// are taken away, and a controller is asked at once. A run that has ended begins again.
+    /// Goes on from other coordinates at a time (s): as a new run with these settings from there, without the price of a new one. Efforts from
+    /// outside are taken away, and a controller is asked at once. A run that has ended begins again.
     ///
     /// # Errors
     /// As of [`Simulation::start_from`], and a run with a log.

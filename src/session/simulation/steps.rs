@@ -46,8 +46,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Gives the motor of a joint a target from now on, in place of the file's, until it is given another: a position, a velocity or an effort, as its law
-    /// says [rad or m, rad/s or m/s, N m or N]. A motor that works out its effort at ticks sees it at the next tick.
+    /// Gives the motor of a joint a target from now on, in place of the file's, until it is given another: a position, a velocity or an effort, as
+    /// its law says [rad or m, rad/s or m/s, N m or N]. A motor that works out its effort at ticks sees it at the next tick.
     ///
     /// # Errors
     /// A joint without a motor, a target that is not finite, and invalid settings.
