@@ -16,7 +16,8 @@ from ._model import Model, load
 from ._named import NamedArray
 from ._result import Result
 from ._rollout import Rollouts, rollout
-from ._sim import Sim
+from ._sensors import Noise, Sensed
+from ._sim import Sim, State
 from ._sweep import Swept, sweep
 
 __all__ = [
@@ -24,10 +25,13 @@ __all__ = [
     "InputError",
     "Model",
     "NamedArray",
+    "Noise",
     "Result",
     "Rollouts",
     "RunError",
+    "Sensed",
     "Sim",
+    "State",
     "Swept",
     "__version__",
     "load",

@@ -50,10 +50,13 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     without = [without] if isinstance(without, str) else list(without)
     pose = None if base_pose is None else _count(base_pose, 6, "base_pose")
     down = None if gravity is None else _count(gravity, 3, "gravity")
-    inner = _catena.Model(
-        os.fspath(path), base == "floating", pose, down, floor, contact, without, dict(packages or {}), _params(params or {})
+    given = dict(
+        base=base, base_pose=pose, gravity=down, floor=floor, contact=contact, without=without, packages=dict(packages or {}), params=_params(params or {})
     )
-    return Model(inner)
+    inner = _catena.Model(
+        os.fspath(path), base == "floating", pose, down, floor, contact, without, given["packages"], given["params"]
+    )
+    return Model(inner, given)
 
 
 def _count(numbers, count, what):
@@ -78,8 +81,13 @@ class Model:
     and matrices go with v. SI units.
     """
 
-    def __init__(self, inner):
+    def __init__(self, inner, given=None):
         self._inner = inner
+        self._given = given or {}
+
+    def __reduce__(self):
+        # The file is read again where it is unpickled.
+        return _load, (os.path.abspath(self.path), self._given)
 
     @property
     def name(self) -> str:
@@ -102,13 +110,18 @@ class Model:
         return self._inner.link_names
 
     @property
+    def motor_names(self) -> list[str]:
+        """Joints with motors, in the order of targets."""
+        return self._inner.motor_names
+
+    @property
     def warnings(self) -> list[str]:
         """What was left out and why, and what else is worth knowing."""
         return self._inner.warnings
 
     @property
     def params(self) -> dict[str, float | None]:
-        """Numbers by key path, as the files say them; None where they do not."""
+        """Numbers by key path: those that were set, or else those of the files; None where no file has one."""
         return dict(self._inner.params())
 
     def with_params(self, params) -> Model:
@@ -116,7 +129,9 @@ class Model:
 
         ``model.params`` has all key paths; the first word may be left out where one number remains.
         """
-        return Model(self._inner.with_params(_params(params)))
+        params = _params(params)
+        given = {**self._given, "params": {**self._given.get("params", {}), **params}}
+        return Model(self._inner.with_params(params), given)
 
     def start(self):
         """q and v where the file starts it, with all loops closed."""
@@ -126,16 +141,42 @@ class Model:
         """The mass matrix M(q), (n, n)."""
         return self._inner.mass_matrix(flat(q, "q"))
 
-    def jacobian(self, link, q):
-        """The Jacobian (6, n) of a link: velocity of its frame's origin, then its angular velocity, in the world, for v."""
-        return self._inner.jacobian(link, flat(q, "q"))
+    def jacobian(self, link, q, point=(0, 0, 0)):
+        """The Jacobian (6, n) of a point on a link, given in the link's frame [m]: its velocity, then the link's angular velocity, in the world, for v."""
+        return self._inner.point_jacobian(link, _count(point, 3, "point"), flat(q, "q"))
 
-    def inverse_dynamics(self, q, v, a):
-        """The efforts (n) that give the accelerations a = dv/dt, besides gravity, springs, dampers and loads; of the tree without its loops."""
-        return self._inner.inverse_dynamics(flat(q, "q"), flat(v, "v"), flat(a, "a"))
+    def inverse_dynamics(self, q, v, a, joints=None):
+        """The efforts (n) that give the accelerations a = dv/dt, besides gravity, springs, dampers and loads.
+
+        With closed loops and joints that mimic others several efforts do: those of least norm, or those on ``joints`` alone."""
+        return self._inner.inverse_dynamics(flat(q, "q"), flat(v, "v"), flat(a, "a"), None if joints is None else list(joints))
+
+    def velocity(self, link, q, v, point=(0, 0, 0)):
+        """Velocity of a point on a link, given in the link's frame [m], then the link's angular velocity, in the world (6)."""
+        return self._inner.point_velocity(link, _count(point, 3, "point"), flat(q, "q"), flat(v, "v"))
+
+    def acceleration(self, link, q, v, a, point=(0, 0, 0)):
+        """Acceleration of that point, then the link's angular acceleration, in the world (6), for a = dv/dt."""
+        return self._inner.point_acceleration(link, _count(point, 3, "point"), flat(q, "q"), flat(v, "v"), flat(a, "a"))
+
+    def bias_acceleration(self, link, q, v, point=(0, 0, 0)):
+        """J̇ v of that point (6): its acceleration, and the link's, for dv/dt = 0."""
+        return self.acceleration(link, q, v, np.zeros(len(flat(v, "v"))), point)
+
+    def center_of_mass(self, q):
+        """Centre of mass of all that moves, in the world (3)."""
+        return self._inner.center_of_mass(flat(q, "q"))
+
+    def center_of_mass_jacobian(self, q):
+        """Its Jacobian (3, n) for v."""
+        return self._inner.center_of_mass_jacobian(flat(q, "q"))
+
+    def momentum(self, q, v):
+        """Momentum of all that moves, then its angular momentum about the origin of the world (6)."""
+        return self._inner.momentum(flat(q, "q"), flat(v, "v"))
 
     def forward_dynamics(self, q, v, efforts):
-        """The accelerations dv/dt (n) under efforts; of the tree without its loops."""
+        """The accelerations dv/dt (n) under efforts, with closed loops and joints that mimic others."""
         return self._inner.forward_dynamics(flat(q, "q"), flat(v, "v"), flat(efforts, "efforts"))
 
     def gravity_efforts(self, q):
@@ -148,3 +189,7 @@ class Model:
 
     def __repr__(self):
         return f"<catena.Model {self.name!r}: {len(self.link_names)} links, {len(self.joint_names)} joints that move>"
+
+
+def _load(path, given):
+    return load(path, **given)

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from . import _catena
 from ._errors import InputError
 from ._named import NamedArray
 
@@ -36,7 +37,7 @@ class _ByName(Mapping):
 
 
 class Result:
-    """A run that has ended: samples at a fixed rate, and the report.
+    """A run that has ended: samples at a fixed rate, and the report. Logs and pages can be written until it is pickled.
 
     Attributes
     ----------
@@ -64,6 +65,9 @@ class Result:
         self.reactions = _ByName(model.joint_names, inner.reactions)
         self.contact_forces = _ByName(list(dict.fromkeys(model._inner.contact_pairs())), self._contact_force)
         self.summary = json.loads(inner.report)
+
+    def __reduce__(self):
+        return _result, (self.model, self._inner.parts())
 
     @property
     def warnings(self) -> list[str]:
@@ -171,6 +175,10 @@ class Result:
     def __repr__(self):
         end = f"{self.t[-1]} s" if len(self.t) else "nothing"
         return f"<catena.Result of {self.model.name!r}: {len(self.t)} samples to {end}>"
+
+
+def _result(model, parts):
+    return Result(model, _catena.Recorded.of_parts(model._inner, parts))
 
 
 def _import(module, what):

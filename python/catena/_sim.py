@@ -7,13 +7,43 @@ import os
 import numpy as np
 
 from . import _catena
-from ._errors import InputError
+from ._errors import InputError, RunError
 from ._model import flat
 from ._named import NamedArray
 from ._result import Result
+from ._sensors import Sensed
 
-#: How far ahead steps of a run that goes step by step are planned [s].
-HORIZON = 10.0
+#: Steps may go on for so long without a new run [s].
+_LONG = 1e6
+
+
+class State:
+    """A simulation between two steps, as a value: ``s = sim.state``, ``sim.state = s``.
+
+    ``time``, ``q``, ``v``, ``efforts`` and ``targets`` may be read. A simulation that takes it goes on bit for bit, because it holds all that the
+    steps remember, too: modes of joints and contacts, impacts, anchors of friction. Only a pickled state has no such memory: a simulation begins
+    anew from its numbers.
+    """
+
+    def __init__(self, model, time, q, v, efforts, targets, kept):
+        self.model, self.time, self.q, self.v = model, time, q, v
+        self.efforts, self.targets, self._kept = efforts, targets, kept
+
+    def __call__(self):
+        """Itself, so that ``sim.state()`` is ``sim.state``."""
+        return self
+
+    def __reduce__(self):
+        numbers = np.asarray(self.q), np.asarray(self.v)
+        return _state, (self.model, self.time, *numbers, self.efforts, self.targets)
+
+    def __repr__(self):
+        return f"<catena.State of {self.model.name!r} at t = {self.time:.9g} s>"
+
+
+def _state(model, time, q, v, efforts, targets):
+    q, v = NamedArray(q, model._inner.q_places()), NamedArray(v, model._inner.v_places())
+    return State(model, time, q, v, efforts, targets, None)
 
 
 class Sim:
@@ -38,18 +68,20 @@ class Sim:
         self._keep = [keep] if isinstance(keep, str) else list(keep)
         self._controller = None
         self._efforts = None
+        self._targets = {}
         self._run = None
-        q, v = model.start()
-        self._q = NamedArray(q, model._inner.q_places())
-        self._v = NamedArray(v, model._inner.v_places())
+        self._start = q, v = model.start()
+        self._q = NamedArray(q.copy(), model._inner.q_places())
+        self._v = NamedArray(v.copy(), model._inner.v_places())
         self._time = 0.0
+        self._moved = False
 
     def reset(self):
-        """Back to the start that the file gives, at time 0."""
-        q, v = self.model.start()
-        self._q[:], self._v[:] = q, v
+        """Back to the start that the file gives, at time 0, with its targets of motors."""
+        self._q[:], self._v[:] = self._start
         self._time = 0.0
-        self._run = None
+        self._targets = {}
+        self._moved = True
 
     @property
     def time(self) -> float:
@@ -81,6 +113,53 @@ class Sim:
             raise InputError(f"{what}: {len(numbers)} numbers where {len(array)} are wanted")
         array[:] = numbers
 
+    @property
+    def state(self) -> State:
+        """Where it is, as a value; assigned, the simulation goes on from there bit for bit."""
+        run = self._here()
+        q, v = (NamedArray(np.array(array), places) for array, places in self._parts())
+        efforts = None if self._efforts is None else self._efforts.copy()
+        return State(self.model, self._time, q, v, efforts, dict(self._targets), run.state())
+
+    @state.setter
+    def state(self, state):
+        if not isinstance(state, State):
+            raise InputError(f"a state is wanted, as of sim.state, not {type(state).__name__}")
+        if state.q.shape != self._q.shape or state.v.shape != self._v.shape:
+            raise InputError(f"the state is of {state.model.name!r}, and the simulation of {self.model.name!r}")
+        efforts = None if state.efforts is None else state.efforts.copy()
+        if state._kept is None:
+            self._q[:], self._v[:] = state.q, state.v
+            self._time, self._efforts, self._targets = state.time, efforts, dict(state.targets)
+            self._moved = True
+            return
+        if self._run is None:
+            self._run = self._begin(_LONG, None, None, False, self._controller, False)
+        self._run.set_state(state._kept)
+        self._efforts, self._targets = efforts, dict(state.targets)
+        self._look(self._run)
+        self._moved = False
+
+    def copy(self) -> Sim:
+        """Another simulation that goes on to the same bits; both have the same controller."""
+        copy = self._alike()
+        copy.state = self.state
+        return copy
+
+    def _alike(self):
+        tolerance, stages, step = self._how
+        copy = Sim(self.model, tolerance=tolerance, stages=stages, step=step, keep=self._keep)
+        copy._controller = self._controller
+        return copy
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo):
+        return self.copy()
+
+    def __reduce__(self):
+        return _sim, (self.model, self._how, self._keep, self._controller, self.state)
+
     def set_controller(self, controller, rate=None, period=None):
         """Lets ``controller(t, q, v)`` decide on efforts, asked at a fixed rate [Hz] or period [s]: it returns an array of efforts along v [N m or
         N], held until it is asked again, or None for none. ``set_controller(None)`` takes it away."""
@@ -97,28 +176,51 @@ class Sim:
     def set_efforts(self, efforts):
         """Efforts along v from now on [N m or N], besides the forces of the model; None for none."""
         self._efforts = None if efforts is None else flat(efforts, "efforts").copy()
-        if self._run is not None and self._run.is_at(self._q, self._v):
+        if self._is_here():
             self._run.set_efforts(np.zeros(len(self._v)) if efforts is None else self._efforts)
-        else:
-            self._run = None
+
+    def set_target(self, joint, target):
+        """Gives the motor of a joint a target from now on, in place of the file's: a position, a velocity or an effort, as its law says. Motors
+        that work out their efforts at ticks see it at the next one. ``model.motor_names`` has the joints."""
+        if joint not in self.model.motor_names:
+            known = ", ".join(map(repr, self.model.motor_names)) or "none"
+            raise InputError(f"joint {joint!r} has no motor; the joints with motors are {known}")
+        self._targets[joint] = float(target)
+        if self._is_here():
+            self._run.set_target(joint, float(target))
+
+    def set_targets(self, targets):
+        """Targets of all motors: a mapping from joints, or numbers in the order of ``model.motor_names``."""
+        if not hasattr(targets, "items"):
+            numbers = flat(targets, "targets")
+            if len(numbers) != len(self.model.motor_names):
+                raise InputError(f"targets: {len(numbers)} numbers where {len(self.model.motor_names)} are wanted")
+            targets = dict(zip(self.model.motor_names, numbers))
+        for joint, target in targets.items():
+            self.set_target(joint, target)
 
     def run(self, duration=None, rate=60.0, *, log=None, controller=None, control_rate=None) -> Result:
         """Runs from where it is, for a duration [s], and returns samples at a rate [Hz].
 
         ``log`` is an MCAP file that is written on the way. ``controller`` with its ``control_rate`` is as of :meth:`set_controller`, for this run.
-        Without a duration it is that of the file, or 10 s.
+        Without a duration it is that of the file, or 10 s. A run that is interrupted or fails raises, and the exception has what was made as
+        ``result``.
         """
         asked = self._controller
         if controller is not None:
             if control_rate is None:
                 raise InputError("give the control_rate of the controller in Hz")
             asked = (controller, _period(control_rate, None))
-        run = self._begin(duration, rate, log, True, asked)
-        self._run = None
+        run = self._begin(duration, rate, log, True, asked, True)
+        self._apply(run)
+        self._moved = True
         try:
             run.run()
-        finally:
+        except (KeyboardInterrupt, RunError) as error:
             self._look(run)
+            error.result = Result(self.model, run.finish())
+            raise
+        self._look(run)
         return Result(self.model, run.finish())
 
     def step(self, duration):
@@ -127,37 +229,63 @@ class Sim:
 
     def step_to(self, time):
         """Goes on until a time [s], exactly."""
-        if not np.isfinite(time) or time < self._time:
+        time = float(time)
+        if not self._time <= time < np.inf:
             raise InputError(f"cannot step to t = {time} s: the run is at {self._time} s")
-        if self._run is None or time > self._run.end or not self._run.is_at(self._q, self._v):
-            self._run = self._begin(max(HORIZON, time - self._time), None, None, False, self._controller)
+        run = self._here()
         try:
-            self._run.step_to(float(time))
+            run.step_to(time)
         except BaseException:
-            self._look(self._run)
-            self._run = None
+            self._look(run)
+            self._moved = True
             raise
-        self._look(self._run)
+        self._look(run)
 
     def pose(self, link):
         """x, y, z and the quaternion w, x, y, z of a link frame in the world now."""
         return self.model.pose(link, self._q)
 
+    def sense(self) -> Sensed:
+        """What sensors measure now; all forces and accelerations are worked out once, for any number of readings."""
+        return Sensed(self._here().sense())
+
     def energy(self) -> dict[str, float]:
         """The energy now [J]: kinetic, potential, spring, load and total."""
-        run = self._begin(HORIZON, None, None, False, None)
+        run = self._run if self._is_here() else self._begin(_LONG, None, None, False, None, False)
         parts = dict(zip(("kinetic", "potential", "spring", "load"), run.energy()))
         return parts | {"total": sum(parts.values())}
 
-    def _begin(self, duration, rate, log, record, controller):
+    def _is_here(self):
+        """Whether the run that is stepped is where q, v and time say."""
+        return self._run is not None and not self._moved and self._run.is_at(self._time, self._q, self._v)
+
+    def _here(self):
+        """The run that is stepped, where q, v and time say."""
+        if self._is_here():
+            return self._run
+        if self._run is None:
+            self._run = self._begin(_LONG, None, None, False, self._controller, False)
+        else:
+            self._run.place(self._time, self._q, self._v)
+        self._apply(self._run)
+        # A start that was moved is where it goes on.
+        self._look(self._run)
+        self._moved = False
+        return self._run
+
+    def _apply(self, run):
+        if self._efforts is not None:
+            run.set_efforts(self._efforts)
+        for joint, target in self._targets.items():
+            run.set_target(joint, target)
+
+    def _begin(self, duration, rate, log, record, controller, figures):
         tolerance, stages, step = self._how
         log = None if log is None else os.fspath(log)
         numbers = [np.ascontiguousarray(self._q), np.ascontiguousarray(self._v)]
         run = _catena.Run(
-            self.model._inner, *numbers, self._time, duration, tolerance, stages, step, rate, self._keep, log, record
+            self.model._inner, *numbers, self._time, duration, tolerance, stages, step, rate, self._keep, log, record, figures
         )
-        if self._efforts is not None:
-            run.set_efforts(self._efforts)
         if controller is not None:
             run.set_controller(controller[1], controller[0])
         return run
@@ -166,8 +294,19 @@ class Sim:
         self._time = run.time
         run.look(self._q, self._v)
 
+    def _parts(self):
+        return (self._q, self.model._inner.q_places()), (self._v, self.model._inner.v_places())
+
     def __repr__(self):
-        return f"<catena.Sim of {self.model.name!r} at t = {self._time} s>"
+        return f"<catena.Sim of {self.model.name!r} at t = {self._time:.9g} s>"
+
+
+def _sim(model, how, keep, controller, state):
+    tolerance, stages, step = how
+    sim = Sim(model, tolerance=tolerance, stages=stages, step=step, keep=keep)
+    sim._controller = controller
+    sim.state = state
+    return sim
 
 
 def _period(rate, period):

@@ -8,6 +8,7 @@ mod recorded;
 mod refusal;
 mod rollout;
 mod run;
+mod sensors;
 mod signals;
 mod sweep;
 
@@ -25,7 +26,12 @@ fn _catena(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<model::Model>()?;
     module.add_class::<run::Run>()?;
+    module.add_class::<run::State>()?;
+    module.add_class::<sensors::Sensed>()?;
+    module.add_class::<sensors::Noise>()?;
+    module.add_class::<run::Batch>()?;
     module.add_class::<recorded::Recorded>()?;
+    module.add_class::<rollout::Rolled>()?;
     module.add_class::<sweep::Sweep>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;

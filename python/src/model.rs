@@ -17,7 +17,7 @@ pub struct Model {
     pub inner: catena::session::Model,
 }
 
-type Vector<'py> = Bound<'py, PyArray1<f64>>;
+pub type Vector<'py> = Bound<'py, PyArray1<f64>>;
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 type Given<'py> = PyReadonlyArray1<'py, f64>;
 
@@ -33,6 +33,14 @@ fn matrix<'py>(py: Python<'py>, matrix: &catena::nalgebra::DMatrix<f64>) -> PyRe
 
 /// Numbers along v, or the reason for their absence.
 fn vector<'py>(py: Python<'py>, numbers: Result<DVector<f64>, Error>) -> PyResult<Vector<'py>> {
+    Ok(numbers.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
+}
+
+/// A few numbers, or why there are none.
+pub fn few<'py, const N: usize>(
+    py: Python<'py>,
+    numbers: Result<catena::nalgebra::SVector<f64, N>, Error>,
+) -> PyResult<Vector<'py>> {
     Ok(numbers.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
 }
 
@@ -107,6 +115,11 @@ impl Model {
         self.inner.warnings()
     }
 
+    #[getter]
+    fn motor_names(&self) -> Vec<&str> {
+        self.inner.motor_names()
+    }
+
     /// Names `a|b` of the pairs of shapes that may touch.
     fn contact_pairs(&self) -> Vec<String> {
         self.inner.contact_pairs()
@@ -144,14 +157,64 @@ impl Model {
         matrix(py, &self.inner.jacobian(link, &numbers(&q)).map_err(|error| refuse(py, error))?)
     }
 
+    fn point_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        link: &str,
+        point: [f64; 3],
+        q: Given<'py>,
+    ) -> PyResult<Matrix<'py>> {
+        matrix(py, &self.inner.point_jacobian(link, point, &numbers(&q)).map_err(|error| refuse(py, error))?)
+    }
+
+    fn point_velocity<'py>(
+        &self,
+        py: Python<'py>,
+        link: &str,
+        point: [f64; 3],
+        q: Given<'py>,
+        v: Given<'py>,
+    ) -> PyResult<Vector<'py>> {
+        few(py, self.inner.point_velocity(link, point, &numbers(&q), &numbers(&v)))
+    }
+
+    fn point_acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        link: &str,
+        point: [f64; 3],
+        q: Given<'py>,
+        v: Given<'py>,
+        a: Given<'py>,
+    ) -> PyResult<Vector<'py>> {
+        few(py, self.inner.point_acceleration(link, point, &numbers(&q), &numbers(&v), &numbers(&a)))
+    }
+
+    fn center_of_mass<'py>(&self, py: Python<'py>, q: Given<'py>) -> PyResult<Vector<'py>> {
+        few(py, self.inner.center_of_mass(&numbers(&q)))
+    }
+
+    fn center_of_mass_jacobian<'py>(&self, py: Python<'py>, q: Given<'py>) -> PyResult<Matrix<'py>> {
+        matrix(py, &self.inner.center_of_mass_jacobian(&numbers(&q)).map_err(|error| refuse(py, error))?)
+    }
+
+    fn momentum<'py>(&self, py: Python<'py>, q: Given<'py>, v: Given<'py>) -> PyResult<Vector<'py>> {
+        few(py, self.inner.momentum(&numbers(&q), &numbers(&v)))
+    }
+
+    #[pyo3(signature = (q, v, a, joints))]
     fn inverse_dynamics<'py>(
         &self,
         py: Python<'py>,
         q: Given<'py>,
         v: Given<'py>,
         a: Given<'py>,
+        joints: Option<Vec<String>>,
     ) -> PyResult<Vector<'py>> {
-        vector(py, self.inner.inverse_dynamics(&numbers(&q), &numbers(&v), &numbers(&a)))
+        let (q, v, a) = (numbers(&q), numbers(&v), numbers(&a));
+        let Some(joints) = joints else { return vector(py, self.inner.inverse_dynamics(&q, &v, &a)) };
+        let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
+        vector(py, self.inner.inverse_dynamics_by(&joints, &q, &v, &a))
     }
 
     fn forward_dynamics<'py>(

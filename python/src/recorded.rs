@@ -1,16 +1,18 @@
 //! `catena._catena.Recorded`: the results of a run, as arrays and files.
 
-use crate::model::seven;
+use crate::model::{numbers, seven};
 use crate::refusal::{input, refuse};
 use catena::instant::exerting::reactions::Reactions;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::contact_point::ContactPoint;
 use catena::mechanism::motion::energy::energy_with_forces;
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
+use catena::nalgebra::Vector3;
 use catena::output::log::LogOptions;
 use catena::output::report::Report;
 use catena::session::{Model, Recording, Told};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,19 +23,55 @@ static PAGES: AtomicUsize = AtomicUsize::new(0);
 /// A run that has ended.
 #[pyclass(frozen, module = "catena._catena")]
 pub struct Recorded {
-    report: Report,
-    told: Told,
+    /// The report, as JSON and for people.
+    report: String,
+    text: String,
+    /// The entries of its log; `None` of a run that was pickled.
+    told: Option<Told>,
+    /// The program that decided on efforts.
+    controlled: Option<String>,
     model: Model,
     recording: Recording,
 }
 
 type Rows<'py> = Bound<'py, PyArray2<f64>>;
 /// The sample, the names, numbers and state of each contact.
-type Contacts<'py> = (Vec<usize>, Vec<String>, Rows<'py>, Vec<bool>);
+pub type Contacts<'py> = (Vec<usize>, Vec<String>, Rows<'py>, Vec<bool>);
+
+/// The sample, pair, numbers and state of a contact.
+type KeptContact = (usize, usize, Vec<f64>, bool);
+type Numbers<'py> = Bound<'py, PyArray1<f64>>;
+type Given<'py> = PyReadonlyArray1<'py, f64>;
+type Parts<'py> = (Numbers<'py>, Numbers<'py>, Numbers<'py>, Vec<KeptContact>, String, String, Option<String>);
+type GivenParts<'py> = (Given<'py>, Given<'py>, Given<'py>, Vec<KeptContact>, String, String, Option<String>);
+
+fn vector(x: f64, y: f64, z: f64) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
 
 fn rows<'py>(py: Python<'py>, numbers: Vec<f64>, count: usize) -> PyResult<Rows<'py>> {
     let width = numbers.len().checked_div(count).unwrap_or(0);
     PyArray1::from_vec(py, numbers).reshape([count, width])
+}
+
+/// Contacts as columns, from their samples.
+pub fn listed<'py, 'c>(
+    py: Python<'py>,
+    names: &[String],
+    all: impl Iterator<Item = (usize, &'c ContactPoint)>,
+) -> PyResult<Contacts<'py>> {
+    let (mut samples, mut pairs, mut numbers, mut sticks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (sample, point) in all {
+        samples.push(sample);
+        pairs.push(names[point.pair].clone());
+        for vector in [&point.position, &point.normal, &point.force] {
+            numbers.extend(vector.iter());
+        }
+        numbers.push(point.gap);
+        sticks.push(point.sticks);
+    }
+    let count = samples.len();
+    Ok((samples, pairs, rows(py, numbers, count)?, sticks))
 }
 
 #[pymethods]
@@ -84,7 +122,7 @@ impl Recorded {
 
     /// Force and torque of the parent on the child at a joint, in the world, in all samples [N, N m].
     fn reactions<'py>(&self, py: Python<'py>, joint: &str) -> PyResult<Rows<'py>> {
-        if let Some(by) = self.told.driven() {
+        if let Some(by) = &self.controlled {
             let why = format!("reactions do not follow from states of a run whose efforts a program decides: {by}");
             return Err(input(py, why));
         }
@@ -119,32 +157,52 @@ impl Recorded {
     /// the world, and gap (m); whether it sticks.
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Contacts<'py>> {
         let names = self.model.contact_pairs();
-        let (mut samples, mut pairs, mut numbers, mut sticks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let all =
             self.recording.contacts().flat_map(|(sample, points)| points.iter().map(move |point| (sample, point)));
-        for (sample, point) in all {
-            samples.push(sample);
-            pairs.push(names[point.pair].clone());
-            for vector in [&point.position, &point.normal, &point.force] {
-                numbers.extend(vector.iter());
-            }
-            numbers.push(point.gap);
-            sticks.push(point.sticks);
-        }
-        let count = samples.len();
-        Ok((samples, pairs, rows(py, numbers, count)?, sticks))
+        listed(py, &names, all)
     }
 
-    /// Time, kind, joint or pair, impulse of the first thousand events, as the report lists them.
+    /// The report as JSON.
     #[getter]
-    fn report(&self, py: Python<'_>) -> PyResult<String> {
-        serde_json::to_string(&self.report).map_err(|error| input(py, error))
+    fn report(&self) -> &str {
+        &self.report
     }
 
     /// The report for people.
     #[getter]
-    fn text(&self) -> String {
-        self.report.to_string()
+    fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What is pickled of it, besides the model: times, positions and velocities of the state, contacts, report, text, and who decided on efforts.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
+        let Recorded { recording, report, text, controlled, .. } = self;
+        let [times, positions, velocities] =
+            [&recording.times, &recording.positions, &recording.velocities].map(|numbers| numbers.to_pyarray(py));
+        let points = recording.contacts().flat_map(|(sample, points)| points.iter().map(move |point| (sample, point)));
+        let kept = points.map(|(sample, point)| {
+            let vectors = [point.position, point.normal, point.force];
+            let numbers = vectors.iter().flat_map(|vector| vector.iter().copied()).chain([point.gap]).collect();
+            (sample, point.pair, numbers, point.sticks)
+        });
+        Ok((times, positions, velocities, kept.collect(), report.clone(), text.clone(), controlled.clone()))
+    }
+
+    /// A run from its pickled parts.
+    #[staticmethod]
+    fn of_parts(py: Python<'_>, model: &crate::model::Model, parts: GivenParts<'_>) -> PyResult<Self> {
+        let (times, positions, velocities, kept, report, text, controlled) = parts;
+        let mut recording = Recording::default();
+        recording.times = numbers(&times);
+        recording.positions = numbers(&positions);
+        recording.velocities = numbers(&velocities);
+        for (sample, pair, numbers_of, sticks) in kept {
+            let [x, y, z, nx, ny, nz, fx, fy, fz, gap] = <[f64; 10]>::try_from(numbers_of)
+                .map_err(|numbers| input(py, format!("a contact of {} numbers, not 10", numbers.len())))?;
+            let (position, normal, force) = (vector(x, y, z), vector(nx, ny, nz), vector(fx, fy, fz));
+            recording.add_contact(sample, ContactPoint { pair, position, normal, force, gap, sticks });
+        }
+        Ok(Recorded { report, text, told: None, controlled, model: model.inner.clone(), recording })
     }
 
     fn save_log(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
@@ -176,7 +234,9 @@ impl Recorded {
 
 impl Recorded {
     pub fn new(report: Report, told: Told, model: Model, recording: Recording) -> Self {
-        Recorded { report, told, model, recording }
+        let json = serde_json::to_string(&report).unwrap_or_default();
+        let controlled = told.controlled().map(str::to_string);
+        Recorded { report: json, text: report.to_string(), told: Some(told), controlled, model, recording }
     }
 
     fn mechanism(&self) -> &Mechanism {
@@ -197,6 +257,7 @@ impl Recorded {
     }
 
     fn write(&self, path: &std::path::Path) -> Result<(), catena::session::Error> {
-        self.told.write(path, self.model.description(), &self.recording, &LogOptions::default())
+        let told = self.told.as_ref().ok_or(catena::session::Error::Pickled)?;
+        told.write(path, self.model.description(), &self.recording, &LogOptions::default())
     }
 }

@@ -29,7 +29,7 @@ type Written<'py> = PyReadwriteArray1<'py, f64>;
 #[pymethods]
 impl Run {
     #[new]
-    #[pyo3(signature = (model, q, v, begin, duration, tolerance, stages, step, rate, keep, log, record))]
+    #[pyo3(signature = (model, q, v, begin, duration, tolerance, stages, step, rate, keep, log, record, figures))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn new(
         py: Python<'_>,
@@ -45,6 +45,7 @@ impl Run {
         keep: Vec<String>,
         log: Option<PathBuf>,
         record: bool,
+        figures: bool,
     ) -> PyResult<Self> {
         let mut simulation = Simulation::new(&model.inner).begin_at(begin);
         match (tolerance, stages, step) {
@@ -64,6 +65,9 @@ impl Run {
         }
         if let Some(log) = log {
             simulation = simulation.log(log);
+        }
+        if !figures {
+            simulation = simulation.without_figures();
         }
         let recording = SharedRecording::default();
         if record {
@@ -98,10 +102,40 @@ impl Run {
         Ok(())
     }
 
-    /// Whether these are still q and v as they were written last.
-    fn is_at(&self, q: Given<'_>, v: Given<'_>) -> PyResult<bool> {
+    /// Whether it is at this time, and these are still q and v as they were written last.
+    fn is_at(&self, py: Python<'_>, time: f64, q: Given<'_>, v: Given<'_>) -> PyResult<bool> {
+        let now = self.with(py, |simulation| Ok(simulation.time()))?;
         let written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(q.as_slice()? == written[0] && v.as_slice()? == written[1])
+        Ok(time == now && q.as_slice()? == written[0] && v.as_slice()? == written[1])
+    }
+
+    /// Goes on from there as a new run would.
+    fn place(&self, py: Python<'_>, time: f64, q: Given<'_>, v: Given<'_>) -> PyResult<()> {
+        let (q, v) = (numbers(&q), numbers(&v));
+        self.with(py, |simulation| simulation.place(time, &q, &v))?;
+        *self.written.lock().unwrap_or_else(PoisonError::into_inner) = [q, v];
+        Ok(())
+    }
+
+    /// Where it is, with all that the steps remember.
+    fn state(&self, py: Python<'_>) -> PyResult<State> {
+        Ok(State { inner: Mutex::new(self.with(py, Simulation::state)?) })
+    }
+
+    /// Goes on from there bit for bit.
+    fn set_state(&self, py: Python<'_>, state: &State) -> PyResult<()> {
+        let state = state.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        self.with(py, |simulation| simulation.set_state(&state))
+    }
+
+    /// Gives the motor of a joint a target.
+    fn set_target(&self, py: Python<'_>, joint: &str, target: f64) -> PyResult<()> {
+        self.with(py, |simulation| simulation.set_target(joint, target))
+    }
+
+    /// What sensors measure now.
+    fn sense(&self, py: Python<'_>) -> PyResult<crate::sensors::Sensed> {
+        Ok(crate::sensors::Sensed { inner: self.with(py, |simulation| simulation.sense())? })
     }
 
     fn pose<'py>(&self, py: Python<'py>, link: &str) -> PyResult<Vector<'py>> {
@@ -143,6 +177,56 @@ impl Run {
         let finished = py.detach(|| simulation.finish_told());
         let (report, told, model) = finished.map_err(|error| refuse(py, error))?;
         Ok(Recorded::new(report, told, model, self.recording.take()))
+    }
+}
+
+/// A run between two steps, as a value.
+#[pyclass(frozen, module = "catena._catena")]
+pub struct State {
+    inner: Mutex<catena::session::State>,
+}
+
+/// Runs side by side.
+#[pyclass(frozen, module = "catena._catena")]
+pub struct Batch {
+    inner: Mutex<catena::session::Batch>,
+}
+
+#[pymethods]
+impl Batch {
+    #[new]
+    #[pyo3(signature = (run, count, threads))]
+    fn new(py: Python<'_>, run: &Run, count: usize, threads: usize) -> PyResult<Self> {
+        let batch = run.with(py, |simulation| catena::session::Batch::new(simulation, count, threads))?;
+        Ok(Batch { inner: Mutex::new(batch) })
+    }
+
+    /// One run begins from there at time zero.
+    fn place(&self, py: Python<'_>, run: usize, q: Given<'_>, v: Given<'_>) -> PyResult<()> {
+        let mut batch = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        batch.place(run, &numbers(&q), &numbers(&v)).map_err(|error| refuse(py, error))
+    }
+
+    /// All go on for a duration (s) under efforts and targets, whose arrays may be empty, and write q and v; those that fail, and why.
+    fn step(
+        &self,
+        py: Python<'_>,
+        duration: f64,
+        efforts: Given<'_>,
+        targets: Given<'_>,
+        mut q: Written<'_>,
+        mut v: Written<'_>,
+    ) -> PyResult<Vec<(usize, String)>> {
+        let (efforts, targets) = (numbers(&efforts), numbers(&targets));
+        let (q, v) = (q.as_slice_mut()?, v.as_slice_mut()?);
+        let failed = py.detach(|| {
+            let mut batch = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let failed = batch.step(duration, &efforts, &targets)?;
+            batch.write_coordinates(q, v)?;
+            Ok(failed)
+        });
+        let failed: Vec<(usize, Error)> = failed.map_err(|error| refuse(py, error))?;
+        Ok(failed.into_iter().map(|(run, error)| (run, error.to_string())).collect())
     }
 }
 

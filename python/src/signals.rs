@@ -28,6 +28,10 @@ impl Observer for Watcher {
         Ok(())
     }
 
+    fn skips_samples(&self) -> bool {
+        true
+    }
+
     fn step(&mut self, _: &StepEnd) {
         if self.asked.elapsed() >= INTERVAL {
             self.asked = Instant::now();

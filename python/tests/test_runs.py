@@ -159,7 +159,7 @@ def test_floating_bases_have_quaternions(robots):
 def test_numbers_are_varied_without_files(arm):
     q = np.full(7, 0.3)
     heavier = arm.with_params({"flange.mass": 2 * arm.params["link.flange.mass"]})
-    assert heavier.params["link.flange.mass"] == arm.params["link.flange.mass"]
+    assert heavier.params["link.flange.mass"] == 2 * arm.params["link.flange.mass"], "what was set"
     assert heavier.mass_matrix(q)[0, 0] > arm.mass_matrix(q)[0, 0]
     moon = arm.with_params({"gravity.z": -9.81 / 6})
     assert np.allclose(moon.gravity_efforts(q), arm.gravity_efforts(q) / 6, rtol=1e-13, atol=0)
@@ -191,6 +191,41 @@ def test_the_equations_of_motion_fit_together(arm):
     moved = (arm.pose("flange", q + step * v)[:3] - arm.pose("flange", q - step * v)[:3]) / (2 * step)
     # Central differences leave some step² and rounding/step.
     assert np.allclose(arm.jacobian("flange", q)[:3] @ v, moved, rtol=0, atol=1e-8)
+
+
+def test_points_momentum_and_sensors_fit_together(arm):
+    rng = np.random.default_rng(11)
+    q, v, tau = rng.uniform(-1, 1, (3, 7))
+    a, point = arm.forward_dynamics(q, v, tau), (0.1, 0.2, -0.3)
+    jacobian = arm.jacobian("flange", q, point)
+    assert np.allclose(jacobian @ v, arm.velocity("flange", q, v, point), rtol=0, atol=1e-12)
+    there = jacobian @ a + arm.bias_acceleration("flange", q, v, point)
+    assert np.allclose(there, arm.acceleration("flange", q, v, a, point), rtol=0, atol=1e-10)
+    sim = catena.Sim(arm)
+    sim.q, sim.v = q, v
+    sim.set_efforts(tau)
+    sensed = sim.sense()
+    turn = quaternion_matrix(arm.pose("flange", q)[3:])
+    # An accelerometer feels the acceleration less gravity, in its own frame.
+    assert np.allclose(turn @ sensed.imu("flange", point)[:3], there[:3] + [0, 0, 9.81], rtol=0, atol=1e-8)
+    assert np.allclose(turn @ sensed.imu("flange")[3:], arm.velocity("flange", q, v)[3:], rtol=0, atol=1e-12)
+    mass = arm.momentum(q, v)[:3] / (arm.center_of_mass_jacobian(q) @ v)
+    assert np.ptp(mass) < 1e-9 and arm.center_of_mass(q).shape == (3,) and sensed.contact_force("flange").tolist() == [0, 0, 0]
+    noise, again = catena.Noise(0.1, bias=1.0, seed=3), catena.Noise(0.1, bias=1.0, seed=3)
+    noisy = noise(sensed.imu("flange"))
+    assert np.array_equal(noisy, again(sensed.imu("flange"))) and not np.array_equal(noise(noisy), noisy)
+
+
+def quaternion_matrix(quaternion):
+    """The rotation of a quaternion w, x, y, z."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def test_the_command_line_is_the_same(robots, tmp_path):

@@ -32,6 +32,7 @@ impl Integrator for Eventful {
             self.begin(mechanism, inputs, state)?;
         }
         self.heed(inputs, state);
+        self.follow_commands(inputs, state);
         let mut next = self.next_instant(state.time, until);
         if inputs.feedback.is_some() && self.pieces[self.current].steps.is_none() {
             next = next.min(state.time + LOOK);
@@ -90,7 +91,7 @@ impl Integrator for Eventful {
             velocity.copy_from_slice(&nearest.velocity);
             return;
         }
-        let piece = &mut pieces[*last];
+        let piece = &mut *pieces[*last];
         let Piece { moving, steps, small_position, small_velocity, .. } = piece;
         if let Some(steps) = steps {
             steps.dense(&moving.mechanism, time, small_position, small_velocity);

@@ -18,9 +18,11 @@ use crate::events::modes::present::Present;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::held::Closures;
 use crate::instant::holding::held::Held;
+use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::StepPace;
+use std::sync::Arc;
 
 /// Modes whose workspaces are kept.
 const KEPT_MODES: usize = 12;
@@ -106,7 +108,7 @@ impl Eventful {
         }
         let (positions, freedoms) = (moving.mechanism.position_count, moving.mechanism.velocity_count);
         let small = State::zero(&moving.mechanism);
-        let piece = Piece {
+        let piece = Shared::new(Piece {
             key,
             drives,
             steps,
@@ -118,8 +120,8 @@ impl Eventful {
             small_velocity: vec![0.0; freedoms],
             instants: Instants::default(),
             used: self.steps,
-            moving,
-        };
+            moving: Arc::new(moving),
+        });
         let oldest =
             (0..self.pieces.len()).filter(|&index| index != self.last).min_by_key(|&index| self.pieces[index].used);
         match oldest {

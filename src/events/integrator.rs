@@ -12,6 +12,9 @@ use crate::events::finding::detection::Looking;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
+use crate::events::modes::drives::Commands;
+use crate::events::modes::held::Held;
+
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::narrowed::Felt;
@@ -25,6 +28,7 @@ use crate::instant::holding::held::Held;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
@@ -34,6 +38,7 @@ use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Recipe;
 use nalgebra::Vector3;
 use std::cell::RefCell;
+use std::sync::Arc;
 
 /// A start that is outside its limits by so many times what counts as being on them is put there.
 const NEARLY: f64 = 1e5;
@@ -45,15 +50,16 @@ const LEFT: f64 = 1e-4;
 const MATTERS: f64 = 1e-9;
 
 /// The constrained Lobatto IIIA–IIIB scheme with events.
+#[derive(Clone)]
 pub struct Eventful {
-    pub(super) whole: Mechanism,
+    pub(super) whole: Arc<Mechanism>,
     pub(super) elements: Elements,
     pub(super) recipe: PieceRecipe,
     pub(super) response: Response,
-    pub(super) touching: Touching,
+    pub(super) touching: Arc<Touching>,
     pub(super) mode: Mode,
     pub(super) memory: Memory,
-    pub(super) pieces: Vec<Piece>,
+    pub(super) pieces: Vec<Shared<Piece>>,
     /// The piece in use, and that of the last step.
     pub(super) current: usize,
     pub(super) last: usize,
@@ -130,6 +136,8 @@ pub struct Eventful {
     pub(super) reporting: RefCell<Reporting>,
     /// Whether a companion goes along until the first event.
     pub(super) accompanied: bool,
+    /// Targets of motors that were given since the last step.
+    pub(super) commands: Commands,
 }
 
 /// The larger of two errors, if both are known.
@@ -162,7 +170,7 @@ impl Eventful {
             contacts: Vec::new(),
             idle: Vec::new(),
         };
-        let touching = Touching::new(mechanism);
+        let touching = Arc::new(Touching::new(mechanism));
         let state = State::zero(mechanism);
         let mut response = Response::new(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
@@ -225,7 +233,8 @@ impl Eventful {
             stepped_in: None,
             reporting: RefCell::new(Reporting::new(mechanism)),
             accompanied: false,
-            whole: mechanism.clone(),
+            commands: Commands::Known,
+            whole: Arc::new(mechanism.clone()),
         })
     }
 
@@ -292,10 +301,10 @@ impl Eventful {
     /// Takes a state that no step has left.
     pub(super) fn begin(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State) -> Result<(), StepError> {
         if self.is_other(mechanism) {
-            self.whole = mechanism.clone();
+            self.whole = Arc::new(mechanism.clone());
             self.response = Response::new(mechanism);
             self.reporting = RefCell::new(Reporting::new(mechanism));
-            self.touching = Touching::new(mechanism);
+            self.touching = Arc::new(Touching::new(mechanism));
             self.pieces.clear();
         }
         if self.left.is_none() {

@@ -29,6 +29,7 @@
 mod as_integrator;
 mod ballistic;
 mod closing;
+mod commanded;
 mod contact_points;
 mod covered;
 mod crowding;

@@ -176,7 +176,7 @@ impl Eventful {
 
     /// What all forces push with, added up [N or N m].
     fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
-        let Piece { moving, small, .. } = &self.pieces[self.current];
+        let Piece { moving, small, .. } = &*self.pieces[self.current];
         let driving = self.mode.driving_efforts(&self.elements, inputs, end);
         let efforts = driving.iter().map(|effort| effort.abs()).sum();
         Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)

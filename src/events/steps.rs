@@ -259,7 +259,7 @@ impl Eventful {
 
     /// Whether the mode goes on under efforts that have jumped: the forces that hold joints and contacts stay in their sets. A mode that was entered
     /// at this very instant was decided under the efforts before, and is decided anew.
-    fn goes_on_under(&mut self, inputs: Inputs, state: &State) -> bool {
+    pub(super) fn goes_on_under(&mut self, inputs: Inputs, state: &State) -> bool {
         let held = self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
         if !held && self.mode.contacts.is_empty() {
             return true;
@@ -334,7 +334,7 @@ impl Eventful {
                 friction += f64::from(*sliding) * moved * joint.friction;
             }
         }
-        let Piece { drives, steps, small, small_start, .. } = &mut self.pieces[self.current];
+        let Piece { drives, steps, small, small_start, .. } = &mut *self.pieces[self.current];
         let (given, taken) =
             steps.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own.as_ref(), small_start, small));
         // Without dampers it is all of the motors, and no rounding of a difference.

@@ -19,10 +19,10 @@ use crate::dop853_step::{END_SLOPE, ORDER, Work};
 use crate::dop853_table::SOLUTION;
 use crate::ode::{ReducedOde, joint_of_entry};
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::ground::guarded::Guarded;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
-use std::cell::RefCell;
 
 /// Factor on the step that the error estimate asks for.
 const SAFETY: f64 = 0.9;
@@ -52,7 +52,7 @@ pub struct Dop853 {
     /// Efforts that drive the joints.
     efforts: Vec<f64>,
     /// In a cell because dense output evaluates further slopes, and only when it is asked for.
-    work: RefCell<Work>,
+    work: Guarded<Work>,
 }
 
 /// How steps are chosen.
@@ -92,7 +92,7 @@ impl Dop853 {
             accepted: 0,
             accepted_time: 0.0,
             efforts: Vec::new(),
-            work: RefCell::new(Work::new(ode)),
+            work: Guarded::new(Work::new(ode)),
         }
     }
 }
@@ -190,7 +190,7 @@ impl Integrator for Dop853 {
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let step = self.end_time - self.start_time;
-        let work = &mut *self.work.borrow_mut();
+        let work = &mut *self.work.lock();
         if !work.polynomial_is_current {
             work.find_polynomial(step, Inputs::NONE);
         }
@@ -244,7 +244,7 @@ impl Dop853 {
 
     /// The mean square `Σ b_i q̇_i²` of the rate of a scalar coordinate over the last step, by its position [(m/s)² or (rad/s)²].
     pub fn mean_square_rate(&self, position: usize) -> f64 {
-        let work = self.work.borrow();
+        let work = self.work.lock();
         let n = work.start.len();
         SOLUTION.iter().map(|&(stage, weight)| weight * work.slopes[stage * n + position].powi(2)).sum()
     }

@@ -17,7 +17,7 @@ use crate::output::report::{
     singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
-use crate::session::description::{Origin, TOLD, description, figures};
+use crate::session::description::{Origin, TOLD, WENT_ON, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
 use crate::simulation::{Finished, RunError, Simulation, Summary};
@@ -232,6 +232,11 @@ impl Told {
     /// Who controlled the run, if its files alone do not say.
     pub fn driven(&self) -> Option<&str> {
         self.origin.driven.as_deref()
+    }
+
+    /// The program that decided on efforts, if there was one: reactions do not follow from the states of such a run.
+    pub fn controlled(&self) -> Option<&str> {
+        self.driven().filter(|by| *by != WENT_ON)
     }
 
     /// Writes the log of a recorded run: the same bytes as a log written during the run.

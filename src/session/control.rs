@@ -55,6 +55,16 @@ impl Control {
         self.begin + self.asked as f64 * self.period
     }
 
+    /// When it began to be asked (s), and how often it was.
+    pub fn ticks(&self) -> (f64, u64) {
+        (self.begin, self.asked)
+    }
+
+    /// Is asked next after so many periods from a time on (s).
+    pub fn ask_from(&mut self, (begin, asked): (f64, u64)) {
+        (self.begin, self.asked) = (begin, asked);
+    }
+
     /// Whether the next call is due at this time.
     pub fn is_due(&self, time: f64) -> bool {
         time >= self.next()
@@ -71,7 +81,8 @@ impl Control {
         if let Some(index) = efforts.iter().position(|effort| !effort.is_finite()) {
             let joint = places.joints().iter().find(|joint| joint.v.contains(&index));
             let joint = joint.map_or(String::new(), |joint| joint.name.clone());
-            return Err(InputError::NotFinite { joint, effort: efforts[index] }.into());
+            let failure = Box::new(InputError::NotFinite { joint, effort: efforts[index] });
+            return Err(Error::Controller { time: state.time, failure });
         }
         places.efforts_of_state(model.description(), &state.position, efforts, of_state);
         *asked += 1;

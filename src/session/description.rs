@@ -9,6 +9,12 @@ use std::collections::BTreeMap;
 /// The log entry that names who controlled the run, if its files alone do not say.
 pub const DRIVEN: &str = "driven";
 
+/// The same of a run that nobody controlled, and that began where another run had ended.
+pub(crate) const WENT_ON: &str = "it went on where another run had ended";
+
+/// The same of a run that a program made step by step.
+pub(crate) const STEPPED: &str = "a program has stepped it";
+
 /// The log entry that says that the run estimated its own error, without trial runs.
 pub const TOLD: &str = "accuracy";
 

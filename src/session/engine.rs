@@ -64,6 +64,11 @@ impl Watch {
         self.recorder.is_none() && self.speeds.is_none() && self.others.is_empty()
     }
 
+    /// Whether an observer looks at samples.
+    pub fn looks(&self) -> bool {
+        self.recorder.is_some() || self.others.iter().any(|observer| !observer.skips_samples())
+    }
+
     fn all(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
         let recorder = self.recorder.iter_mut().map(|one| one as &mut dyn Observer);
         let speeds = self.speeds.iter_mut().map(|one| one as &mut dyn Observer);
@@ -94,5 +99,9 @@ impl Observer for Watch {
 
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.all().for_each(|observer| observer.contacts(points));
+    }
+
+    fn skips_samples(&self) -> bool {
+        !self.looks()
     }
 }

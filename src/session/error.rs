@@ -105,12 +105,50 @@ pub enum Error {
         /// The links that exist (the first ones, if there are many).
         known: String,
     },
+    /// The joint has no motor.
+    #[error("joint {joint:?} has no motor; the joints with motors are {known}")]
+    NoMotor {
+        /// The joint.
+        joint: String,
+        /// The joints that have motors (the first ones, if there are many).
+        known: String,
+    },
+    /// A sensor of one freedom is on a joint of several.
+    #[error("joint {0:?} has not one freedom: ask for its wrench")]
+    NotOneFreedom(String),
+    /// Efforts cannot give these accelerations.
+    #[error(
+        "these accelerations are {left:e} (rad/s², m/s²) away from any that the loops, mimic relations and joints allow: give accelerations that fit them"
+    )]
+    ImpossibleAcceleration {
+        /// How far they are from the nearest [rad/s², m/s²].
+        left: f64,
+    },
     /// Some motions of the tree move no mass.
     #[error("the mass matrix is singular here: some motion of the joints moves no mass")]
     SingularMass,
     /// A setting must be made before the first step.
     #[error("{0}: the run has begun; set it before the first step")]
     Begun(&'static str),
+    /// A run with a log cannot go back.
+    #[error("a run with a log goes on in time alone: leave the log out to take states back or to start elsewhere")]
+    Logged,
+    /// A result of Python that was pickled has no log.
+    #[error("a result that was pickled has samples and a report, and no log any more: write logs and pages before")]
+    Pickled,
+    /// A state is of another model.
+    #[error("the state is of {state:?}, and the run of {run:?}: take states of the same model")]
+    OtherModel {
+        /// The model of the state.
+        state: String,
+        /// That of the run.
+        run: String,
+    },
+    /// A state is of a run with other settings.
+    #[error(
+        "the state is of a run with other steps or other parts that rest: take states of runs with the same settings"
+    )]
+    OtherSettings,
     /// The run has ended.
     #[error("the run ended at t = {0} s; start a new one")]
     Over(f64),

@@ -9,6 +9,7 @@
 
 mod account;
 mod asked;
+mod batch;
 mod control;
 mod coordinates;
 mod description;
@@ -17,12 +18,17 @@ mod engine;
 mod error;
 mod held_start;
 mod loaded;
+mod many;
 mod model;
 mod place;
+mod quantities;
 mod recording;
 mod rollout;
 mod running;
+mod sensors;
 mod simulation;
+mod state;
+mod ticks;
 mod words;
 mod world;
 
@@ -36,6 +42,7 @@ pub use crate::scene::Touching;
 pub use account::{Account, Begun, Closed, Ended, Told};
 #[doc(hidden)]
 pub use asked::{Asked, Settled};
+pub use batch::Batch;
 pub use control::Moment;
 pub use coordinates::{Coordinates, JointPlace};
 #[doc(hidden)]
@@ -45,6 +52,7 @@ pub use held_start::Hold;
 pub(crate) use held_start::mechanism_from;
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
+pub use many::{Rollout, Trajectories};
 pub use model::{Loader, Model};
 #[cfg(feature = "log")]
 #[doc(hidden)]
@@ -52,7 +60,8 @@ pub use place::check_log;
 #[doc(hidden)]
 pub use place::{check_place, folder_of, is_special};
 pub use recording::{Recording, SharedRecording};
-pub use rollout::{Rollout, Trajectories};
+pub use sensors::{Noise, Sensed};
 pub use simulation::{JointValue, Simulation};
+pub use state::State;
 #[doc(hidden)]
 pub use world::World;

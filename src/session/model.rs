@@ -33,7 +33,7 @@ pub struct Model {
 }
 
 #[derive(Clone, Debug)]
-struct Shared {
+pub(crate) struct Shared {
     loaded: Loaded,
     coordinates: Coordinates,
     path: PathBuf,
@@ -176,18 +176,28 @@ impl Model {
         Ok(self.shared.scene.get_or_init(|| scene).clone())
     }
 
-    /// All numbers that have a key path, and their values in the files (`None` where no file has one).
+    /// All numbers that have a key path, and their values: those that were set, or else those of the files (`None` where no file has one).
     ///
     /// # Errors
     /// As of [`Model::load`].
     pub fn params(&self) -> Result<Vec<(String, Option<f64>)>, Error> {
-        let scene = self.scene()?;
+        let mut scene = Scene::clone(&*self.scene()?);
+        self.world().set_numbers(&mut scene)?;
         Ok(scene.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
     }
 
     /// Names of the movable joints, in the order of q and v.
     pub fn joint_names(&self) -> Vec<&str> {
         self.coordinates().joints().iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// Names of the joints with motors, in the order of targets.
+    pub fn motor_names(&self) -> Vec<&str> {
+        let mechanism = &self.description().mechanism;
+        let joints = self.coordinates().joints();
+        let of = |freedom: usize| joints.iter().find(|joint| joint.v.contains(&freedom));
+        let motors = mechanism.nonsmooth.motors.iter();
+        motors.map(|motor| of(motor.coordinate.freedom).map_or("", |joint| joint.name.as_str())).collect()
     }
 
     /// Names of all links, in the order of the file.
@@ -282,6 +292,15 @@ impl Model {
     /// The path of the file, as given.
     pub fn path(&self) -> &Path {
         &self.shared.path
+    }
+
+    pub(crate) fn unknown_joint(&self, joint: &str) -> Error {
+        let known = self.joint_names().into_iter().map(str::to_string).collect();
+        crate::model::ModelError::UnknownJoint { joint: joint.to_string(), known }.into()
+    }
+
+    pub(crate) fn shared(&self) -> &Arc<Shared> {
+        &self.shared
     }
 
     pub(crate) fn world(&self) -> &World {

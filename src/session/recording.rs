@@ -52,6 +52,14 @@ impl Recording {
         self.contacts.iter().map(|(sample, points)| (*sample, points.as_slice()))
     }
 
+    /// Adds a contact at a sample, after all of earlier samples.
+    pub fn add_contact(&mut self, sample: usize, point: ContactPoint) {
+        match self.contacts.last_mut() {
+            Some((last, points)) if *last == sample => points.push(point),
+            _ => self.contacts.push((sample, vec![point])),
+        }
+    }
+
     /// Replays the run to another observer.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ use crate::session::description::Origin;
 use crate::session::engine::{Engine, Held, Watch};
 use crate::session::error::Error;
 use crate::session::model::Model;
-use crate::simulation::{Observer, Simulation, SimulationOptions};
+use crate::simulation::{Checkpoint, Observer, Simulation, SimulationOptions};
 use self_cell::MutBorrow;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -38,6 +38,12 @@ pub(crate) struct Course<'c> {
     pub others: Vec<Box<dyn Observer>>,
     /// Whether a program controls the run.
     pub driven: bool,
+    /// Whether a program makes its steps, or decides on its efforts.
+    pub stepped: bool,
+    /// Whether it gives targets to motors.
+    pub aimed: bool,
+    /// Whether figures are wanted.
+    pub figures: bool,
     /// Efforts along the velocities of the state.
     pub efforts: Option<&'c [f64]>,
     pub log: Option<(PathBuf, LogOptions)>,
@@ -49,8 +55,11 @@ pub(crate) struct Running {
     pub engine: Engine,
     begun: Begun,
     origin: Origin,
-    /// The end of the run (s).
+    /// The end of the run (s), and its length (s).
     pub end: f64,
+    pub duration: f64,
+    /// A copy from before the first step of a run that a program makes.
+    fresh: Option<Checkpoint>,
 }
 
 /// A finished run.
@@ -59,6 +68,8 @@ pub(crate) struct Finish {
     pub told: Told,
     pub model: Model,
     pub state: State,
+    /// Observers.
+    pub others: Vec<Box<dyn Observer>>,
 }
 
 impl Running {
@@ -67,18 +78,32 @@ impl Running {
     /// # Errors
     /// Invalid steps or efforts, or a log that cannot be created.
     pub fn begin(course: Course) -> Result<Self, Error> {
-        let Course { model, settled, state, counted, kept, interrupt, others, driven, efforts, log, origin } = course;
+        let Course {
+            model,
+            settled,
+            state,
+            counted,
+            kept,
+            interrupt,
+            others,
+            driven,
+            stepped,
+            aimed,
+            figures,
+            efforts,
+            log,
+            origin,
+        } = course;
         let Settled { duration, choice, rate } = settled;
         let start = state.time;
-        let mut begun = None;
+        let (mut begun, mut fresh) = (None, None);
         let watch = Watch { recorder: None, speeds: SpeedWatch::new(model.description()), others };
         // Reactions follow from a state and the model alone, without the efforts of a program.
         let log = log.map(|(path, options)| match driven {
+            true if aimed => (path, options.without("/reactions").without("/motors")),
             true => (path, options.without("/reactions")),
             false => (path, options),
         });
-        // A run cannot restart if a program has seen a part of it.
-        let at_once = origin.driven.is_none();
         let held = Held { model, kept, interrupt: interrupt.clone(), watch: MutBorrow::new(watch) };
         let engine = Engine::try_new(held, |held| {
             let description = held.model.description();
@@ -89,9 +114,14 @@ impl Running {
                 interrupt: Some(&held.interrupt),
             };
             let account = Account::open(description, &state, settled);
-            let make = if at_once { Simulation::at_once } else { Simulation::from_counted };
+            // A run cannot restart if a program has seen a part of it.
+            let make = if stepped { Simulation::stepped } else { Simulation::at_once };
             let mut simulation = make(&description.mechanism, state, counted.clone(), options)?;
             let known = account.begun(description, counted.as_deref(), &simulation);
+            if !figures {
+                simulation.leave_out_figures();
+            }
+            fresh = if stepped { simulation.checkpoint() } else { None };
             if let Some(efforts) = efforts {
                 simulation.set_efforts(efforts)?;
             }
@@ -104,14 +134,26 @@ impl Running {
                 watch.recorder = Some(recorder);
             }
             begun = Some(known);
-            if !watch.is_empty() {
+            if watch.looks() {
                 simulation.sample_at(rate);
+            }
+            if !watch.is_empty() {
                 simulation.observe(watch);
             }
             Ok::<_, Error>(Some(simulation))
         })?;
         let begun = begun.ok_or(Error::Over(start))?;
-        Ok(Running { engine, begun, origin, end: start + duration })
+        Ok(Running { engine, begun, origin, end: start + duration, duration, fresh })
+    }
+
+    /// Goes on from another state as a new run would; stays as it is and returns `false` if that needs a new one.
+    pub fn place(&mut self, state: &State) -> bool {
+        let Running { engine, fresh: Some(fresh), end, duration, .. } = self else { return false };
+        let placed = engine.with_mut(|simulation| simulation.place(fresh, state)).unwrap_or(false);
+        if placed {
+            *end = state.time + *duration;
+        }
+        placed
     }
 
     /// Makes steps until `until` (s) or the end of the run, under a controller if there is one.
@@ -152,18 +194,18 @@ impl Running {
         let Running { engine, begun, origin, .. } = self;
         let Some((finished, held)) = engine.finish() else { return (None, ended) };
         let Held { model, watch, .. } = held;
-        let Watch { recorder, speeds, .. } = watch.into_inner();
+        let Watch { recorder, speeds, others } = watch.into_inner();
         let state = finished.state.clone();
         let loaded = under_efforts(&model, efforts);
         let ended = Ended { finished, ended, checked: None, speeds: speeds.as_ref(), recorder, output };
         let input = model.path().display().to_string();
         let Closed { report, ended, told } = begun.close(&loaded, input, &origin, ended);
-        (Some(Finish { report, told, model, state }), ended)
+        (Some(Finish { report, told, model, state, others }), ended)
     }
 }
 
 /// The model with the efforts as loads, so that reactions include them.
-fn under_efforts<'m>(model: &'m Model, efforts: Option<&[f64]>) -> Cow<'m, crate::model::Model> {
+pub(crate) fn under_efforts<'m>(model: &'m Model, efforts: Option<&[f64]>) -> Cow<'m, crate::model::Model> {
     let description = model.description();
     let acting = || efforts.into_iter().flatten().enumerate().filter(|(_, effort)| **effort != 0.0);
     if acting().next().is_none() {

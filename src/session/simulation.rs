@@ -15,6 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 mod now;
+mod state;
 mod steps;
 
 /// A run of a model. Its settings come first; the first step begins the run.
@@ -44,6 +45,9 @@ pub struct Simulation {
     log: Option<(PathBuf, LogOptions)>,
     observers: Vec<Box<dyn Observer>>,
     interrupt: Arc<AtomicBool>,
+    figures: bool,
+    /// Whether the program has given targets to motors.
+    aimed: bool,
     control: Option<Control>,
     /// Efforts along the velocities of the state.
     efforts: Option<Vec<f64>>,
@@ -51,6 +55,9 @@ pub struct Simulation {
     running: Option<Running>,
     ended: Option<Finish>,
 }
+
+/// Numbers of joints.
+type Starts = Vec<(String, Vec<f64>)>;
 
 /// One number or several numbers for a joint.
 pub trait JointValue {
@@ -89,6 +96,8 @@ impl Simulation {
             log: None,
             observers: Vec::new(),
             interrupt: Arc::default(),
+            figures: true,
+            aimed: false,
             control: None,
             efforts: None,
             started: OnceCell::new(),
@@ -174,8 +183,14 @@ impl Simulation {
         let places = self.model.coordinates();
         places.check("q", q, places.q_count(), |joint| &joint.q)?;
         places.check("v", v, places.v_count(), |joint| &joint.v)?;
-        let (positions, velocities) = (places.by_joint(q, |joint| &joint.q), places.by_joint(v, |joint| &joint.v));
+        let (positions, velocities) = self.listed(q, v);
         self.start_at(positions, velocities)
+    }
+
+    /// q and v by joints.
+    fn listed(&self, q: &[f64], v: &[f64]) -> (Starts, Starts) {
+        let places = self.model.coordinates();
+        (places.by_joint(q, |joint| &joint.q), places.by_joint(v, |joint| &joint.v))
     }
 
     fn start_at(
@@ -219,9 +234,21 @@ impl Simulation {
         self
     }
 
+    /// Leaves out the figures of the report: energies, constraint errors and times of steps, for steps that cost less.
+    #[must_use]
+    pub fn without_figures(mut self) -> Self {
+        self.figures = false;
+        self
+    }
+
     /// A flag that ends the run after its current step when it is set.
     pub fn interrupt(&self) -> Arc<AtomicBool> {
         self.interrupt.clone()
+    }
+
+    /// Its model.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// The assembled start.

@@ -69,7 +69,7 @@ impl World {
     }
 
     /// Sets the numbers.
-    fn set_numbers(&self, scene: &mut Scene) -> Result<(), Error> {
+    pub(crate) fn set_numbers(&self, scene: &mut Scene) -> Result<(), Error> {
         if self.set.is_empty() {
             return Ok(());
         }

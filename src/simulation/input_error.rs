@@ -1,6 +1,6 @@
-//! Why a run does not take efforts.
+//! Why a run does not take efforts and targets.
 
-/// Why efforts cannot be taken.
+/// Why efforts or targets cannot be taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InputError {
     /// Their number.
@@ -10,6 +10,22 @@ pub enum InputError {
         given: usize,
         /// How many are wanted.
         wanted: usize,
+    },
+    /// There is no such motor.
+    #[error("motor {motor} of {count}: give the number of a motor, from 0")]
+    NoMotor {
+        /// The given number.
+        motor: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A target is not a finite number.
+    #[error("the target of the motor of joint {joint:?} is {target}: give a finite number")]
+    Target {
+        /// The joint.
+        joint: String,
+        /// What was given.
+        target: f64,
     },
     /// One of them is not a finite number.
     #[error("the effort on joint {joint:?} is {effort}: give a finite number")]

@@ -5,6 +5,7 @@ use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::islands::Islands;
 use crate::simulation::parallel::partition::Plan;
@@ -12,9 +13,11 @@ use crate::simulation::parallel::threads::Threads;
 use crate::simulation::steps::making::Making;
 use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy, calibrate_counted};
 use crate::simulation::tolerance::assessed::Assessed;
-use crate::simulation::tolerance::terms::Terms;
+use crate::simulation::tolerance::terms::{Terms, first_stop};
 use crate::simulation::tolerance::trial_run::CalibrationError;
 use crate::stepping::integrator::MethodError;
+use crate::stepping::length::stage_choice::StageChoice;
+use crate::stepping::recipe::Steps;
 use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -54,6 +57,17 @@ pub(crate) enum Integrators<'a> {
 /// The results of calibration: one entry per integrator.
 pub(crate) type Calibrations = Vec<Result<Calibration, UnknownAccuracy>>;
 
+/// Who estimates the error of a run with a tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Estimate {
+    /// Trial runs before it, which calibrate its steps.
+    Trials,
+    /// The run itself, which may restart.
+    Itself,
+    /// Neither: a program makes its steps, and may change it between them.
+    Missing,
+}
+
 /// The settings of the steps of a run.
 pub(crate) struct Wanted<'a> {
     pub choice: StepChoice,
@@ -63,8 +77,8 @@ pub(crate) struct Wanted<'a> {
     pub interrupt: Option<&'a AtomicBool>,
     /// The ranks of the closures of the whole mechanism at the start.
     pub counted: Option<Arc<Counted>>,
-    /// Whether the run estimates its error itself and may restart; otherwise trial runs do before it.
-    pub at_once: bool,
+    /// Who estimates the error of a run with a tolerance.
+    pub estimate: Estimate,
     /// CPU time of trial runs (s).
     pub spent: Mutex<f64>,
 }
@@ -178,8 +192,13 @@ impl<'a> Wanted<'a> {
         let Some(tolerance) = self.choice.tolerance() else {
             return Ok((uncalibrated()?.into(), Err(UnknownAccuracy::NotAsked)));
         };
+        if self.estimate == Estimate::Missing {
+            let (stop, stages) = (first_stop(mechanism, tolerance), StageChoice::of(mechanism, tolerance));
+            let run = RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop, stages }, kept)?;
+            return Ok((run.counted(counted).into(), Err(UnknownAccuracy::Stepped)));
+        }
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));
-        if self.at_once || !estimate {
+        if self.estimate == Estimate::Itself || !estimate {
             let (start, end) = (state.time, state.time + self.duration);
             let kept = kept.to_vec();
             let terms = Terms { tolerance, start, end, kept, counted, interrupt: self.interrupt, estimate };

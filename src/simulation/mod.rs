@@ -7,12 +7,16 @@
 //! | what | where |
 //! |---|---|
 //! | the run as an object | `run`, `integrators`; what it tells: `finished` |
+//! | copies of a run, from which it goes on | `checkpoint` |
+//! | efforts and targets that a program sets | `acting` |
 //! | controllers, which set efforts | `controller`, `continuous` |
 //! | the integrator, and how steps are chosen | `method` |
 //! | error estimates for a tolerance, during runs and before | `tolerance` |
 //! | one mechanism, step by step | `steps` |
 //! | islands in parallel | `parallel` |
 
+mod acting;
+mod checkpoint;
 mod continuous;
 mod controller;
 mod finished;
@@ -28,6 +32,7 @@ pub mod steps;
 #[doc(hidden)]
 pub mod tolerance;
 
+pub use checkpoint::Checkpoint;
 pub use continuous::ContinuousController;
 pub use controller::{ControlError, Controller};
 pub use finished::Finished;

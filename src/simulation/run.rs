@@ -11,8 +11,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::state::State;
-use crate::simulation::input_error::InputError;
-use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
+use crate::simulation::integrators::{Calibrations, Estimate, Integrators, SimulationError, Wanted};
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
@@ -67,13 +66,15 @@ pub struct Simulation<'s> {
     pub(super) start: Option<State>,
     /// CPU time of trial runs, and of discarded parts of the run (s).
     pub(super) spent: f64,
-    efforts: Vec<f64>,
+    pub(super) efforts: Vec<f64>,
     pub(super) integrators: Integrators<'s>,
     pub(super) choice: StepChoice,
     pub(super) calibrations: Calibrations,
     /// Islands, and how many of them sleep, before small ones were put together.
     pub(super) parts: (usize, usize),
-    options: RunOptions<'s>,
+    pub(super) options: RunOptions<'s>,
+    /// Rules that leave nothing out.
+    pub(super) switched_off: &'s [Rule],
     pub(super) end: f64,
     observers: Vec<&'s mut dyn Observer>,
     /// Whether figures are wanted.
@@ -114,7 +115,21 @@ impl<'s> Simulation<'s> {
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, true)
+        Self::with(mechanism, state, counted, options, Estimate::Itself)
+    }
+
+    /// The same for a program that makes the run step by step: without an estimate of its error, so that it costs what its steps cost. Each step
+    /// keeps to its share of the tolerance.
+    ///
+    /// # Errors
+    /// [`SimulationError`] for stages and steps that cannot be.
+    pub fn stepped(
+        mechanism: &'s Mechanism,
+        state: State,
+        counted: Option<Arc<Counted>>,
+        options: SimulationOptions<'s>,
+    ) -> Result<Self, SimulationError> {
+        Self::with(mechanism, state, counted, options, Estimate::Missing)
     }
 
     /// The same from a state in which the closures were counted already, if there are any.
@@ -127,7 +142,7 @@ impl<'s> Simulation<'s> {
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, false)
+        Self::with(mechanism, state, counted, options, Estimate::Trials)
     }
 
     fn with(
@@ -135,13 +150,13 @@ impl<'s> Simulation<'s> {
         state: State,
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
-        at_once: bool,
+        estimate: Estimate,
     ) -> Result<Self, SimulationError> {
         let SimulationOptions { duration, steps, switched_off, interrupt } = options;
         let plan = Plan::from_counted(mechanism, &state, switched_off, counted.as_ref());
         let parts = (plan.islands.len(), plan.sleeping());
-        let start = (at_once && steps.tolerance().is_some()).then(|| state.clone());
-        let wanted = Wanted { choice: steps, duration, interrupt, counted, at_once, spent: Mutex::default() };
+        let start = (estimate == Estimate::Itself && steps.tolerance().is_some()).then(|| state.clone());
+        let wanted = Wanted { choice: steps, duration, interrupt, counted, estimate, spent: Mutex::default() };
         let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,
@@ -155,6 +170,7 @@ impl<'s> Simulation<'s> {
             calibrations,
             parts,
             options: RunOptions { duration, rate: None, interrupt },
+            switched_off,
             observers: Vec::new(),
             figures: true,
             together: false,
@@ -177,24 +193,6 @@ impl<'s> Simulation<'s> {
     /// step. Unconnected parts have their figures all the same.
     pub(crate) fn leave_out_figures(&mut self) {
         self.figures = false;
-    }
-
-    /// Efforts on the joints from now on, besides the forces of the mechanism: one entry a degree of freedom [N m or N].
-    ///
-    /// # Errors
-    /// [`InputError`] for another number of efforts and for what is not finite.
-    pub fn set_efforts(&mut self, efforts: &[f64]) -> Result<(), InputError> {
-        let wanted = self.mechanism.velocity_count;
-        if efforts.len() != wanted {
-            return Err(InputError::Count { given: efforts.len(), wanted });
-        }
-        if let Some(freedom) = efforts.iter().position(|effort| !effort.is_finite()) {
-            let joint = self.mechanism.joint_of_freedom(freedom).to_string();
-            return Err(InputError::NotFinite { joint, effort: efforts[freedom] });
-        }
-        self.efforts.clear();
-        self.efforts.extend_from_slice(efforts);
-        Ok(())
     }
 
     /// Makes steps until `time` (s), exactly; not beyond the end of the run.
@@ -223,7 +221,7 @@ impl<'s> Simulation<'s> {
     }
 
     /// What a program has decided on in the meantime cannot be made again.
-    fn settle(&mut self) {
+    pub(super) fn settle(&mut self) {
         if self.start.take().is_some() {
             self.integrators.settle(self.mechanism, &self.state);
         }

@@ -44,6 +44,7 @@ pub use methods::MethodError;
 /// assert!(energy.abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct Lobatto {
     stepper: Stepper,
     mode: Mode,
@@ -55,6 +56,7 @@ pub struct Lobatto {
 }
 
 /// How the lengths of the steps come about.
+#[derive(Clone)]
 enum Mode {
     Fixed(FixedSteps),
     Chosen(Control),

@@ -3,7 +3,10 @@
 mod bad_input;
 mod control;
 mod dynamics;
+mod quantities;
 mod runs;
+mod sensors;
+mod states;
 
 use std::path::{Path, PathBuf};
 

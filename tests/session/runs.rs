@@ -211,3 +211,16 @@ fn numbers_set_by_key_are_those_of_another_file_and_replayed() {
     assert!(model.with_params([("arm.mass", -1.0)]).expect_err("refused").to_string().contains("arm.mass"));
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn the_lines_of_the_readme_are_those_of_an_example_that_compiles_with_the_features_it_names() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let [readme, example] =
+        ["README.md", "examples/readme_lines.rs"].map(|file| std::fs::read_to_string(root.join(file)).expect("a file"));
+    let block = readme.split("```rust").nth(1).and_then(|rest| rest.split("```").next()).expect("lines of Rust");
+    let squeezed = |text: &str| text.chars().filter(|character| !character.is_whitespace()).collect::<String>();
+    let example = squeezed(&example).replace("&log", "\"run.mcap\"");
+    for line in block.lines().filter(|line| !line.trim().is_empty()) {
+        assert!(example.contains(&squeezed(line)), "{line}");
+    }
+}

@@ -31,6 +31,7 @@ const SINGULAR: f64 = 1e-10;
 const FALLS: f64 = 1e-10;
 
 /// The forces of one instant.
+#[derive(Clone)]
 pub(crate) struct ClosedForces {
     /// λ of the held joints [N m or N], by their numbers among the elements.
     pub joints: Vec<(usize, f64)>,
@@ -45,6 +46,7 @@ pub(crate) struct ClosedForces {
 }
 
 /// What is held at an instant, and whether it falls together.
+#[derive(Clone)]
 pub(crate) struct Load {
     held: Closing,
     together: bool,
@@ -96,6 +98,7 @@ pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -
 }
 
 /// What is closed and held at an instant, and how it answers.
+#[derive(Clone)]
 pub(crate) struct Closing {
     bodies: Vec<BodyState>,
     pub blocks: Vec<Block>,
@@ -273,6 +276,7 @@ impl Stop {
 }
 
 /// Which rows are equations, and what their forces push with.
+#[derive(Clone)]
 pub(crate) struct Chosen {
     /// The row of each equation, and for a contact that slides μ t.
     equations: Vec<(usize, Option<[f64; 2]>)>,

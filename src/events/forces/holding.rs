@@ -33,6 +33,7 @@ const SHARED_ROUNDING: f64 = 1e-9;
 const UNLOADED: f64 = 1e-15;
 
 /// Works out what holds the joints of one mode.
+#[derive(Clone)]
 pub(crate) struct Holding {
     /// Index among the elements, and degree of freedom, of each held joint.
     joints: Vec<(usize, usize)>,
@@ -52,6 +53,7 @@ pub(crate) struct Holding {
     how: How,
 }
 
+#[derive(Clone)]
 enum How {
     /// Nothing is held.
     Nothing,
@@ -62,6 +64,7 @@ enum How {
 }
 
 /// The workspace for a tree.
+#[derive(Clone)]
 struct Tree {
     /// Of what moves.
     response: Response,

@@ -16,6 +16,7 @@ use crate::mechanism::motion::state::State;
 const ROUNDING: f64 = 1e-12;
 
 /// Works out the forces that are reported, of one state after another.
+#[derive(Clone)]
 pub(crate) struct Reporting {
     response: Response,
     /// The state and efforts that were asked for last.

@@ -22,7 +22,20 @@ use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use crate::mechanism::motion::inputs::ChangingEfforts;
 use crate::mechanism::motion::state::State;
 
+/// How far the steps know of the targets that were given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Commands {
+    /// All is known, or no target was given.
+    #[default]
+    Known,
+    /// A motor that follows commands has another target.
+    Given,
+    /// A motor follows its first command: it is no spring any more.
+    Begun,
+}
+
 /// The motors of a mode that follow their laws and move something.
+#[derive(Clone)]
 pub(crate) struct Drives {
     entries: Vec<Drive>,
     /// Those of them whose efforts change in time, and the freedoms along which they act.
@@ -33,8 +46,11 @@ pub(crate) struct Drives {
     rates: Vec<f64>,
 }
 
+#[derive(Clone)]
 struct Drive {
     motor: Motor,
+    /// Its number.
+    index: usize,
     /// In what moves.
     coordinate: Coordinate,
     /// r₀.
@@ -46,7 +62,7 @@ impl Drives {
     pub fn add(elements: &Elements, mode: &Mode, whole: &Mechanism, held: &mut Held) -> Self {
         let mut drives =
             Drives { entries: Vec::new(), changing: Vec::new(), freedoms: Vec::new(), since: 0.0, rates: Vec::new() };
-        for (motor, mode) in elements.motors.iter().zip(&mode.motors) {
+        for (index, (motor, mode)) in elements.motors.iter().zip(&mode.motors).enumerate() {
             let Some(coordinate) = held.coordinate(whole, motor.coordinate) else { continue };
             if *mode != MotorMode::Unbounded {
                 continue;
@@ -66,9 +82,21 @@ impl Drives {
                 drives.changing.push(drives.entries.len());
                 drives.freedoms.push(coordinate.freedom);
             }
-            drives.entries.push(Drive { motor: motor.clone(), coordinate, rest });
+            drives.entries.push(Drive { motor: motor.clone(), index, coordinate, rest });
         }
         drives
+    }
+
+    /// Whether motors that follow commands have other targets now.
+    pub fn is_behind(&self, elements: &Elements) -> bool {
+        self.entries.iter().any(|drive| elements.motors[drive.index].target != drive.motor.target)
+    }
+
+    /// Takes over the targets that motors have now; the kind of each is as before.
+    pub fn heed(&mut self, elements: &Elements) {
+        for drive in &mut self.entries {
+            drive.motor.target.copy_from(&elements.motors[drive.index].target);
+        }
     }
 
     /// A step begins at this time (s).
@@ -85,7 +113,7 @@ impl Drives {
     pub fn exchanged(&mut self, steps: &dyn PieceSteps, start: &State, end: &State) -> (f64, f64) {
         let (mut given, mut taken) = (0.0, 0.0);
         let length = end.time - start.time;
-        for Drive { motor, coordinate, rest } in &self.entries {
+        for Drive { motor, coordinate, rest, .. } in &self.entries {
             let (kp, kd) = motor.law.gains();
             let stretch = |state: &State| state.position[coordinate.position] - rest;
             let moved = displacement(start, end, coordinate.position);

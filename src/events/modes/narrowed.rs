@@ -13,21 +13,23 @@ use crate::events::modes::drives::Drives;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::guarded::Guarded;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::state::State;
 use nalgebra::DMatrix;
-use std::cell::RefCell;
 
 /// What a piece keeps for a law: where its entries act, and room.
+#[derive(Clone)]
 pub(crate) struct Room {
     /// Degrees of freedom of what moves, each once.
     freedoms: Vec<usize>,
     /// Entries of the law that act on what moves, with their places among the freedoms; those of the motors that change in time.
     of_law: Vec<(usize, usize)>,
     of_drives: Vec<usize>,
-    within: RefCell<Within>,
+    within: Guarded<Within>,
 }
 
+#[derive(Clone)]
 struct Within {
     /// Of the whole.
     state: State,
@@ -56,7 +58,7 @@ impl Room {
             efforts: vec![0.0; law.freedoms().len()],
             response: Response::new(&moving.mechanism),
         };
-        Room { freedoms, of_law, of_drives, within: RefCell::new(within) }
+        Room { freedoms, of_law, of_drives, within: Guarded::new(within) }
     }
 
     /// A step begins in a state of the whole: what is held stays there.
@@ -94,7 +96,7 @@ impl Feedback for Narrowed<'_> {
     }
 
     fn efforts(&self, state: &State, efforts: &mut [f64]) {
-        let within = &mut *self.room.within.borrow_mut();
+        let within = &mut *self.room.within.lock();
         self.moving.spread(self.whole, state, &mut within.state);
         self.law.efforts(&within.state, &mut within.efforts);
         efforts.fill(0.0);
@@ -107,7 +109,7 @@ impl Feedback for Narrowed<'_> {
     }
 
     fn derivatives(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>) {
-        let within = &mut *self.room.within.borrow_mut();
+        let within = &mut *self.room.within.lock();
         self.moving.spread(self.whole, state, &mut within.state);
         let size = (within.efforts.len(), self.whole.velocity_count);
         let (mut of_position, mut of_rate) = (DMatrix::zeros(size.0, size.1), DMatrix::zeros(size.0, size.1));
@@ -122,7 +124,7 @@ impl Feedback for Narrowed<'_> {
     }
 
     fn mobility(&self, state: &State) -> DMatrix<f64> {
-        self.room.within.borrow_mut().response.matrix(state, &self.room.freedoms).0
+        self.room.within.lock().response.matrix(state, &self.room.freedoms).0
     }
 }
 

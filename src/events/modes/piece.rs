@@ -12,11 +12,13 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use std::sync::Arc;
 
 /// What moves while a mode lasts, and its steps.
+#[derive(Clone)]
 pub(crate) struct Piece {
     pub(crate) key: Key,
-    pub(crate) moving: Held,
+    pub(crate) moving: Arc<Held>,
     pub(crate) drives: Drives,
     /// None if nothing moves.
     pub(crate) steps: Option<Box<dyn PieceSteps>>,

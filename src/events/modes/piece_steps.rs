@@ -67,7 +67,10 @@ impl PieceRecipe {
 }
 
 /// Steps that can end at events.
-pub(crate) trait PieceSteps: Integrator + Send {
+pub(crate) trait PieceSteps: Integrator + Send + Sync {
+    /// The same steps with the same past: they go on to the same bits.
+    fn duplicate(&self) -> Box<dyn PieceSteps>;
+
     /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are those of the step.
     ///
     /// # Errors
@@ -129,7 +132,17 @@ pub(crate) trait PieceSteps: Integrator + Send {
     }
 }
 
+impl Clone for Box<dyn PieceSteps> {
+    fn clone(&self) -> Self {
+        self.duplicate()
+    }
+}
+
 impl PieceSteps for SpanSteps {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
     fn again(
         &mut self,
         mechanism: &Mechanism,
@@ -196,6 +209,10 @@ impl PieceSteps for SpanSteps {
 }
 
 impl PieceSteps for OnOtherTree {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
     fn again(
         &mut self,
         mechanism: &Mechanism,
@@ -233,6 +250,10 @@ impl PieceSteps for OnOtherTree {
 
 /// It chooses its first step anew in every piece.
 impl PieceSteps for Dop853 {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
     fn again(
         &mut self,
         mechanism: &Mechanism,

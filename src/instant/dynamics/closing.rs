@@ -19,6 +19,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The workspace of one mechanism.
+#[derive(Clone)]
 pub(crate) struct Closing {
     projection: Projection,
     start: Start,

@@ -16,6 +16,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 const ROUNDS: usize = 2;
 
 /// The workspace of one mechanism.
+#[derive(Clone)]
 pub(crate) struct Following {
     /// Freedoms of the follower and of its leader, and their ratio m.
     rows: Vec<(usize, usize, f64)>,

@@ -17,6 +17,7 @@ use crate::stepping::trees::other_tree::other_tree;
 use nalgebra::DMatrix;
 
 /// The workspace of one mechanism.
+#[derive(Clone)]
 pub(crate) struct Response {
     mechanism: Mechanism,
     /// On which tree, once a state has been asked for.
@@ -24,12 +25,14 @@ pub(crate) struct Response {
     unit: Vec<f64>,
 }
 
+#[derive(Clone)]
 enum Way {
     OfFile(Box<ResponseOnTree>),
     Elsewhere(Box<Elsewhere>),
 }
 
 /// On another tree.
+#[derive(Clone)]
 struct Elsewhere {
     other: OtherTree,
     inside: ResponseOnTree,

@@ -20,6 +20,7 @@ use crate::reduced::ReducedOde;
 use nalgebra::Vector3;
 
 /// The workspace of one mechanism.
+#[derive(Clone)]
 pub(crate) struct ResponseOnTree {
     mechanism: Mechanism,
     /// With all forces, and efforts from outside.

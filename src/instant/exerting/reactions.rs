@@ -81,6 +81,14 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         }
     }
 
+    /// The accelerations of the bodies in the state that reactions were asked for last: under all that acts there.
+    pub fn accelerated(&mut self) -> &[BodyAcceleration] {
+        match &mut self.way {
+            Way::OfMechanism(reactions) => reactions.accelerated(),
+            Way::Elsewhere(elsewhere) => elsewhere.accelerated(),
+        }
+    }
+
     /// The same, for bodies that have not been placed yet.
     pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (&[Reaction], &[LoopReaction]) {
         let mechanism = match &self.way {

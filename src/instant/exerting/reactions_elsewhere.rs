@@ -158,6 +158,15 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
         &self.accelerations
     }
 
+    /// The accelerations of the bodies that were computed last.
+    pub fn accelerated(&mut self) -> &[BodyAcceleration] {
+        let there = self.inside.accelerated();
+        for (body, own) in self.accelerations.iter_mut().enumerate() {
+            *own = there[self.other.number(body)];
+        }
+        &self.accelerations
+    }
+
     /// What each joint and each loop carries at these positions and velocities, which place the bodies.
     pub fn of_placed(
         &mut self,

@@ -118,6 +118,11 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         body_accelerations(mechanism, bodies, velocity, joint_accelerations, accelerations);
     }
 
+    /// The accelerations of the bodies that were computed last.
+    pub fn accelerated(&self) -> &[BodyAcceleration] {
+        &self.accelerations
+    }
+
     /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
     /// loop carries. Motors, dry friction, limits and contacts take part. Does not allocate while no joint is held and nothing may touch.
     pub fn of_placed(

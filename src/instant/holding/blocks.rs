@@ -48,6 +48,7 @@ pub(crate) struct Block {
 }
 
 /// The rows of blocks with their response.
+#[derive(Clone)]
 pub(crate) struct Rows {
     rows: Vec<Vec<f64>>,
     /// Y Wᵀ.

@@ -30,6 +30,7 @@ pub(crate) struct Closures {
 }
 
 /// What is left of a mechanism to move, and where it is in the whole.
+#[derive(Clone)]
 pub(crate) struct Held {
     /// What moves.
     pub mechanism: Mechanism,

@@ -19,12 +19,13 @@ pub(crate) const TOUCHED: f64 = 1e-11;
 const TOUCHED_ANEW: f64 = 1e-9;
 
 /// The pairs of a mechanism.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Touching {
     pub pairs: Vec<Pair>,
 }
 
 /// Two colliders that may touch.
+#[derive(Clone)]
 pub(crate) struct Pair {
     geometry: PairGeometry,
     /// The bodies that they are fixed in.

@@ -11,6 +11,7 @@ use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
 /// The projection of a kernel on its closures, and a state to work with.
+#[derive(Clone)]
 pub(crate) struct Closing<G: Geometry<One>> {
     projection: Projection<G>,
     start: G::Start,

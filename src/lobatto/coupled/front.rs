@@ -15,6 +15,7 @@ use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::{Column, Elimination, TWIST};
 
 /// A stack of fronts of one size.
+#[derive(Clone)]
 pub struct Fronts<V: Lanes> {
     /// Number of stages coupled.
     active: usize,

@@ -20,7 +20,7 @@ pub(crate) const ROUNDS: usize = 40;
 const ROUNDED: f64 = 1e-15;
 
 /// When repetitions of a solve end: rounding does not fall any more.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Rounds {
     last: Option<(f64, f64)>,
 }

@@ -11,6 +11,7 @@ use crate::stages::coefficients::{moved_rows, row_stage};
 use crate::tableau::butcher::Tableau;
 
 /// The matrix entries of the scheme, as the system needs them.
+#[derive(Clone)]
 pub struct Mixing<V> {
     /// Number of stages coupled.
     pub active: usize,

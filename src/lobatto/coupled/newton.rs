@@ -21,6 +21,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 const LAGS: f64 = 1e-9;
 
 /// The exact Newton method for one mechanism and scheme.
+#[derive(Clone)]
 pub(crate) struct Newton<V: Lanes, G: Geometry<V>> {
     coupled: Coupled<V>,
     geometry: G,
@@ -99,6 +100,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
 }
 
 /// Follower, leader and ratio of every mimic.
+#[derive(Clone)]
 struct Mimics(Vec<(Coordinate, Coordinate, f64)>);
 
 impl Mimics {

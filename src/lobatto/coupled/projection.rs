@@ -37,6 +37,7 @@ const NEAR: f64 = 1e-6;
 const LEFT: f64 = 1e-3;
 
 /// The workspace of projections, in space unless it is said otherwise.
+#[derive(Clone)]
 pub struct Projection<G: Geometry<One> = Space<One>> {
     coupled: Coupled<One>,
     geometry: G,

@@ -36,6 +36,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Bodies and closures in space.
+#[derive(Clone)]
 pub struct Space<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<SpatialLoop>,

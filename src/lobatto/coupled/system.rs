@@ -51,9 +51,9 @@ pub type Screw<V> = [V; TWIST];
 /// The geometry of the system: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
     /// Constants of the mechanism.
-    type Plan: Send;
+    type Plan: Clone + Send + Sync;
     /// The known start of a step.
-    type Start: Send;
+    type Start: Clone + Send + Sync;
     /// Number of components of a twist.
     const WIDTH: usize;
 
@@ -105,6 +105,7 @@ pub(crate) struct Resistance {
 }
 
 /// The linear system of a step, and its workspace.
+#[derive(Clone)]
 pub struct Coupled<V: Lanes> {
     pub(crate) elimination: Elimination,
     pub(crate) fronts: Fronts<V>,

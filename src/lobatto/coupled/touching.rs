@@ -22,6 +22,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use std::ops::Range;
 
 /// The closed contacts, in the order of their equations.
+#[derive(Clone)]
 pub struct Touching<V> {
     touches: Vec<SpatialTouch<V>>,
     /// For every body whether it has rolling and whether it has sliding contacts, and its rates for both: the rates of the scheme, and the rates of

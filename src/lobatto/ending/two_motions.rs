@@ -40,6 +40,7 @@ pub(crate) struct Recorded {
 }
 
 /// The workspace of the ends of two motions.
+#[derive(Clone)]
 pub(crate) struct TwoEndings<L> {
     /// Their starts, and the starts of the next step.
     pub(crate) starts: TwoStarts<L>,
@@ -48,6 +49,7 @@ pub(crate) struct TwoEndings<L> {
 }
 
 /// Inputs that both ends share: how long gravity and forces count (s), and the same times gravity [m/s].
+#[derive(Clone)]
 pub(crate) struct TwoMomenta {
     impulse: f64,
     gravity: [f64; 3],

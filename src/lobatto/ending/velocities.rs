@@ -24,6 +24,7 @@ use crate::tableau::butcher::Tableau;
 pub(crate) type Motion<E> = (Vector<E>, Vector<E>);
 
 /// The workspace of the end of a step.
+#[derive(Clone)]
 pub struct Ending<E> {
     pub(crate) factors: Factors<E>,
     pub(crate) weights: MomentumWeights<E>,

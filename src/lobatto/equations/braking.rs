@@ -54,6 +54,7 @@ pub(crate) struct Slipping<V> {
 }
 
 /// The friction of a contact in a step.
+#[derive(Clone)]
 pub(crate) struct Braking<V> {
     /// μ; zero if it does not slide.
     pub friction: f64,

@@ -32,6 +32,7 @@ pub(crate) enum Equation {
 }
 
 /// A closure at the start of a step, in the components `C` of the world or of the plane.
+#[derive(Clone)]
 pub(crate) struct LoopStart<C> {
     /// The bodies at its ends a and b; `None` is the world.
     pub bodies: [Option<usize>; 2],
@@ -66,6 +67,7 @@ pub(crate) trait Displaced<V: Lanes> {
 type Components<V, D> = <<D as Displaced<V>>::Vector as Euclidean<V>>::Components;
 
 /// A gap (m, or the sine of an angle), and its gradient: direction of the force on b, and its torque about the common origin.
+#[derive(Clone)]
 struct Value<V: Lanes, E: Euclidean<V>> {
     gap: V,
     force: E,

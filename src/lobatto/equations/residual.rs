@@ -46,6 +46,7 @@ fn force_along<V: Arithmetic, R: Rows<V>>(rows: &R, known: &BodyStart<V::Real>, 
 }
 
 /// The residual of one body about its anchor, and the terms of its inertia; all with the geometry of the rows.
+#[derive(Clone)]
 pub struct BodyResidual<V> {
     /// `f`.
     pub force: Vector<V>,

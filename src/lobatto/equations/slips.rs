@@ -30,6 +30,7 @@ use crate::stages::start::BodyStart;
 use crate::tableau::butcher::Tableau;
 
 /// The coefficients of the scheme that velocities need.
+#[derive(Clone)]
 pub(crate) struct StageMixing<V> {
     /// Number of stages coupled.
     pub active: usize,

@@ -18,6 +18,7 @@ use catena_mechanism::ground::matrices::{product, times};
 use nalgebra::Vector3;
 
 /// A closure in space.
+#[derive(Clone)]
 pub(crate) struct SpatialLoop {
     attachments: [Attachment; 2],
     /// The axes (0 = x, 1 = y, 2 = z) of the two frames that every equation takes as its directions.
@@ -27,6 +28,7 @@ pub(crate) struct SpatialLoop {
 }
 
 /// An end of a closure in the world: its point from the common origin, its arm from the body's anchor (m), and its axes.
+#[derive(Clone)]
 pub(crate) struct End {
     /// P.
     pub point: [f64; 3],

@@ -27,6 +27,7 @@ use catena_mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::Vector3;
 
 /// A closed contact in a step.
+#[derive(Clone)]
 pub(crate) struct SpatialTouch<V> {
     joint: TouchJoint,
     pairing: Option<Pairing>,

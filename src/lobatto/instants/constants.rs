@@ -5,6 +5,7 @@ use catena_mechanism::description::mechanism::Body;
 use nalgebra::Matrix3;
 
 /// A frame on a body's joint frame: translation (m) and unit quaternion.
+#[derive(Clone)]
 pub(crate) struct FixedFrame {
     /// Entry of the motion, where the world is entry 0.
     pub on: usize,
@@ -13,6 +14,7 @@ pub(crate) struct FixedFrame {
 }
 
 /// The constants of a body in its joint frame, as in the articulated-body algorithm.
+#[derive(Clone)]
 pub(crate) struct Constants {
     pub kind: JointKind,
     /// The joint frame on the parent, seen from the parent's joint frame.

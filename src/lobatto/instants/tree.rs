@@ -27,6 +27,7 @@ use catena_mechanism::forces::total::joint_efforts;
 use nalgebra::Vector3;
 
 /// Trees without forces on bodies, in lanes.
+#[derive(Clone)]
 pub struct LaneInstants<V> {
     mechanism: Mechanism,
     links: Vec<FixedFrame>,

@@ -8,10 +8,10 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// The arithmetic of a step: of one number for each stage, or of one alone.
 pub trait Arithmetic:
-    Copy + Send + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+    Copy + Send + Sync + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// Number type of the start of a step, with as many digits.
-    type Real: Copy + Default + Send + 'static;
+    type Real: Copy + Default + Send + Sync + 'static;
     /// The same double for all stages.
     fn splat(value: f64) -> Self;
     /// The same number for all stages.
@@ -52,7 +52,7 @@ pub trait Numbers: Arithmetic {
     /// Whether the operands of sums over stages are better stored long before.
     const STORES_EARLY: bool;
     /// The stages one after the other, in memory.
-    type Stored: Copy + Send;
+    type Stored: Copy + Send + Sync;
     /// Several in memory.
     fn store_all<const N: usize>(values: [Self; N]) -> InLines<Self::Stored, N>;
     /// [`Numbers::mix`] of several that are in memory, to the same bits.

@@ -16,7 +16,7 @@ pub trait Mixing<V: Lanes> {
     /// Value of `Numbers::STORES_EARLY` for these lanes.
     const EARLY: bool;
     /// Their type in memory.
-    type Stored: Copy + Send;
+    type Stored: Copy + Send + Sync;
     /// `Numbers::mix_all`.
     fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N];
     /// `Numbers::store_all`.
@@ -27,7 +27,7 @@ pub trait Mixing<V: Lanes> {
 
 /// A vector of `COUNT` doubles, one for each lane, with the arithmetic the kernel needs.
 pub trait Lanes:
-    Copy + Send + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+    Copy + Send + Sync + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// Number of lanes.
     const COUNT: usize;
@@ -37,7 +37,7 @@ pub trait Lanes:
     /// How they are mixed.
     type Mixing: crate::numbers::lanes::Mixing<Self>;
     /// `[f64; COUNT]`.
-    type Array: Copy + Send + AsRef<[f64]> + AsMut<[f64]>;
+    type Array: Copy + Send + Sync + AsRef<[f64]> + AsMut<[f64]>;
     /// The same lanes in single precision, if that is cheaper.
     type Single: crate::numbers::arithmetic::Numbers;
     /// Whether they are.

@@ -8,6 +8,7 @@ use crate::numbers::arithmetic::{Arithmetic, InLines, one_by_one};
 use crate::numbers::lanes::{Lanes, Mixing};
 
 /// Lanes are read back from memory.
+#[derive(Clone)]
 pub struct ReadBack;
 
 impl<V: Lanes> Mixing<V> for ReadBack {
@@ -28,6 +29,7 @@ impl<V: Lanes> Mixing<V> for ReadBack {
 }
 
 /// Lanes are shuffled in registers.
+#[derive(Clone)]
 pub struct Shuffled;
 
 impl<V: Lanes> Mixing<V> for Shuffled {

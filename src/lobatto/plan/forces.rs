@@ -10,6 +10,7 @@ use catena_mechanism::ground::matrices::times;
 use catena_mechanism::motion::state::State;
 
 /// The constant data of all forces, sorted by their inputs.
+#[derive(Clone)]
 pub(crate) struct AppliedPlan {
     /// Freedom and coefficient.
     pub(crate) dampers: Vec<(usize, f64)>,
@@ -25,6 +26,7 @@ pub(crate) struct AppliedPlan {
 }
 
 /// Dampers and loads about the axes of a ball joint.
+#[derive(Clone)]
 pub(crate) struct Ball {
     pub(crate) first: usize,
     pub(crate) coefficients: [f64; 3],
@@ -53,12 +55,14 @@ impl SpringLaw {
 }
 
 /// A spring between points.
+#[derive(Clone)]
 pub(crate) struct LinePlan {
     /// The bodies at its ends; `None` is the world.
     pub(crate) ends: [Option<usize>; 2],
     pub(crate) law: SpringLaw,
 }
 
+#[derive(Clone)]
 pub(crate) struct WrenchPlan {
     pub(crate) body: usize,
     pub(crate) force: [f64; 3],
@@ -66,7 +70,7 @@ pub(crate) struct WrenchPlan {
 }
 
 /// Quantities of the forces at the start of a step.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct AppliedStart {
     /// Extension of each joint spring (rad or m).
     pub(crate) extensions: Vec<f64>,

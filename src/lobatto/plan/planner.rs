@@ -41,6 +41,7 @@ impl Elimination {
 }
 
 /// A closure as the plan sees it.
+#[derive(Clone)]
 struct Closure {
     first_row: usize,
     rows: usize,

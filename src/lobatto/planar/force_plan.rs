@@ -16,12 +16,14 @@ use catena_mechanism::structure::plane::Plane;
 use nalgebra::Vector3;
 
 /// The constant data of all forces that do not act in joints.
+#[derive(Clone)]
 pub(crate) struct ForcesPlan {
     pub lines: Vec<LinePlan>,
     pub wrenches: Vec<WrenchPlan>,
 }
 
 /// A spring between two points.
+#[derive(Clone)]
 pub(crate) struct LinePlan {
     pub ends: [End; 2],
     /// z (m).
@@ -30,6 +32,7 @@ pub(crate) struct LinePlan {
 }
 
 /// A point of a body, or of the world.
+#[derive(Clone)]
 pub(crate) struct End {
     pub body: Option<usize>,
     /// Vector from the anchor of the body at zero displacement, or from the origin of the world (m).
@@ -63,6 +66,7 @@ impl Ends<'_> {
 }
 
 /// A constant wrench.
+#[derive(Clone)]
 pub(crate) struct WrenchPlan {
     pub body: usize,
     /// Vector from the anchor to the point of action, at zero displacement (m).
@@ -74,6 +78,7 @@ pub(crate) struct WrenchPlan {
 }
 
 /// Quantities of the forces at the start of a step.
+#[derive(Clone)]
 pub(crate) struct ForcesStart {
     /// Extension of each joint spring (rad or m).
     pub extensions: Vec<f64>,

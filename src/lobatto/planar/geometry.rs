@@ -31,6 +31,7 @@ use catena_mechanism::structure::plane::Plane;
 use std::ops::Range;
 
 /// Bodies and closures in the plane.
+#[derive(Clone)]
 pub(crate) struct Flat<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<PlanarLoop>,

@@ -21,6 +21,7 @@ use catena_mechanism::structure::planar_loops::PlanarEquation;
 use catena_mechanism::structure::plane::Plane;
 
 /// A closure in a plane.
+#[derive(Clone)]
 pub(crate) struct PlanarLoop {
     ends: [End; 2],
     /// The directions of each equation on the two bodies at zero displacement.

@@ -26,6 +26,7 @@ use catena_mechanism::structure::plane::Plane;
 use nalgebra::Vector3;
 
 /// The constant part of a body.
+#[derive(Clone)]
 pub(crate) struct BodyPlane {
     /// One if the joint turns about n, minus one if it turns about −n.
     pub sign: f64,
@@ -41,6 +42,7 @@ pub(crate) struct BodyPlane {
 }
 
 /// A mechanism in its plane.
+#[derive(Clone)]
 pub(crate) struct PlanarPlan {
     /// Which bodies hang where.
     pub tree: Plan,
@@ -57,6 +59,7 @@ pub(crate) struct PlanarPlan {
 }
 
 /// The start of a step.
+#[derive(Clone)]
 pub(crate) struct PlanarStart {
     /// One entry a body.
     pub bodies: Vec<PlanarBody>,

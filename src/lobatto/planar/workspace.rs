@@ -36,6 +36,7 @@ impl<V: Lanes> Turned<V> {
 }
 
 /// The workspace of a step.
+#[derive(Clone)]
 pub(crate) struct PlanarStages<V> {
     pub plan: PlanarPlan,
     /// The known start of the step.

@@ -24,6 +24,7 @@ struct History<V> {
 }
 
 /// The memory of the acceleration within one step.
+#[derive(Clone)]
 pub struct Anderson<V> {
     history: Vec<History<V>>,
     gram: [[f64; DEPTH]; DEPTH],

@@ -42,6 +42,7 @@ const LIGHTEST: f64 = 1e-5;
 const REST: usize = 64;
 
 /// The workspace of first iterations, and when there are any.
+#[derive(Clone)]
 pub(crate) struct FirstIterations<V: Lanes> {
     stages: Option<Box<Stages<V::Single>>>,
     /// Whether the attempt may begin with them.

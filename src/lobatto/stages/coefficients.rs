@@ -9,6 +9,7 @@ use crate::numbers::lanes::MAX_LANES;
 use crate::tableau::butcher::Tableau;
 /// The coefficients of the scheme as lanes. Lane `j` of an unknown is stage `j + 2`; lane `j` of a residual is row `j + 2`, except that the last lane
 /// is row 1. Both share their geometry, except for the last lane, whose row has the geometry of the start.
+#[derive(Clone)]
 pub struct Coefficients<V> {
     /// Number of lanes in use, s − 1.
     pub active: usize,

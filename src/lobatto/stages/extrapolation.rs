@@ -40,6 +40,7 @@ impl<V: Lanes> Columns<V> {
 }
 
 /// The past, and the guesses that it allows.
+#[derive(Clone)]
 pub struct Extrapolation<V> {
     /// Displacements from the new start, one entry a degree of freedom: stage 1 in the last lane in use, the stages 2 … s − 1 in the others.
     pub(crate) past: Vec<V>,

@@ -9,6 +9,7 @@ use crate::numbers::arithmetic::Arithmetic;
 use crate::plan::tree::Plan;
 use crate::stages::articulated::{Articulated, Eliminated};
 /// Factors that the sweep from the leaves leaves for the one back, and the slots of branching bodies.
+#[derive(Clone)]
 pub struct Factors<V> {
     /// One entry a degree of freedom.
     pub eliminated: Vec<Eliminated<V>>,

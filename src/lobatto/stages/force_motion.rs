@@ -40,6 +40,7 @@ impl<V: Lanes> Motion<'_, V> {
 }
 
 /// A spring with a damper on a line, at the places.
+#[derive(Clone)]
 pub(crate) struct Taut<V> {
     /// One over the length (1/m).
     pub(crate) per_length: V,

@@ -12,6 +12,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use nalgebra::DMatrix;
 /// The forces on a mechanism at the stages of a step.
+#[derive(Clone)]
 pub struct Applied<V> {
     /// Effort on each degree of freedom, conjugate to its displacement [N m or N]: it enters the row of that freedom.
     pub efforts: Vec<V>,
@@ -31,6 +32,7 @@ pub struct Applied<V> {
 }
 
 /// An effort along a scalar coordinate that changes in time.
+#[derive(Clone)]
 pub(crate) struct Changing<V> {
     pub(crate) freedom: usize,
     /// At the stages of the rows, and of the end of the step.

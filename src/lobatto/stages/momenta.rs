@@ -14,6 +14,7 @@ use crate::stages::rows::Sweep;
 use crate::tableau::butcher::Tableau;
 
 /// The weights of a scheme.
+#[derive(Clone)]
 pub struct MomentumWeights<V> {
     /// `w_i`.
     weights: [V; MAX_LANES],
@@ -57,6 +58,7 @@ impl<V: Arithmetic> MomentumWeights<V> {
 }
 
 /// Coefficients that the momenta of all bodies at the end of a step share.
+#[derive(Clone)]
 pub struct Momenta<V> {
     /// `w_i / h` [1/s].
     pub weights: [V; MAX_LANES],

@@ -19,6 +19,7 @@ use crate::tableau::dense::scales;
 use crate::stages::extrapolation::Extrapolation;
 
 /// The memory from which guesses are made.
+#[derive(Clone)]
 pub struct Predictor<V> {
     /// The first of the three degrees of freedom of every ball joint.
     balls: Vec<usize>,

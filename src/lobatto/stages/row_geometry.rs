@@ -32,6 +32,7 @@ impl<V: Arithmetic, A> RowGeometry<V, A> {
 }
 
 /// The body that is being mixed, and the next; a workspace of sweeps from the leaves to the root.
+#[derive(Clone)]
 pub struct LookAhead<V, A>([RowGeometry<V, A>; 2]);
 
 impl<V: Arithmetic, A: Copy> LookAhead<V, A> {

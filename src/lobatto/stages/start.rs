@@ -77,6 +77,7 @@ impl<R: Copy> Pivot<R> {
 }
 
 /// The start of a step.
+#[derive(Clone)]
 pub struct Start<R = f64> {
     /// One entry a body.
     pub bodies: Vec<BodyStart<R>>,

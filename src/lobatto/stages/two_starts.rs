@@ -28,6 +28,7 @@ struct Placed<L> {
 }
 
 /// The starts of a step of two motions, and the starts of the next.
+#[derive(Clone)]
 pub(crate) struct TwoStarts<L> {
     pub(crate) start: Start<[f64; 2]>,
     end: Start<[f64; 2]>,
@@ -202,6 +203,7 @@ impl<L: Lanes<Array = [f64; 2]>> Placed<L> {
 }
 
 /// A placed body, with intermediate results.
+#[derive(Clone)]
 struct On<L> {
     own: Placed<L>,
     /// The joint frame on the parent, in the world.

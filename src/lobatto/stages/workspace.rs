@@ -32,6 +32,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 
 /// The workspace of a step: everything that has lanes.
+#[derive(Clone)]
 pub struct Stages<V: Numbers> {
     /// Which bodies hang where.
     pub plan: Plan,

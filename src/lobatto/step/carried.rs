@@ -10,6 +10,7 @@ use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 
 /// The carried motion.
+#[derive(Clone)]
 pub(crate) struct Carried<V, S> {
     /// The start of its next step.
     pub(crate) start: S,

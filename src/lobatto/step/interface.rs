@@ -12,7 +12,9 @@ use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
 /// A step of the scheme for one number of lanes, as the integrator sees it.
-pub trait Step: Send {
+pub trait Step: Send + Sync {
+    /// The same step with the same past: it goes on to the same bits.
+    fn duplicate(&self) -> Box<dyn Step>;
     /// Steps iterated as far as `stop` (rad, m) are to come: makes room for their workspace.
     fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
     /// Takes the ranks of the closures counted at the start of the next steps.
@@ -85,4 +87,10 @@ pub trait Step: Send {
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length (s). Zero for the freedoms that
     /// need no iteration ([`Plan::known`](crate::plan::tree::Plan::known)): no step is shorter for these.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
+}
+
+impl Clone for Box<dyn Step> {
+    fn clone(&self) -> Self {
+        self.duplicate()
+    }
 }

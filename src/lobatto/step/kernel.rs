@@ -34,6 +34,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 
 /// [`Step`](crate::step::interface::Step) with the lanes of `V`, over the equations of `W`.
+#[derive(Clone)]
 pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) workspace: W,
     pub(crate) anderson: Anderson<V>,

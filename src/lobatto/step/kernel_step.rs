@@ -49,6 +49,10 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
 }
 
 impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
+    fn duplicate(&self) -> Box<dyn Step> {
+        Box::new(self.clone())
+    }
+
     fn expect(&mut self, mechanism: &Mechanism, stop: f64) {
         self.workspace.prepare_single(mechanism, self.tableau, stop);
     }

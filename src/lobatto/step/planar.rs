@@ -31,6 +31,7 @@ use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
 
 /// [`Workspace`] in a plane.
+#[derive(Clone)]
 pub(crate) struct PlanarWorkspace<V: Lanes> {
     stages: PlanarStages<V>,
     coefficients: Coefficients<V>,

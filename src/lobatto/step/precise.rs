@@ -46,6 +46,7 @@ const ROUNDING: f64 = 1e-20;
 const MOST: usize = 30;
 
 /// [`Step`] with 32 digits, for trees under gravity alone.
+#[derive(Clone)]
 pub struct Precise<V: Lanes> {
     /// The same step to sixteen digits.
     coarse: Kernel<V, SpatialWorkspace<V>>,
@@ -134,6 +135,10 @@ impl<V: Lanes> Precise<V> {
 }
 
 impl<V: Lanes> Step for Precise<V> {
+    fn duplicate(&self) -> Box<dyn Step> {
+        Box::new(self.clone())
+    }
+
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.coarse.begin(mechanism, state);
         let Stages { plan, start, .. } = &mut self.fine;

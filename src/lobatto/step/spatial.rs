@@ -37,6 +37,7 @@ use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
 /// [`Workspace`] in space.
+#[derive(Clone)]
 pub(crate) struct SpatialWorkspace<V: Lanes> {
     pub(crate) stages: Stages<V>,
     first: FirstIterations<V>,

@@ -27,13 +27,13 @@ use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
 /// The workspace of a step: all data that has lanes.
-pub(crate) trait Workspace<V: Lanes>: Send + 'static {
+pub(crate) trait Workspace<V: Lanes>: Clone + Send + Sync + 'static {
     /// Constants of the mechanism.
-    type Plan: Send;
+    type Plan: Clone + Send + Sync;
     /// Quantities of the equations at the known state.
-    type Start: Send;
+    type Start: Clone + Send + Sync;
     /// Bodies and closures at all stages, for the exact Newton method, and at one configuration, for projections on the closures.
-    type Geometry<L: Lanes>: Geometry<L, Plan = Self::Plan, Start = Self::Start> + Send;
+    type Geometry<L: Lanes>: Geometry<L, Plan = Self::Plan, Start = Self::Start> + Clone + Send + Sync;
 
     /// Room for the start of a step.
     fn new_start(mechanism: &Mechanism) -> Self::Start;

@@ -121,6 +121,7 @@ pub(crate) fn scales(nodes: &[f64]) -> Vec<f64> {
 }
 
 /// The nodal polynomials at a point.
+#[derive(Clone)]
 struct Nodal {
     /// Lagrange polynomials and their first derivatives.
     values: [f64; MAX_STAGES],

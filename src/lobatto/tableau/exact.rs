@@ -29,6 +29,7 @@
 use crate::numbers::extended::Extended;
 
 /// The fields of [`Tableau`](crate::tableau::butcher::Tableau) before rounding.
+#[derive(Clone)]
 pub(crate) struct Exact {
     pub nodes: Vec<Extended>,
     pub weights: Vec<Extended>,

@@ -90,6 +90,29 @@ impl Target {
         Ok(Target { times, values, slopes, interpolation, constant })
     }
 
+    /// A number that a program may change at any time.
+    pub fn commanded(value: f64) -> Self {
+        Target { constant: false, ..Target::constant(value) }
+    }
+
+    /// Whether a program may change it.
+    pub fn is_commanded(&self) -> bool {
+        !self.constant && self.times.len() == 1
+    }
+
+    /// The program gives it another value, without allocation.
+    pub fn command(&mut self, value: f64) {
+        self.values.fill(value);
+    }
+
+    /// Takes over another target, without allocation where both have as many values.
+    pub fn copy_from(&mut self, other: &Target) {
+        self.times.clone_from(&other.times);
+        self.values.clone_from(&other.values);
+        self.slopes.clone_from(&other.slopes);
+        (self.interpolation, self.constant) = (other.interpolation, other.constant);
+    }
+
     /// Whether it never changes.
     pub fn is_constant(&self) -> bool {
         self.constant

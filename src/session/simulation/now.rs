@@ -7,6 +7,7 @@ use crate::mechanism::motion::state::State;
 use crate::model::LinkState;
 use crate::session::error::Error;
 use crate::session::model::pose_of;
+use crate::session::sensors::Sensed;
 use crate::session::simulation::Simulation;
 
 impl Simulation {
@@ -54,7 +55,7 @@ impl Simulation {
     /// # Errors
     /// An unknown joint, or an invalid start.
     pub fn position(&self, joint: &str) -> Result<Vec<f64>, Error> {
-        let place = self.place(joint)?;
+        let place = self.place_of(joint)?;
         Ok(self.coordinates()?.0[place].to_vec())
     }
 
@@ -63,7 +64,7 @@ impl Simulation {
     /// # Errors
     /// An unknown joint, or an invalid start.
     pub fn velocity(&self, joint: &str) -> Result<Vec<f64>, Error> {
-        self.place(joint)?;
+        self.place_of(joint)?;
         let place = self.model.coordinates().joint(joint).map_or(0..0, |place| place.v.clone());
         Ok(self.coordinates()?.1[place].to_vec())
     }
@@ -93,6 +94,23 @@ impl Simulation {
         self.look(|state| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)))
     }
 
+    /// What sensors measure now: all forces and accelerations are worked out once, for any number of readings.
+    ///
+    /// # Errors
+    /// An invalid start.
+    pub fn sense(&self) -> Result<Sensed, Error> {
+        let efforts = match &self.control {
+            Some(control) => Some(control.of_state()),
+            None => self.efforts.as_deref(),
+        };
+        let told = self
+            .running
+            .as_ref()
+            .and_then(|running| running.engine.with(|simulation| (simulation.joint_statuses(), simulation.contacts())));
+        let (statuses, contacts) = told.map_or((None, None), |(statuses, contacts)| (Some(statuses), Some(contacts)));
+        self.look(|state| Sensed::new(&self.model, state, efforts, statuses.as_deref(), contacts))
+    }
+
     /// Calls a function with the present state.
     pub(super) fn look<R>(&self, look: impl FnOnce(&State) -> R) -> Result<R, Error> {
         match (&self.running, &self.ended) {
@@ -105,13 +123,10 @@ impl Simulation {
         }
     }
 
-    fn place(&self, joint: &str) -> Result<std::ops::Range<usize>, Error> {
+    fn place_of(&self, joint: &str) -> Result<std::ops::Range<usize>, Error> {
         match self.model.coordinates().joint(joint) {
             Some(place) => Ok(place.q.clone()),
-            None => {
-                let known: Vec<String> = self.model.joint_names().into_iter().map(str::to_string).collect();
-                Err(crate::model::ModelError::UnknownJoint { joint: joint.to_string(), known }.into())
-            }
+            None => Err(self.model.unknown_joint(joint)),
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::output::report::Report;
 use crate::session::account::Told;
 use crate::session::control::{Control, Moment};
-use crate::session::description::Origin;
+use crate::session::description::{Origin, STEPPED, WENT_ON};
 use crate::session::error::{ControllerFailure, Error};
 use crate::session::held_start::motors_from;
 use crate::session::loaded::Assembled;
@@ -14,9 +14,6 @@ use crate::session::running::{Course, Running};
 use crate::session::simulation::Simulation;
 use crate::session::words::words;
 use crate::simulation::{InputError, RunError};
-
-/// The log entry of runs that a program made step by step.
-const STEPPED: &str = "a program has stepped it";
 
 impl Simulation {
     /// Sets efforts on the joints from now on, along v, besides the forces of the model [N m or N]. Those on ball and floating joints turn with the
@@ -47,6 +44,46 @@ impl Simulation {
             running.engine.with_mut(|simulation| simulation.set_efforts(&of_state)).transpose()?;
         }
         self.efforts = Some(of_state);
+        Ok(())
+    }
+
+    /// Gives the motor of a joint a target from now on, in place of the file's, until it is given another: a position, a velocity or an effort, as
+    /// its law says [rad or m, rad/s or m/s, N m or N]. A motor that works out its effort at ticks sees it at the next tick.
+    ///
+    /// # Errors
+    /// A joint without a motor, a target that is not finite, and invalid settings.
+    pub fn set_target(&mut self, joint: &str, target: f64) -> Result<(), Error> {
+        let names = self.model.motor_names();
+        let Some(motor) = names.iter().position(|name| *name == joint) else {
+            let known: Vec<String> = names.into_iter().map(str::to_string).collect();
+            return Err(Error::NoMotor { joint: joint.to_string(), known: crate::scene::listed(&known) });
+        };
+        self.aim([(motor, target)])
+    }
+
+    /// The same for all motors, in the order of [`Model::motor_names`].
+    ///
+    /// # Errors
+    /// As of [`Simulation::set_target`], and a wrong number of targets.
+    pub fn set_targets(&mut self, targets: &[f64]) -> Result<(), Error> {
+        let wanted = self.model.description().mechanism.nonsmooth.motors.len();
+        if targets.len() != wanted {
+            return Err(Error::Count { what: "targets", given: targets.len(), wanted });
+        }
+        self.aim(targets.iter().copied().enumerate())
+    }
+
+    fn aim(&mut self, targets: impl IntoIterator<Item = (usize, f64)>) -> Result<(), Error> {
+        self.aimed = true;
+        self.begin(STEPPED)?;
+        let Some(running) = &mut self.running else { return Err(Error::Over(self.begin)) };
+        let mut targets = targets.into_iter();
+        let aimed = running
+            .engine
+            .with_mut(|simulation| targets.try_for_each(|(motor, target)| simulation.set_target(motor, target)));
+        if let Some(Err(error)) = aimed {
+            return Err(error.into());
+        }
         Ok(())
     }
 
@@ -129,7 +166,7 @@ impl Simulation {
     }
 
     /// Begins the run if it has not begun. `driven` names inputs that the log does not contain; empty if there are none.
-    fn begin(&mut self, driven: &str) -> Result<(), Error> {
+    pub(super) fn begin(&mut self, driven: &str) -> Result<(), Error> {
         if let Some(over) = &self.ended {
             return Err(Error::Over(over.state.time));
         }
@@ -147,10 +184,11 @@ impl Simulation {
             check_place(path)?;
             check_log(path, model.description(), self.begin + settled.duration, options)?;
         }
+        let stepped = self.control.is_some() || self.efforts.is_some() || driven == STEPPED;
         let driven = match (&self.control, &self.efforts) {
             (Some(_), _) => "a controller of a program has driven it",
             (_, Some(_)) => "efforts of a program have driven it",
-            _ if self.begin != 0.0 => "it went on where another run had ended",
+            _ if self.begin != 0.0 => WENT_ON,
             _ => driven,
         };
         let origin = self.origin(driven);
@@ -164,7 +202,10 @@ impl Simulation {
             kept: self.kept.clone(),
             interrupt: self.interrupt.clone(),
             others,
-            driven: self.control.is_some() || self.efforts.is_some() || origin.driven.as_deref() == Some(STEPPED),
+            driven: stepped,
+            stepped,
+            aimed: self.aimed,
+            figures: self.figures,
             efforts: self.efforts.as_deref(),
             log,
             origin,

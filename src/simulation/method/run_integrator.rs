@@ -20,6 +20,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The integrator of a run, or of an island.
+#[derive(Clone)]
 pub enum RunIntegrator {
     /// The integrator of a smooth motion.
     Smooth(Box<Lobatto>),
@@ -192,6 +193,19 @@ impl RunIntegrator {
             RunIntegrator::Eventful(eventful) => eventful.place_companion(state),
             RunIntegrator::WithoutLocked(run) => run.0.change(state, |own| run.0.inside.place_companion(own)),
             RunIntegrator::OnOtherTree(_) => false,
+        }
+    }
+
+    /// Gives a motor a target from now on; without motors there is none to take it.
+    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.aim(motor, value),
+            RunIntegrator::WithoutLocked(run) => {
+                if let Some(own) = run.0.motor(motor) {
+                    run.0.inside.aim(own, value);
+                }
+            }
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => {}
         }
     }
 

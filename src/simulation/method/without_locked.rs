@@ -50,6 +50,12 @@ impl<I: Integrator> WithoutLocked<I> {
         self.locked.mechanism()
     }
 
+    /// The number of a motor of the whole among those of the joints that are not locked; `None` if its joint is locked.
+    pub fn motor(&self, motor: usize) -> Option<usize> {
+        let moves = |at: &usize| !self.locked.held()[self.whole.nonsmooth.motors[*at].coordinate.body];
+        (motor < self.whole.nonsmooth.motors.len() && moves(&motor)).then(|| (0..motor).filter(moves).count())
+    }
+
     /// Changes a state of the whole by a change of the state of the joints that are not locked; `false` if there was no change.
     pub fn change(&self, state: &mut State, change: impl FnOnce(&mut State) -> bool) -> bool {
         let asked = &mut *self.asked.borrow_mut();

@@ -21,6 +21,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
+use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::island::{IslandRun, first_error, frontier};
 use crate::simulation::parallel::merged::MergedRun;
@@ -63,6 +64,13 @@ pub struct IslandFigures {
     pub iterations: usize,
 }
 
+/// A copy of an island in a run: its state, and its integrator if it does not sleep.
+#[derive(Clone)]
+pub(crate) struct KeptIsland {
+    state: State,
+    awake: Option<RunIntegrator>,
+}
+
 /// An island, whether it sleeps, and the result of making its integrator.
 type Job<'a, N, E> = (IslandRun<'a>, bool, Option<Result<N, E>>);
 
@@ -100,6 +108,52 @@ impl<'a> Islands<'a> {
             parts.push(part);
         }
         Ok((Islands { parts, threads, window: 0.0, took: 0.0, kept }, notes))
+    }
+
+    /// Gives the motor along this freedom of the whole a target from now on.
+    pub(crate) fn aim(&mut self, freedom: usize, value: f64) {
+        for part in &mut self.parts {
+            let mut local = 0;
+            for piece in &part.island.pieces {
+                if piece.velocities.contains(&freedom) {
+                    let own = local + freedom - piece.velocities.start;
+                    let motors = &part.island.mechanism.nonsmooth.motors;
+                    let motor = motors.iter().position(|motor| motor.coordinate.freedom == own);
+                    // An island with a motor never sleeps.
+                    if let (Some(motor), Some(making)) = (motor, &mut part.awake) {
+                        making.aim(motor, value);
+                    }
+                }
+                local += piece.velocities.len();
+            }
+        }
+    }
+
+    /// A copy of all islands; `None` if they estimate their errors.
+    pub(crate) fn keep(&self) -> Option<Vec<KeptIsland>> {
+        let kept = self.parts.iter().map(|part| {
+            let awake = match &part.awake {
+                None => None,
+                Some(Making::Alone(alone)) => Some(alone.clone()),
+                Some(Making::Telling(_)) => return None,
+            };
+            Some(KeptIsland { state: part.state.clone(), awake })
+        });
+        kept.collect()
+    }
+
+    /// Goes on from a copy; stays as it is and returns `false` if the copy is of other islands.
+    pub(crate) fn restore(&mut self, kept: &[KeptIsland]) -> bool {
+        let alike = |(part, kept): (&IslandRun, &KeptIsland)| part.state.velocity.len() == kept.state.velocity.len();
+        if self.parts.len() != kept.len() || !self.parts.iter().zip(kept).all(alike) {
+            return false;
+        }
+        for (part, kept) in self.parts.iter_mut().zip(kept) {
+            part.state.copy_from(&kept.state);
+            part.awake = kept.awake.clone().map(Making::Alone);
+            part.course = None;
+        }
+        true
     }
 
     /// The combined method of the awake islands; `None` if all sleep.

@@ -72,6 +72,14 @@ impl<'a> Making<'a> {
         }
     }
 
+    /// Gives a motor a target from now on.
+    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
+        match self {
+            Making::Alone(alone) => alone.aim(motor, value),
+            Making::Telling(assessed) => assessed.aim(motor, value),
+        }
+    }
+
     /// The error of samples inside the steps of an integrator alone (m), where it is known; one with an estimate tells it with that.
     pub(crate) fn between(&self) -> Option<f64> {
         match self {

@@ -80,6 +80,17 @@ pub trait Observer: Send {
 
     /// The closed contacts at the instant of the next sample, in the order of their pairs; only where a mechanism has pairs of shapes that may touch.
     fn contacts(&mut self, _points: &[ContactPoint]) {}
+
+    /// Whether it looks at steps and events alone. Samples and contacts are worked out only if an observer looks at them; those of the start and the
+    /// end may come all the same.
+    fn skips_samples(&self) -> bool {
+        false
+    }
+}
+
+/// Whether an observer looks at samples.
+pub(crate) fn any_looks(observers: &[&mut dyn Observer]) -> bool {
+    observers.iter().any(|observer| !observer.skips_samples())
 }
 
 /// Passes a sample to every observer.

@@ -83,6 +83,11 @@ pub enum UnknownAccuracy {
     /// The run was asked for no estimate.
     #[error("the run makes no estimate (--no-estimate); each step keeps to its share of the tolerance")]
     NotEstimated,
+    /// A program makes the steps of the run.
+    #[error(
+        "a program makes this run step by step: each step keeps to its share of the tolerance, and the error at the end is not estimated"
+    )]
+    Stepped,
     /// A trial run failed, and the run will fail for the same reason.
     #[error("a trial run failed: {0}")]
     TrialFailed(StepError),

@@ -130,6 +130,14 @@ impl<'a> Assessed<'a> {
         Ok(assessed)
     }
 
+    /// Gives a motor a target from now on, which the companion does not have.
+    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
+        self.driven = true;
+        self.by = By::Nothing;
+        self.run.leave_companion();
+        self.run.aim(motor, value);
+    }
+
     /// Forbids restarts, whatever the error.
     pub(crate) fn settle(&mut self) {
         self.may_begin_again = false;

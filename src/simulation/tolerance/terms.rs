@@ -34,11 +34,16 @@ const OPTIMISTIC: f64 = 100.0;
 /// and of a run with events, because a late restart costs more.
 const CAREFUL: f64 = 1000.0;
 
+/// The stop of a run with this tolerance (m) at its first beginning.
+pub(crate) fn first_stop(mechanism: &Mechanism, tolerance: f64) -> f64 {
+    let part = if mechanism.nonsmooth.is_empty() { OPTIMISTIC } else { CAREFUL };
+    (tolerance / part).clamp(FINEST, COARSEST_STOP)
+}
+
 impl Terms<'_> {
     /// The stop that a run begins with.
     pub(crate) fn first_stop(&self, mechanism: &Mechanism) -> f64 {
-        let part = if mechanism.nonsmooth.is_empty() { OPTIMISTIC } else { CAREFUL };
-        (self.tolerance / part).clamp(FINEST, COARSEST_STOP)
+        first_stop(mechanism, self.tolerance)
     }
 
     /// Whether the flag is set.

@@ -125,6 +125,7 @@ fn angular_velocity(theta: Vector3<f64>, rate: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The states at the stages of an attempt that has just been solved.
+#[derive(Clone)]
 struct AtStages {
     stages: usize,
     /// Freedom after freedom (n × s).

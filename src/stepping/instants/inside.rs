@@ -31,6 +31,7 @@ const ALONE: f64 = 0.5;
 const ADDED: f64 = 0.5;
 
 /// The inside of the last step.
+#[derive(Clone)]
 pub(crate) struct Inside {
     rule: DenseRule,
     /// The weights of the stages 2 … s in a top Legendre coefficient.

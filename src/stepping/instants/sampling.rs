@@ -16,6 +16,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::{State, quaternion_exponential, quaternion_product};
 
 /// The last step, as far as its inside is concerned.
+#[derive(Clone)]
 pub(crate) struct LastStep<'s> {
     /// Holds the displacements at the stages.
     pub kernel: &'s dyn Step,
@@ -30,6 +31,7 @@ pub(crate) struct LastStep<'s> {
 }
 
 /// A polynomial at a point of a step.
+#[derive(Clone)]
 pub(crate) struct Interpolation<'s> {
     weights: DenseWeights,
     /// The weighted sums over the stages, for each degree of freedom.

@@ -39,6 +39,7 @@ const TRUNCATED: f64 = 0.5;
 const MANY_FREEDOMS: f64 = 8.0;
 
 /// The companion: a second motion beside the motion of the run.
+#[derive(Clone)]
 pub struct Companion {
     state: State,
     /// Its state at the end of a finished step, if it went through it [with the run](Companion::finish).

@@ -84,6 +84,7 @@ pub enum Decision {
 }
 
 /// Chooses steps.
+#[derive(Clone)]
 pub struct Control {
     pub tolerance: f64,
     pub stages: usize,
@@ -123,7 +124,7 @@ pub enum Kink {
 }
 
 /// The controller's memory of the motion.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Memory {
     /// Length of the next step (s); zero before the first.
     pub step: f64,

@@ -21,6 +21,7 @@ const NEAR: f64 = 1e-9;
 const CLOSE: f64 = 1e-7;
 
 /// The grid, and when an iteration ends.
+#[derive(Clone)]
 pub(crate) struct FixedSteps {
     step: f64,
     rule: StopRule,

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Gravity and forces on a mechanism, for which a kernel was made.
+#[derive(Clone)]
 pub(crate) struct Outside {
     gravity: Vector3<f64>,
     forces: Forces,

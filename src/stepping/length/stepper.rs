@@ -33,6 +33,7 @@ use std::sync::Arc;
 pub(crate) const HALVINGS: u32 = 14;
 
 /// A step that is not longer than the rest of the run.
+#[derive(Clone)]
 pub(crate) struct Stride {
     /// Its length (s).
     pub length: f64,
@@ -55,6 +56,7 @@ impl Stride {
 }
 
 /// A mechanism on its way through time.
+#[derive(Clone)]
 pub(crate) struct Stepper {
     /// Solves the stage equations.
     pub kernel: Box<dyn Step>,

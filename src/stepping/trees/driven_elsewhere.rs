@@ -11,13 +11,14 @@
 
 use crate::trees::turns::Turns;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::ground::guarded::Guarded;
 use catena_mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::other_tree::OtherTree;
 use nalgebra::DMatrix;
-use std::cell::RefCell;
 
 /// Inputs on the other tree, and room for them.
+#[derive(Clone)]
 pub(crate) struct Driven {
     /// Constant efforts, one entry a degree of freedom here [N m or N].
     efforts: Vec<f64>,
@@ -25,10 +26,11 @@ pub(crate) struct Driven {
     changing: Vec<usize>,
     following: Vec<usize>,
     /// Once there is a law.
-    room: Option<Box<RefCell<Room>>>,
+    room: Option<Box<Guarded<Room>>>,
 }
 
 /// The state of the file where a law is asked, and one here.
+#[derive(Clone)]
 struct Room {
     other: OtherTree,
     state: State,
@@ -66,7 +68,7 @@ impl Driven {
         let following = inputs.feedback.map(|law| {
             let room = self.room.get_or_insert_with(|| {
                 let (state, own) = (State::zero(file), State::zero(&other.mechanism));
-                Box::new(RefCell::new(Room { other: other.clone(), state, own }))
+                Box::new(Guarded::new(Room { other: other.clone(), state, own }))
             });
             Following { law, freedoms: &self.following, file, room, turns }
         });
@@ -79,6 +81,7 @@ impl Driven {
 }
 
 /// Efforts that change in time, along the freedoms here.
+#[derive(Clone)]
 struct Changing<'d> {
     law: &'d dyn ChangingEfforts,
     freedoms: &'d [usize],
@@ -95,11 +98,12 @@ impl ChangingEfforts for Changing<'_> {
 }
 
 /// Efforts that follow the state, along the freedoms here.
+#[derive(Clone)]
 struct Following<'d> {
     law: &'d dyn Feedback,
     freedoms: &'d [usize],
     file: &'d Mechanism,
-    room: &'d RefCell<Room>,
+    room: &'d Guarded<Room>,
     turns: &'d Turns,
 }
 
@@ -117,13 +121,13 @@ impl Feedback for Following<'_> {
     }
 
     fn efforts(&self, state: &State, efforts: &mut [f64]) {
-        let room = &mut *self.room.borrow_mut();
+        let room = &mut *self.room.lock();
         self.place(room, state);
         self.law.efforts(&room.state, efforts);
     }
 
     fn derivatives(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>) {
-        let room = &mut *self.room.borrow_mut();
+        let room = &mut *self.room.lock();
         self.place(room, state);
         let (count, size) = (self.freedoms.len(), self.file.velocity_count);
         let [mut of_position, mut of_rate] = [(); 2].map(|()| DMatrix::zeros(count, size));
@@ -144,7 +148,7 @@ impl Feedback for Following<'_> {
     }
 
     fn mobility(&self, state: &State) -> DMatrix<f64> {
-        let room = &mut *self.room.borrow_mut();
+        let room = &mut *self.room.lock();
         self.place(room, state);
         let of_file = self.law.mobility(&room.state);
         let mut mobility = DMatrix::zeros(state.velocity.len(), of_file.ncols());

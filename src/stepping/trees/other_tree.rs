@@ -43,6 +43,7 @@ pub fn other_tree(mechanism: &Mechanism, driven: &[usize], kept: &[Rule]) -> Opt
 }
 
 /// [`Lobatto`] on another spanning tree.
+#[derive(Clone)]
 pub struct OnOtherTree {
     recipe: Recipe,
     tree: SpanningTree,
@@ -73,6 +74,7 @@ fn acting(inputs: Inputs<'_>) -> impl Iterator<Item = usize> {
 }
 
 /// The steps on the other tree.
+#[derive(Clone)]
 struct Inside {
     other: OtherTree,
     lobatto: Lobatto,

@@ -14,6 +14,7 @@ use catena_mechanism::motion::state::State;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// The angles of joints that are computed from places, at instants of the last step between which they turn little.
+#[derive(Clone)]
 pub(crate) struct Turns {
     /// Their entries of the file's position and velocity vectors.
     joints: Vec<(usize, usize)>,

@@ -64,6 +64,7 @@ struct Row {
 type Pair = (Vector3<f64>, Vector3<f64>);
 
 /// The motion at one instant.
+#[derive(Clone)]
 pub struct Dynamics {
     pub bodies: Vec<Body>,
     rows: Vec<Row>,

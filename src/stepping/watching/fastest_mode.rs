@@ -23,6 +23,7 @@ pub(crate) fn first_direction(direction: &mut [f64]) {
 }
 
 /// Follows the frequency of the fastest mode of a tree under gravity.
+#[derive(Clone)]
 pub struct Fastest {
     /// The mode.
     direction: Vec<f64>,

@@ -46,6 +46,7 @@ const DEVIATION: f64 = 1e-6;
 const SHARE: f64 = 1e-2;
 
 /// Accelerations of a mechanism with forces and closures at one state after another.
+#[derive(Clone)]
 struct Motion {
     plan: Plan,
     start: Start,
@@ -55,6 +56,7 @@ struct Motion {
     closing: Option<Closing>,
 }
 
+#[derive(Clone)]
 struct Closing {
     projection: Projection,
     multipliers: Vec<f64>,
@@ -130,6 +132,7 @@ impl Motion {
 }
 
 /// Follows the fastest mode of a mechanism with forces and closures.
+#[derive(Clone)]
 pub struct Linearised {
     motion: Motion,
     /// `d`.

@@ -15,6 +15,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 
 /// The workspace of all looks at one mechanism.
+#[derive(Clone)]
 pub struct Modes {
     plan: Plan,
     /// The state at hand, as the start of a step.

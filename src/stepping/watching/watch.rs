@@ -40,6 +40,7 @@ pub struct Transient {
 }
 
 /// The times of the looks at the frequency, and their results.
+#[derive(Clone)]
 pub struct Watch {
     tableau: &'static Tableau,
     /// Steps until the first look.
