@@ -13,7 +13,6 @@ use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
 use crate::events::modes::drives::Commands;
-use crate::events::modes::held::Held;
 
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};

@@ -31,6 +31,7 @@ const WAIT: usize = 8;
 const DOUBLINGS: u32 = 3;
 
 /// The scheme with many stages, and with three stages in spans that are short beside its steps.
+#[derive(Clone)]
 pub struct SpanSteps {
     many: Lobatto,
     few: Option<Box<Lobatto>>,

@@ -20,6 +20,7 @@ use crate::mechanism::motion::state::State;
 const OFF: f64 = 1e-9;
 
 /// A mechanism without its locked joints.
+#[derive(Clone)]
 pub struct Locked {
     held: Held,
     elements: Elements,

@@ -28,6 +28,19 @@ pub(crate) struct NarrowedInputs {
     room: Option<Box<RefCell<Room>>>,
 }
 
+/// A copy has no room yet: it makes its own with the next law of the state.
+impl Clone for NarrowedInputs {
+    fn clone(&self) -> Self {
+        let NarrowedInputs { efforts, changing, following, .. } = self;
+        NarrowedInputs {
+            efforts: efforts.clone(),
+            changing: changing.clone(),
+            following: following.clone(),
+            room: None,
+        }
+    }
+}
+
 struct Room {
     /// Of the whole.
     state: State,

@@ -33,6 +33,7 @@ pub enum RunIntegrator {
 }
 
 /// The integrator of the joints that are not locked.
+#[derive(Clone)]
 pub struct WithoutLockedRun(WithoutLocked<RunIntegrator>);
 
 impl From<Lobatto> for RunIntegrator {

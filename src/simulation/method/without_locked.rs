@@ -13,9 +13,9 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::narrowed_inputs::NarrowedInputs;
-use std::cell::RefCell;
 
 /// An integrator of the joints that are not locked.
+#[derive(Clone)]
 pub(crate) struct WithoutLocked<I> {
     locked: Locked,
     pub inside: I,
@@ -23,8 +23,7 @@ pub(crate) struct WithoutLocked<I> {
     whole: Mechanism,
     own: State,
     inputs: NarrowedInputs,
-    /// Room for states that are asked about, and for dense output.
-    asked: RefCell<State>,
+    /// Room for dense output.
     position: Vec<f64>,
     velocity: Vec<f64>,
 }
@@ -35,7 +34,6 @@ impl<I: Integrator> WithoutLocked<I> {
         let own = State::zero(locked.mechanism());
         WithoutLocked {
             inputs: NarrowedInputs::new(whole, locked.held()),
-            asked: RefCell::new(own.clone()),
             position: own.position.clone(),
             velocity: own.velocity.clone(),
             own,
@@ -52,17 +50,17 @@ impl<I: Integrator> WithoutLocked<I> {
 
     /// The number of a motor of the whole among those of the joints that are not locked; `None` if its joint is locked.
     pub fn motor(&self, motor: usize) -> Option<usize> {
-        let moves = |at: &usize| !self.locked.held()[self.whole.nonsmooth.motors[*at].coordinate.body];
+        let moves = |at: &usize| !self.locked.held().is_held[self.whole.nonsmooth.motors[*at].coordinate.body];
         (motor < self.whole.nonsmooth.motors.len() && moves(&motor)).then(|| (0..motor).filter(moves).count())
     }
 
     /// Changes a state of the whole by a change of the state of the joints that are not locked; `false` if there was no change.
     pub fn change(&self, state: &mut State, change: impl FnOnce(&mut State) -> bool) -> bool {
-        let asked = &mut *self.asked.borrow_mut();
-        self.locked.gather(&self.whole, state, asked);
-        let changed = change(asked);
+        let mut asked = self.own.clone();
+        self.locked.gather(&self.whole, state, &mut asked);
+        let changed = change(&mut asked);
         if changed {
-            self.locked.spread(&self.whole, asked, state);
+            self.locked.spread(&self.whole, &asked, state);
         }
         changed
     }
@@ -117,17 +115,17 @@ impl<I: Integrator> Integrator for WithoutLocked<I> {
     fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
         match self.locked.held().headed_by(body) {
             Some(own) => {
-                let asked = &mut *self.asked.borrow_mut();
-                self.locked.gather(mechanism, state, asked);
-                self.inside.joint_status(self.locked.mechanism(), asked, own)
+                let mut asked = self.own.clone();
+                self.locked.gather(mechanism, state, &mut asked);
+                self.inside.joint_status(self.locked.mechanism(), &asked, own)
             }
             None => self.locked.status(mechanism, state, body).unwrap_or_default(),
         }
     }
 
     fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
-        let asked = &mut *self.asked.borrow_mut();
-        self.locked.gather(mechanism, state, asked);
-        self.inside.contacts(self.locked.mechanism(), asked, out);
+        let mut asked = self.own.clone();
+        self.locked.gather(mechanism, state, &mut asked);
+        self.inside.contacts(self.locked.mechanism(), &asked, out);
     }
 }
