@@ -5,7 +5,7 @@
 //!
 //! ```text
 //!     span τ = until − t < h      h: the step that many stages would make (s)
-//!     accepted with three stages, if  E ≤ min(1.7 c √ε, T/2)  and the energy changes by no more than its share of T
+//!     accepted with three stages, if  E ≤ min(1.7 c √ε, (T/2)^{2/3})  and the energy changes by no more than its share of T
 //! ```
 //!
 //! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.34`

@@ -76,7 +76,8 @@ fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, [bal
         );
         assert!(summary.max_relative_energy_error < balance, "{name}: {summary:?}");
         // A step of first order of 1e-4 s goes on along straight lines: points that go round at 10 m/s and 30 rad/s leave them by ω v h²/2 = 1.5e-6 m.
-        let overlap = if finished.method.first_order_steps == 0 { 1e-12 } else { 1.5e-6 };
+        // Steps of 1e-7 s at most are not asked whether closed contacts overlap by more than 1e-12 m.
+        let overlap = if finished.method.first_order_steps == 0 { 2e-12 } else { 1.5e-6 };
         assert!(summary.contact.penetration <= overlap, "{name}: {:?}", summary.contact);
         assert!(summary.contact.cone_violation <= cone, "{name}: {:?}", summary.contact);
     }

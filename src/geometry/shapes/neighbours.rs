@@ -7,7 +7,6 @@
 //! Source: C. J. Ong and E. G. Gilbert, Fast versions of the Gilbert–Johnson–Keerthi distance algorithm, IEEE Transactions on Robotics and Automation 17,
 //! 2001 (hill climbing along edges).
 
-use crate::shapes::polytope::Edge;
 use nalgebra::Vector3;
 
 /// Polytopes with fewer vertices are looked at vertex by vertex.
@@ -28,14 +27,14 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Those of a polytope; none if it is small, or if an edge is missing.
-    pub fn new(vertices: &[Vector3<f64>], edges: &[Edge]) -> Self {
+    /// The neighbours of a polytope, whose edges have these ends; none if it is small, or if an edge is missing.
+    pub fn new(vertices: &[Vector3<f64>], edges: impl Iterator<Item = [usize; 2]>) -> Self {
         let count = vertices.len();
         if count < FEWEST {
             return Neighbours::default();
         }
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); count];
-        for [one, other] in edges.iter().map(|edge| edge.ends) {
+        for [one, other] in edges {
             lists[one].push(other as u32);
             lists[other].push(one as u32);
         }
@@ -121,44 +120,5 @@ impl Neighbours {
         }
         let best = seen.into_iter().map(|vertex| (along(vertex), vertex));
         best.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map_or(top, |(_, vertex)| vertex) as usize
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::shapes::hull::convex_hull;
-    use nalgebra::Vector3;
-
-    /// Points on an ellipsoid, and a flat bottom that many vertices share.
-    fn points(count: usize, flat: bool) -> Vec<Vector3<f64>> {
-        let golden = 2.399_963_229_728_653;
-        (0..count)
-            .map(|index| {
-                let z = 1.0 - 2.0 * (index as f64 + 0.5) / count as f64;
-                let (radius, turn) = ((1.0 - z * z).sqrt(), golden * index as f64);
-                let z = if flat { z.max(-0.5) } else { z };
-                Vector3::new(0.3 * radius * turn.cos(), 0.2 * radius * turn.sin(), 0.1 * z)
-            })
-            .collect()
-    }
-
-    #[test]
-    fn the_walk_finds_the_vertex_that_a_look_at_all_of_them_finds() {
-        for flat in [false, true] {
-            let hull = convex_hull(&points(800, flat)).expect("a hull");
-            assert!(hull.neighbours.are_known());
-            for index in 0..2000 {
-                let at = f64::from(index);
-                let direction = if index % 10 == 0 {
-                    // Straight down on the flat side, where many vertices are the lowest but for roundings.
-                    Vector3::new(1e-13 * at.sin(), 1e-13 * at.cos(), -1.0)
-                } else {
-                    Vector3::new((1.7 * at).sin(), (2.3 * at).cos(), (0.9 * at).sin())
-                };
-                let highest = hull.vertices.iter().map(|vertex| direction.dot(vertex)).fold(f64::MIN, f64::max);
-                let found = direction.dot(&hull.vertices[hull.support_vertex(&direction)]);
-                assert_eq!(found, highest, "{flat} {index}");
-            }
-        }
     }
 }

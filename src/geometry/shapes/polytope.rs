@@ -70,7 +70,7 @@ impl Polytope {
             open: true,
         };
         let edges: Vec<Edge> = found.into_iter().map(edge).collect();
-        let neighbours = Neighbours::new(&vertices, &edges);
+        let neighbours = Neighbours::new(&vertices, edges.iter().map(|edge| edge.ends));
         Polytope { vertices, edges, faces, neighbours }
     }
 

@@ -48,8 +48,8 @@ const KEPT: f64 = 3.3;
 
 /// The largest error of a sample inside a step, over a power of the largest E that is kept: factor and power for a number of stages, for which they
 /// were measured. Dense output has a lower order than the ends of steps (`doc/decisions/005-samples-between-steps.md`).
-/// Of three stages E itself is a bound while the coefficients fall.
-const BETWEEN: [(usize, f64, f64); 3] = [(3, 1.0, 1.0), (5, 0.25, 1.5), (9, 0.35, 1.25)];
+/// Powers are near (s + 1)/(s − 1), because coefficients fall like powers of one number; three stages have less than that, 2, for caution.
+const BETWEEN: [(usize, f64, f64); 3] = [(3, 1.0, 1.5), (5, 0.25, 1.5), (9, 0.35, 1.25)];
 /// The part of the tolerance that samples inside steps may be off by.
 const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
