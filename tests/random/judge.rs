@@ -16,7 +16,7 @@ use crate::scene::{Answer, Scene};
 use crate::watch::{ATTEMPTS, Seen, Watch};
 use catena::output::report::{Numbers, Report};
 use catena::session::{Error, Model, Simulation};
-use std::cell::RefCell;
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Once};
@@ -49,8 +49,8 @@ struct Run {
 }
 
 thread_local! {
-    /// The last panic of this thread, with its place.
-    static PANIC: RefCell<String> = const { RefCell::new(String::new()) };
+    /// The first panic of this thread, with its place.
+    static PANIC: Cell<String> = const { Cell::new(String::new()) };
 }
 
 /// Panics of this thread are kept instead of printed.
@@ -59,7 +59,8 @@ fn keep_panics() {
     HOOK.call_once(|| {
         let before = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |info| {
-            PANIC.with(|kept| *kept.borrow_mut() = info.to_string());
+            let before_it = PANIC.take();
+            PANIC.set(if before_it.is_empty() { info.to_string().replace('\n', " ") } else { before_it });
             if std::thread::current().name().is_none_or(|name| name != "scenes") {
                 before(info);
             }
@@ -70,13 +71,13 @@ fn keep_panics() {
 /// What is wrong with a scene; its files are written into `folder`.
 pub fn judge(scene: &Scene, folder: &Path) -> Vec<Fault> {
     keep_panics();
+    PANIC.take();
     let path = scene.write(folder);
     let scene = Arc::new(scene.clone());
     let mut faults = Vec::new();
     let judged = catch_unwind(AssertUnwindSafe(|| judge_runs(&scene, &path, &mut faults)));
     if judged.is_err() {
-        let words = PANIC.with(|kept| kept.borrow().replace('\n', " "));
-        faults.push(Fault { verdict: "panic", words });
+        faults.push(Fault { verdict: "panic", words: PANIC.take() });
     }
     faults
 }

@@ -96,12 +96,14 @@ pub fn held(draw: &mut Draw, scene: Scene) -> Scene {
         let mass = draw.log(0.1, 1.0);
         robot.link("side", mass, Vector3::repeat(0.01 * mass), draw.vector(0.1), None);
         let plain = Joint { axis: -Vector3::y(), ..Joint::new("side", "continuous", "b", "side") };
-        let joint = match draw.index(3) {
-            0 => Joint { friction: 50.0, ..plain },
-            1 => Joint { kind: "revolute", limit: Some((0.0, 0.0)), ..plain },
-            _ => Joint { kind: "revolute", limit: Some((0.0, draw.log(1e-4, 0.1))), ..plain },
-        };
-        robot.joint(&joint);
-        Vec::new()
+        let upper = if draw.coin(0.5) { 0.0 } else { draw.log(1e-4, 0.1) };
+        if draw.coin(0.3) {
+            robot.joint(&Joint { friction: 50.0, ..plain });
+            return Vec::new();
+        }
+        // A URDF says "no limits" by two zeros.
+        robot.joint(&Joint { kind: "revolute", ..plain });
+        robot.limits.push(("side".to_string(), 0.0, upper));
+        vec![format!("[[joint]]\nname = \"side\"\nlimit = [0.0, {upper:?}]\nrestitution = {:?}", draw.restitution())]
     })
 }
