@@ -10,7 +10,9 @@ impl Draw {
     /// The first numbers after a seed are much alike, so that some are left out.
     pub fn new(seed: u64) -> Self {
         let mut numbers = Numbers::new(seed.wrapping_mul(2_654_435_761).wrapping_add(97));
-        (0..8).for_each(|_| drop(numbers.next(0.0, 1.0)));
+        for _ in 0..8 {
+            let _ = numbers.next(0.0, 1.0);
+        }
         Draw(numbers)
     }
 

@@ -233,14 +233,11 @@ fn position(report: &Report, joint: &str) -> Option<f64> {
 fn distance(one: &Report, other: &Report) -> f64 {
     let links = one.links.iter().zip(&other.links);
     let apart = links.map(|((_, one), (_, other))| {
-        let norm = |a: &[f64], b: &[f64], sign: f64| {
-            a.iter().zip(b).map(|(a, b)| (a - sign * b).powi(2)).sum::<f64>().sqrt()
-        };
+        let norm =
+            |a: &[f64], b: &[f64], sign: f64| a.iter().zip(b).map(|(a, b)| (a - sign * b).powi(2)).sum::<f64>().sqrt();
         let place = norm(&one.position, &other.position, 1.0);
-        let turn = f64::min(
-            norm(&one.orientation, &other.orientation, 1.0),
-            norm(&one.orientation, &other.orientation, -1.0),
-        );
+        let turn =
+            f64::min(norm(&one.orientation, &other.orientation, 1.0), norm(&one.orientation, &other.orientation, -1.0));
         place.max(0.2 * turn)
     });
     apart.fold(0.0, f64::max)

@@ -1,11 +1,11 @@
 //! How deep two shapes overlap, by separating directions: no part of the library's geometry.
 //!
 //! For convex sets A and B and a unit vector d, `sep(d) = min_A d·x − max_B d·x` (m). The depth is `−max_d sep(d)`. A direction with `sep(d) ≥ −ε`
-//! proves that they overlap by at most ε, so that an overlap can be claimed wrongly, if the search misses the best direction, but never missed.
-//! Candidates are face normals, cross products of edges and lines of centres; the best of them are improved by pattern search.
+//! proves that they overlap by at most ε, so that an overlap can be claimed wrongly, if no candidate is near the best direction, but never missed.
+//! Candidates are face normals, cross products of edges, and the directions between the nearest points of shrunk sets.
 
 use crate::shapes::Shape;
-use nalgebra::{IsometryMatrix3, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, IsometryMatrix3, Point3, Vector3};
 
 /// A convex set in the world: the hull of points, blown up by a radius, or a disc swept along an axis, or a half space.
 pub struct Convex {
@@ -96,59 +96,85 @@ impl Convex {
         -self.support(&-d) - other.support(d)
     }
 
+    /// The point of the core (without the radius of spheres and capsules), shrunk about the centre, that is farthest along d.
+    fn farthest(&self, d: &Vector3<f64>, shrink: f64) -> Vector3<f64> {
+        let along = |point: &&Vector3<f64>| point.dot(d);
+        let point = self.points.iter().max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(&self.centre);
+        let rim = self.rim.map_or(Vector3::zeros(), |(axis, radius)| {
+            (d - axis * axis.dot(d)).try_normalize(1e-12).map_or(Vector3::zeros(), |outward| radius * outward)
+        });
+        self.centre + (point + rim - self.centre) * (1.0 - shrink)
+    }
+
+    /// The direction between the nearest points of two shrunk cores that do not meet (the algorithm of Gilbert, Johnson and Keerthi).
+    fn direction(&self, other: &Convex, shrink: f64) -> Option<Vector3<f64>> {
+        let mut simplex: Vec<Vector3<f64>> = Vec::new();
+        let mut nearest = self.centre - other.centre;
+        for _ in 0..100 {
+            let corner = self.farthest(&-nearest, shrink) - other.farthest(&nearest, shrink);
+            if nearest.dot(&(nearest - corner)) <= 1e-13 * nearest.norm_squared() && !simplex.is_empty() {
+                break;
+            }
+            simplex.push(corner);
+            let (to, kept) = nearest_of(&simplex);
+            if !simplex.is_empty() && kept.len() == 4 {
+                return None;
+            }
+            (nearest, simplex) = (to, kept);
+        }
+        nearest.try_normalize(1e-12)
+    }
+
     /// The overlap with another set as far as it exceeds `allowed` (m), else 0.
     pub fn depth(&self, other: &Convex, allowed: f64) -> f64 {
         let between = self.centre - other.centre;
         if self.normal.is_none() && other.normal.is_none() && between.norm() > self.extent + other.extent {
             return 0.0;
         }
-        let mut candidates = vec![between];
-        candidates.extend(self.normals.iter().chain(&other.normals).flat_map(|normal| [*normal, -normal]));
-        for axis in self.edges.iter().chain(&other.edges) {
-            candidates.push(between - axis * axis.dot(&between));
-        }
-        let crosses = self.edges.iter().flat_map(|one| other.edges.iter().map(move |two| one.cross(two)));
-        candidates.extend(crosses.flat_map(|cross| [cross, -cross]));
-        for corner in &self.points {
-            candidates.extend(other.points.iter().map(|point| corner - point));
-        }
-        let mut best: Vec<(f64, Vector3<f64>)> = Vec::new();
-        for candidate in candidates {
-            let Some(d) = candidate.try_normalize(1e-9) else { continue };
-            let separation = self.separation(other, &d);
-            if separation >= -allowed {
-                return 0.0;
-            }
-            best.push((separation, d));
-        }
-        best.sort_by(|one, two| two.0.total_cmp(&one.0));
-        best.truncate(4);
         let mut deepest = f64::INFINITY;
-        for (separation, d) in best {
-            deepest = deepest.min(-self.improved(other, separation, d));
-            if deepest <= allowed {
-                return 0.0;
-            }
+        let mut separates = |d: &Vector3<f64>| {
+            d.try_normalize(1e-9).is_some_and(|d| {
+                deepest = deepest.min(-self.separation(other, &d));
+                deepest <= allowed
+            })
+        };
+        let normals = self.normals.iter().chain(&other.normals);
+        if normals.flat_map(|normal| [*normal, -normal]).any(|normal| separates(&normal)) {
+            return 0.0;
         }
-        deepest
+        if self.normal.is_some() || other.normal.is_some() {
+            return deepest;
+        }
+        let mut directions = SHRINKS.iter().filter_map(|shrink| self.direction(other, *shrink));
+        let crosses = self.edges.iter().flat_map(|one| other.edges.iter().map(move |two| one.cross(two)));
+        let mut crosses = crosses.flat_map(|cross| [cross, -cross]);
+        if directions.any(|d| separates(&d)) || crosses.any(|d| separates(&d)) { 0.0 } else { deepest }
     }
+}
 
-    /// The largest sep(d) near a direction, by pattern search on the sphere.
-    fn improved(&self, other: &Convex, mut separation: f64, mut d: Vector3<f64>) -> f64 {
-        let mut size = 0.3;
-        while size > 1e-9 {
-            let across = d.cross(&Vector3::ith(d.iamin(), 1.0)).normalize();
-            let up = d.cross(&across);
-            let turned = (0..8).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4);
-            let tried = turned.map(|angle| (d + size * (angle.cos() * across + angle.sin() * up)).normalize());
-            let found = tried.map(|to| (self.separation(other, &to), to)).max_by(|one, two| one.0.total_cmp(&two.0));
-            match found {
-                Some((better, to)) if better > separation => (separation, d) = (better, to),
-                _ => size *= 0.5,
-            }
+/// How much the sets are shrunk for directions: sets that touch have none, and sets that are shrunk little have nearly the right one.
+const SHRINKS: [f64; 6] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+
+/// The point nearest to the origin in the hull of up to four points, and those of them that it depends on.
+fn nearest_of(points: &[Vector3<f64>]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
+    let mut best = (points[0], vec![points[0]]);
+    for subset in 1_usize..1 << points.len() {
+        let kept: Vec<Vector3<f64>> = (0..points.len()).filter(|k| subset >> k & 1 == 1).map(|k| points[k]).collect();
+        // min |p₀ + E x|² with the edges E from p₀.
+        let edges = DMatrix::from_fn(3, kept.len() - 1, |row, column| kept[column + 1][row] - kept[0][row]);
+        let moved = if kept.len() == 1 {
+            DVector::zeros(3)
+        } else {
+            let solved = (edges.transpose() * &edges).lu().solve(&(edges.transpose() * -kept[0]));
+            let Some(x) = solved.filter(|x| x.iter().all(|share| *share >= 0.0) && x.sum() <= 1.0) else { continue };
+            &edges * x
+        };
+        let to = kept[0] + Vector3::new(moved[0], moved[1], moved[2]);
+        if to.norm_squared() < best.0.norm_squared() {
+            best = (to, kept);
         }
-        separation
     }
+    best
 }
 
 /// Normals of faces, and directions of edges.
@@ -169,7 +195,8 @@ mod tests {
 
     #[test]
     fn known_distances_of_shapes_are_found_to_a_nanometre() {
-        let at = |x: f64, y: f64, z: f64| IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::identity());
+        let at =
+            |x: f64, y: f64, z: f64| IsometryMatrix3::from_parts(Translation3::new(x, y, z), Rotation3::identity());
         let cube = Shape::Box { size: Vector3::repeat(0.2) };
         let ball = Shape::Sphere { radius: 0.1 };
         let tilted = IsometryMatrix3::from_parts(

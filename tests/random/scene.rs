@@ -36,7 +36,6 @@ pub struct Solid {
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     pub kind: &'static str,
-    pub seed: u64,
     /// The tables of the scene file, one text each.
     tables: Vec<String>,
     /// Other files: name and text.
@@ -94,8 +93,8 @@ fn pairs(of: &[(String, f64)]) -> String {
 }
 
 impl Scene {
-    pub fn new(kind: &'static str, seed: u64, duration: f64) -> Self {
-        Scene { kind, seed, duration, ..Scene::default() }
+    pub fn new(kind: &'static str, duration: f64) -> Self {
+        Scene { kind, duration, ..Scene::default() }
     }
 
     /// Adds a table of the scene file.
@@ -118,7 +117,8 @@ impl Scene {
             list(&start.rpy)
         );
         if start.floating {
-            table += &format!("\nvelocity = {{ linear = {}, angular = {} }}", list(&start.linear), list(&start.angular));
+            table +=
+                &format!("\nvelocity = {{ linear = {}, angular = {} }}", list(&start.linear), list(&start.angular));
         }
         for (key, values) in [("positions", &start.positions), ("velocities", &start.velocities)] {
             if !values.is_empty() {
@@ -159,7 +159,9 @@ impl Scene {
     /// Sets friction and restitution of all contacts.
     pub fn contacts(&mut self, all_pairs: bool, friction: f64, restitution: f64) {
         let touching = if all_pairs { "all" } else { "environment" };
-        self.table(format!("[contact]\npairs = \"{touching}\"\nfriction = {friction:?}\nrestitution = {restitution:?}"));
+        self.table(format!(
+            "[contact]\npairs = \"{touching}\"\nfriction = {friction:?}\nrestitution = {restitution:?}"
+        ));
         (self.all_pairs, self.contact) = (all_pairs, Some((friction, restitution)));
     }
 

@@ -8,17 +8,36 @@ use nalgebra::Vector3;
 pub enum Shape {
     /// All points with z ≤ 0.
     HalfSpace,
-    Sphere { radius: f64 },
+    Sphere {
+        radius: f64,
+    },
     /// Edges along x, y, z.
-    Box { size: Vector3<f64> },
+    Box {
+        size: Vector3<f64>,
+    },
     /// Along z.
-    Cylinder { radius: f64, length: f64 },
+    Cylinder {
+        radius: f64,
+        length: f64,
+    },
     /// Along z, `length` without its round ends.
-    Capsule { radius: f64, length: f64 },
+    Capsule {
+        radius: f64,
+        length: f64,
+    },
     /// A convex polytope, written as a mesh of this name.
-    Polytope { name: String, corners: Vec<Vector3<f64>>, faces: Vec<[usize; 3]> },
+    Polytope {
+        name: String,
+        corners: Vec<Vector3<f64>>,
+        faces: Vec<[usize; 3]>,
+    },
     /// A surface of triangles over the plane: solid below, down to `bottom`. Written as an open mesh of this name.
-    Hills { name: String, corners: Vec<Vector3<f64>>, faces: Vec<[usize; 3]>, bottom: f64 },
+    Hills {
+        name: String,
+        corners: Vec<Vector3<f64>>,
+        faces: Vec<[usize; 3]>,
+        bottom: f64,
+    },
 }
 
 impl Shape {
@@ -53,8 +72,7 @@ impl Shape {
     /// Six corners on the axes, at these distances from the middle.
     pub fn octahedron(name: &str, half: Vector3<f64>) -> Self {
         let corners = (0..3).flat_map(|axis| [1.0, -1.0].map(|sign| Vector3::ith(axis, sign * half[axis]))).collect();
-        let faces =
-            vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        let faces = vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
         Shape::Polytope { name: format!("{name}.obj"), corners, faces }
     }
 

@@ -54,9 +54,9 @@ impl Robot {
 
     /// A link with principal moments of inertia (kg m²) about its centre of mass.
     pub fn link(&mut self, name: &str, mass: f64, inertia: Vector3<f64>, centre: Vector3<f64>, shape: Option<Shape>) {
-        let collision = shape.as_ref().map_or(String::new(), |shape| {
-            format!("<collision><geometry>{}</geometry></collision>", shape.urdf())
-        });
+        let collision = shape
+            .as_ref()
+            .map_or(String::new(), |shape| format!("<collision><geometry>{}</geometry></collision>", shape.urdf()));
         self.parts.push(format!(
             "<link name=\"{name}\"><inertial><origin xyz=\"{}\"/><mass value=\"{mass:?}\"/><inertia ixx=\"{:?}\" iyy=\"{:?}\" izz=\"{:?}\" \
              ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>{collision}</link>",

@@ -114,7 +114,9 @@ impl Watch {
                     let depth = a.depth(b, ALLOWED);
                     if depth > 0.0 {
                         let [a, b] = [one, other].map(|index| &self.scene.solids[index].name);
-                        keep(&mut seen.overlap, depth, || format!("{a} and {b} overlap by {depth:.1e} m at {time:.4} s"));
+                        keep(&mut seen.overlap, depth, || {
+                            format!("{a} and {b} overlap by {depth:.1e} m at {time:.4} s")
+                        });
                     }
                 }
             }
@@ -148,7 +150,9 @@ impl Observer for Watch {
             let at = self.state.joint_position(mechanism, *body)[0];
             let outside = (lower - at).max(at - upper);
             if outside > ALLOWED {
-                keep(&mut seen.outside_limit, outside, || format!("{name} is {outside:.1e} outside its limit at {time:.4} s"));
+                keep(&mut seen.outside_limit, outside, || {
+                    format!("{name} is {outside:.1e} outside its limit at {time:.4} s")
+                });
             }
         }
         self.overlaps(&mut seen, time);
@@ -159,7 +163,9 @@ impl Observer for Watch {
                 if off > CONE * largest {
                     let part = off / largest;
                     keep(&mut seen.outside_cone, part, || {
-                        format!("a force is {off:.1e} N outside its cone at {time:.4} s, where the largest is {largest:.1e} N")
+                        format!(
+                            "a force is {off:.1e} N outside its cone at {time:.4} s, where the largest is {largest:.1e} N"
+                        )
                     });
                 }
             }

@@ -57,7 +57,7 @@ pub fn locked(draw: &mut Draw, mut scene: Scene) -> Scene {
         scene.robot(&robot, &start, false);
         tables.into_iter().for_each(|table| scene.table(table));
     };
-    let mut twin = Scene::new("", 0, duration);
+    let mut twin = Scene::new("", duration);
     let (mut robot, start, tables) = make(true);
     robot.name = "fixed".to_string();
     let text = robot.text();

@@ -45,5 +45,5 @@ const KINDS: [Kind; 20] = [
 pub fn scene(seed: u64) -> Scene {
     let (kind, make) = KINDS[seed as usize % KINDS.len()];
     let mut draw = Draw::new(seed);
-    make(&mut draw, Scene::new(kind, seed, 0.0))
+    make(&mut draw, Scene::new(kind, 0.0))
 }

@@ -54,7 +54,8 @@ pub fn tree(draw: &mut Draw, name: &str, parts: Parts, prefix: &str) -> (Robot, 
             let restitution = draw.restitution();
             new.tables.push(format!("[[joint]]\nname = \"{full}\"\nrestitution = {restitution:?}"));
         }
-        let axis = if draw.coin(0.5) { Vector3::ith(draw.index(3), 1.0) } else { draw.vector(1.0) + Vector3::x() * 0.01 };
+        let axis =
+            if draw.coin(0.5) { Vector3::ith(draw.index(3), 1.0) } else { draw.vector(1.0) + Vector3::x() * 0.01 };
         let (friction, damping) = (draw.log(1e-2, 2.0), draw.log(1e-3, 1.0));
         let (has_friction, has_damping) = (draw.coin(parts.friction), draw.coin(parts.damping));
         let rpy = if draw.coin(0.5) { Vector3::zeros() } else { draw.vector(1.2) };
@@ -112,7 +113,9 @@ pub fn motor(draw: &mut Draw, joint: &str, position: f64, reach: f64) -> String 
         _ => format!("kind = \"effort\"\ntarget = {}", targets[2]),
     };
     let interpolation = draw.pick(&["hold", "linear", "cubic"]);
-    format!("[[motor]]\njoint = \"{joint}\"\n{law}\ninterpolation = \"{interpolation}\"\nmax_effort = {bound:?}\nperiod = {period:?}")
+    format!(
+        "[[motor]]\njoint = \"{joint}\"\n{law}\ninterpolation = \"{interpolation}\"\nmax_effort = {bound:?}\nperiod = {period:?}"
+    )
 }
 
 fn finish(draw: &mut Draw, mut scene: Scene, parts: Parts) -> Scene {
