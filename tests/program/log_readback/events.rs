@@ -288,3 +288,26 @@ fn an_event_that_was_cut_anywhere_is_an_error() {
     assert_eq!((whole.kind.as_str(), whole.what.as_str(), whole.impulse), ("limit_impact", "turn", Some(-2.5)));
     assert!((0..data.len()).all(|length| decode::event(&data[..length]).is_err()));
 }
+
+#[test]
+fn a_log_has_every_event_of_the_report_and_says_when_it_was() {
+    let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/repro/events/limits216.toml");
+    if !input.is_file() {
+        println!("skipped: there is no ../shared/repro/events");
+        return;
+    }
+    let folder = scratch("events");
+    let input = input.to_str().expect("a path in Unicode");
+    // Two trees that nothing connects, with thousands of impacts; some limits are met without speed.
+    let run = catena(&folder, &["simulate", input, "--json", "--quiet", "--output", "all.mcap"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let report: Value = serde_json::from_slice(&run.stdout).expect("a report");
+    let log: Value = serde_json::from_slice(&catena(&folder, &["inspect", "all.mcap", "--events", "--json"]).stdout)
+        .expect("the events of the log");
+    assert!(report["events"]["counts"]["limit_impact"].as_u64() > Some(1000), "{}", report["events"]["counts"]);
+    assert_eq!(report["events"]["counts"], log["counts"]);
+    let times = log["list"].as_array().expect("a list").iter().map(|event| event["time"].as_f64());
+    let times: Option<Vec<f64>> = times.collect();
+    let times = times.expect("every event has a time");
+    assert!(times.iter().all(|time| (0.0..=0.664).contains(time)));
+}

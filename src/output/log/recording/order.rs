@@ -65,8 +65,9 @@ impl Order {
     }
 
     fn add_events(&mut self, time: f64, piece: &mut Piece) {
-        while self.events.front().is_some_and(|event| event.time <= time) {
-            let Some(event) = self.events.pop_front() else { return };
+        // A rest after infinitely many impacts is told before it happens, so that events after it may be earlier.
+        while let Some(index) = self.events.iter().position(|event| !(event.time > time)) {
+            let Some(event) = self.events.remove(index) else { return };
             self.last_time = self.last_time.max(nanoseconds(event.time));
             piece.push_event(self.last_time, event);
         }
@@ -176,5 +177,17 @@ mod tests {
         ];
         assert_eq!(listed(&piece), expected);
         assert_eq!(order.last_time(), 35_000_000);
+    }
+
+    #[test]
+    fn an_event_that_is_told_before_it_happens_keeps_back_no_event_after_it() {
+        let event = |time: f64| Event { time, kind: EventKind::Rest, body: 0, pair: None, impulse: None };
+        let (mut order, mut piece) = (Order::new(5.0), Piece::default());
+        [0.020, 0.010, f64::NAN, 0.012].iter().for_each(|&time| order.event(&event(time)));
+        order.add_until(0.015, &mut piece);
+        // A time that is not a number is the time of the event before it.
+        assert_eq!(listed(&piece), ["event 10", "event 10", "event 12"]);
+        order.add_until(f64::INFINITY, &mut piece);
+        assert_eq!(listed(&piece).last().map(String::as_str), Some("event 20"));
     }
 }
