@@ -18,7 +18,7 @@ use catena::output::report::{Numbers, Report};
 use catena::session::{Error, Model, Simulation};
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Once};
 
 /// Tolerances of the two runs that are compared (m).
@@ -82,7 +82,7 @@ pub fn judge(scene: &Scene, folder: &Path) -> Vec<Fault> {
     faults
 }
 
-fn judge_runs(scene: &Arc<Scene>, path: &PathBuf, faults: &mut Vec<Fault>) {
+fn judge_runs(scene: &Arc<Scene>, path: &Path, faults: &mut Vec<Fault>) {
     let mut add = |verdict, words: String| faults.push(Fault { verdict, words });
     let coarse = match run(scene, path, |simulation| simulation.tolerance(COARSE)) {
         Ok(coarse) => coarse,
@@ -176,7 +176,7 @@ fn alone(scene: &Scene, run: &Run) -> Vec<(&'static str, String)> {
     }
     let energy = &report.energy;
     let scale = f64::max(energy.parts.kinetic, energy.initial.abs()).max(1e-9);
-    if !(energy.max_relative_error <= BALANCE) {
+    if energy.max_relative_error.is_nan() || energy.max_relative_error > BALANCE {
         faults.push(("energy", format!("the balance is off by {:.1e}", energy.max_relative_error)));
     }
     for (what, lost) in [("impacts", energy.impacts), ("friction", energy.friction), ("dampers", energy.dissipated)] {
@@ -200,7 +200,8 @@ fn alone(scene: &Scene, run: &Run) -> Vec<(&'static str, String)> {
 fn wrong(answer: &Answer, Run { report, seen }: &Run) -> Option<String> {
     let off = |what: &str, got: Option<f64>, right: f64, bound: f64| {
         let got = got.unwrap_or(f64::NAN);
-        (!((got - right).abs() <= bound)).then(|| format!("{what} is {got}, right {right}"))
+        let off = (got - right).abs();
+        (off.is_nan() || off > bound).then(|| format!("{what} is {got}, right {right}"))
     };
     match answer {
         Answer::Place { link, axis, right, bound } => {

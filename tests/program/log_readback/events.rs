@@ -190,14 +190,53 @@ fn motors_are_logged_at_every_sample_and_sampled_ones_with_the_effort_of_their_l
 fn the_energy_topic_has_what_friction_and_impacts_took() {
     let bytes = bytes("energy_logged");
     let messages = messages(&bytes);
-    for (index, message) in of_topic(&messages, "/energy").into_iter().enumerate() {
+    let step = (STEP * 1e9) as u64;
+    let energies = of_topic(&messages, "/energy");
+    for message in &energies {
+        // The end of a step, or a nanosecond before it where it has an event.
+        let (ended, is_before) = (message.log_time.div_ceil(step), (message.log_time + 1).is_multiple_of(step));
         let mut cdr = Cdr::new(message);
         let _header = (cdr.unsigned(), cdr.unsigned(), cdr.string());
         // Dissipated, work put in, lost to friction, lost in impacts.
-        let lost = [0.0, 0.0, index as f64 * FRICTION, index as f64 * IMPACTS];
-        assert_eq!(cdr.numbers::<7>()[3..], lost, "{index}");
+        let before_impacts = if is_before { 1.0 } else { 0.0 };
+        let lost = [0.0, 0.0, ended as f64 * FRICTION, (ended as f64 - before_impacts) * IMPACTS];
+        assert_eq!(cdr.numbers::<7>()[3..], lost, "{} ns", message.log_time);
         cdr.assert_ended();
     }
+    let before = energies.iter().filter(|message| (message.log_time + 1).is_multiple_of(step));
+    // Of three steps with events one ends at a sample, after which there is no nanosecond left.
+    assert_eq!(before.count(), 2);
+}
+
+#[test]
+fn a_motion_without_losses_between_impacts_has_one_energy_from_each_impact_to_the_next_in_its_log() {
+    let folder = scratch("between_impacts");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/bouncing_pendulum.toml");
+    let scene = scene.to_str().expect("a path in Unicode");
+    let run =
+        catena(&folder, &["simulate", scene, "--quiet", "--duration", "2.5", "--rate", "7", "--output", "log.mcap"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let bytes = std::fs::read(folder.join("log.mcap")).expect("a log");
+    let messages = messages(&bytes);
+    let energies: Vec<(u64, f64, f64)> = (of_topic(&messages, "/energy").into_iter())
+        .map(|message| {
+            let mut cdr = Cdr::new(message);
+            let _header = (cdr.unsigned(), cdr.unsigned(), cdr.string());
+            let [_, _, total, _, _, _, impacts] = cdr.numbers::<7>();
+            (message.log_time, total, impacts)
+        })
+        .collect();
+    let mut jumps = 0;
+    for two in energies.windows(2) {
+        let [(from, before, lost), (to, after, more)] = [two[0], two[1]];
+        let jumps_here = to == from + 1;
+        jumps += usize::from(jumps_here);
+        // The balance of the run is kept to 1e-9 of some joules; the impacts of this pendulum until 2.5 s take more than 1e-3 J.
+        assert_eq!((after - before).abs() > 1e-8, jumps_here, "{from} to {to} ns: {before} and {after} J");
+        assert!((after - before + more - lost).abs() < 1e-8, "{from} to {to} ns: {before} and {after} J");
+    }
+    assert_eq!(jumps, of_topic(&messages, "/events").len());
+    assert!(jumps >= 3, "{jumps} impacts");
 }
 
 #[test]

@@ -64,20 +64,13 @@ fn linkage(draw: &mut Draw, mut scene: Scene, extra: impl FnOnce(&mut Draw, &mut
         tables.push(motor(draw, "crank", crank, 1.0));
     }
     let kind = draw.pick(&["revolute", "distance", "spherical"]);
-    let (axis, length) = match kind {
-        "revolute" => (", axis = [0, 1, 0]", ""),
-        // Pins that coincide have no distance: the rocker ends half a radius short.
-        "distance" => ("", ""),
-        _ => ("", ""),
-    };
-    let end = match kind {
-        "distance" => 0.7 * lengths[2],
-        _ => lengths[2],
-    };
+    let axis = if kind == "revolute" { ", axis = [0, 1, 0]" } else { "" };
+    // Pins that coincide have no distance: that end is short of the rocker's.
+    let end = if kind == "distance" { 0.7 * lengths[2] } else { lengths[2] };
     scene.robot(&robot, &start, false);
     scene.table(format!(
         "[[loop]]\nname = \"closure\"\ntype = \"{kind}\"\na = {{ link = \"b\", position = [{:?}, 0, 0]{axis} }}\n\
-         b = {{ link = \"c\", position = [{end:?}, 0, 0]{axis} }}{length}",
+         b = {{ link = \"c\", position = [{end:?}, 0, 0]{axis} }}",
         lengths[1]
     ));
     tables.into_iter().for_each(|table| scene.table(table));
