@@ -16,7 +16,7 @@ impl Draw {
         Draw(numbers)
     }
 
-    /// Between the bounds, with six digits: a scene is written with what it was made of.
+    /// Between the bounds, rounded to seven digits, which scene files hold exactly.
     pub fn range(&mut self, low: f64, high: f64) -> f64 {
         let number = self.0.next(low, high);
         format!("{number:.6e}").parse().unwrap_or(number).clamp(low, high)

@@ -1,6 +1,6 @@
-//! Runs of a scene, and what is wrong with them.
+//! Runs of a scene, and their faults.
 //!
-//! | verdict | what is wrong |
+//! | verdict | fault |
 //! |---|---|
 //! | `panic`, `failed` | the run panics, or ends before its end with an error |
 //! | `energy` | the balance of energies is off, friction or impacts give energy, or a scene without losses loses some |
@@ -68,7 +68,7 @@ fn keep_panics() {
     });
 }
 
-/// What is wrong with a scene; its files are written into `folder`.
+/// The faults of a scene. Its files are written into `folder`.
 pub fn judge(scene: &Scene, folder: &Path) -> Vec<Fault> {
     keep_panics();
     PANIC.take();
@@ -155,7 +155,7 @@ fn is_reached(report: &Report) -> bool {
     report.accuracy.is_some_and(|accuracy| accuracy.reached) && !report.warnings.iter().any(unsolved)
 }
 
-/// What is wrong in the samples of a run; shapes and joints may be `allowed` beyond (m, rad).
+/// Faults in the samples of a run. Shapes and joints may be beyond their bounds by `allowed` (m, rad).
 fn seen_faults(seen: &Seen, allowed: f64) -> Vec<(&'static str, String)> {
     let beyond = |what: &Option<(f64, String)>| what.clone().filter(|(amount, _)| *amount > allowed);
     let mut faults = Vec::new();
@@ -166,7 +166,7 @@ fn seen_faults(seen: &Seen, allowed: f64) -> Vec<(&'static str, String)> {
     faults
 }
 
-/// What is wrong with one run with a tolerance.
+/// Faults of one run with a tolerance.
 fn alone(scene: &Scene, run: &Run) -> Vec<(&'static str, String)> {
     let Run { report, seen } = run;
     let mut faults = seen_faults(seen, 0.0);
@@ -196,7 +196,7 @@ fn alone(scene: &Scene, run: &Run) -> Vec<(&'static str, String)> {
     faults
 }
 
-/// What is wrong, beside a closed form.
+/// The deviation from a closed form, in words.
 fn wrong(answer: &Answer, Run { report, seen }: &Run) -> Option<String> {
     let off = |what: &str, got: Option<f64>, right: f64, bound: f64| {
         let got = got.unwrap_or(f64::NAN);

@@ -152,10 +152,11 @@ impl Convex {
     }
 }
 
-/// How much the sets are shrunk for directions: sets that touch have none, and sets that are shrunk little have nearly the right one.
+/// Shares by which sets are shrunk to find directions. Sets that touch have no direction between their nearest points; slightly smaller ones have
+/// nearly the right one.
 const SHRINKS: [f64; 6] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
 
-/// The point nearest to the origin in the hull of up to four points, and those of them that it depends on.
+/// The point nearest to the origin in the hull of up to four points, and the points that it depends on.
 fn nearest_of(points: &[Vector3<f64>]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
     let mut best = (points[0], vec![points[0]]);
     for subset in 1_usize..1 << points.len() {

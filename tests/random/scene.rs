@@ -1,4 +1,4 @@
-//! A random scene: its files, and what is known of its motion without a reference.
+//! A random scene: its files, and facts about its motion that need no reference.
 
 use crate::shapes::Shape;
 use crate::urdf::Robot;

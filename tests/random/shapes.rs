@@ -41,7 +41,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// A shape of a link, some `size` (m) large. `name` is that of its mesh, if it has one.
+    /// A shape of a link, some `size` (m) large. `name` is the name of its mesh, if it has one.
     pub fn of_link(draw: &mut Draw, name: &str, size: f64) -> Self {
         let mut edge = |low: f64| draw.range(low, 1.0) * size;
         let (a, b, c) = (edge(0.3), edge(0.3), edge(0.3));
@@ -144,7 +144,7 @@ impl Shape {
         Some((name.clone(), corners.chain(faces).collect()))
     }
 
-    /// The highest point above the origin (m): what it stands on must be as far below.
+    /// The height of its highest point above its origin (m).
     pub fn top(&self) -> f64 {
         match self {
             Shape::HalfSpace => 0.0,

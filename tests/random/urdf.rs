@@ -73,7 +73,7 @@ impl Robot {
         self.link(name, mass, inertia(mass, &shape), Vector3::zeros(), Some(shape));
     }
 
-    /// A link of some size (m) with a random mass, centre and inertia, with a random shape or none.
+    /// A link of some size (m) with a random mass, centre and inertia, with or without a random shape.
     pub fn random_link(&mut self, draw: &mut Draw, name: &str, size: f64, has_shape: bool) {
         let mass = draw.log(0.2, 5.0);
         let mesh = format!("{}_{name}", self.name);
@@ -124,7 +124,7 @@ impl Robot {
     }
 }
 
-/// Principal moments of inertia (kg m²) of a solid shape; of polytopes those of a box of the same extent.
+/// Principal moments of inertia (kg m²) of a solid shape. A polytope has the moments of a box of the same extent.
 pub fn inertia(mass: f64, shape: &Shape) -> Vector3<f64> {
     let cuboid = |size: &Vector3<f64>| {
         let square = size.component_mul(size) * (mass / 12.0);

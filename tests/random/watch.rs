@@ -1,4 +1,4 @@
-//! What is looked at in every sample of a run: limits, overlaps, cones and finite numbers.
+//! The checks of every sample of a run: limits, overlaps, cones and finite numbers.
 
 use crate::overlap::Convex;
 use crate::scene::Scene;

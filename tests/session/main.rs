@@ -3,6 +3,7 @@
 mod bad_input;
 mod control;
 mod dynamics;
+mod forces_at_jumps;
 mod runs;
 
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use crate::shapes::Shape;
 use crate::urdf::{Joint, Robot};
 use nalgebra::Vector3;
 
-/// The height (m) after `time` of what falls from `height`, rebounding with this restitution, and the number of impacts if it loses nothing.
+/// The height (m) after `time` of a ball that falls from `height` and rebounds with this restitution, and the number of its impacts.
 pub fn bounced(height: f64, restitution: f64, time: f64) -> (f64, usize) {
     let fall = (2.0 * height / GRAVITY).sqrt();
     if time <= fall {
@@ -93,7 +93,7 @@ pub fn rolls(draw: &mut Draw, mut scene: Scene) -> Scene {
     scene
 }
 
-/// Equal balls in a row on slides, with gaps or none: the last one leaves with the velocity of the first.
+/// Equal balls in a row on slides, with or without gaps: the last one leaves with the velocity of the first.
 pub fn cradle(draw: &mut Draw, mut scene: Scene) -> Scene {
     let (count, radius, mass) = (2 + draw.index(4), draw.range(0.01, 0.1), draw.range(0.1, 3.0));
     let (speed, run_up) = (draw.range(0.2, 2.0), draw.range(0.01, 0.3));

@@ -1,4 +1,4 @@
-//! Joints with closed forms, and arms that are held: none of them may be called chaotic.
+//! Joints with closed forms, and arms that are held, which must not be called chaotic.
 
 use crate::draw::Draw;
 use crate::kinds::balls::bounced;

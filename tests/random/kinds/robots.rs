@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 pub fn two(draw: &mut Draw, mut scene: Scene) -> Scene {
     for index in 0..2 {
         let name = format!("r{index}");
-        let joints = draw.index(3);
+        let joints = draw.index(4);
         let parts =
             Parts { joints, limit: 0.6, friction: 0.2, damping: 0.3, motor: 0.3, shape: 0.8, ..Parts::default() };
         let (robot, mut start, tables) = tree(draw, &name, parts, &format!("{name}/"));
@@ -28,6 +28,6 @@ pub fn two(draw: &mut Draw, mut scene: Scene) -> Scene {
     }
     let (friction, restitution) = (draw.range(0.0, 1.0), draw.restitution());
     scene.contacts(true, friction, restitution);
-    scene.duration = draw.range(0.2, 0.5);
+    scene.duration = draw.range(0.3, 0.8);
     scene
 }

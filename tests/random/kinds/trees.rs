@@ -126,27 +126,27 @@ fn finish(draw: &mut Draw, mut scene: Scene, parts: Parts) -> Scene {
     tables.into_iter().for_each(|table| scene.table(table));
     // Without a floor shapes touch nothing.
     scene.solids.clear();
-    scene.duration = draw.range(0.2, 0.6);
+    scene.duration = draw.range(0.3, 1.0);
     scene
 }
 
 /// Limits, some of them narrow, with any restitution.
 pub fn with_limits(draw: &mut Draw, scene: Scene) -> Scene {
-    let joints = 1 + draw.index(6);
+    let joints = 1 + draw.index(10);
     let parts = Parts { joints, limit: 0.8, friction: 0.3, damping: 0.3, ..Parts::default() };
     finish(draw, scene, parts)
 }
 
 /// Motors at their bounds, with friction, followers and limits.
 pub fn with_motors(draw: &mut Draw, scene: Scene) -> Scene {
-    let joints = 1 + draw.index(5);
+    let joints = 1 + draw.index(8);
     let parts = Parts { joints, limit: 0.4, friction: 0.4, damping: 0.5, motor: 0.7, mimic: 0.3, ..Parts::default() };
     finish(draw, scene, parts)
 }
 
 /// A tree that lies in the air above a floor, fixed to the world or floating.
 pub fn on_a_floor(draw: &mut Draw, mut scene: Scene) -> Scene {
-    let joints = draw.index(4);
+    let joints = draw.index(6);
     let parts = Parts { joints, limit: 0.6, friction: 0.3, damping: 0.4, motor: 0.3, shape: 0.7, ..Parts::default() };
     let (robot, mut start, tables) = tree(draw, "r0", parts, "");
     let reach = 0.3 + 0.35 * joints as f64;
@@ -166,7 +166,7 @@ pub fn on_a_floor(draw: &mut Draw, mut scene: Scene) -> Scene {
     }
     let (friction, restitution) = (draw.range(0.0, 1.0), draw.restitution());
     scene.contacts(false, friction, restitution);
-    scene.duration = draw.range(0.2, 0.5);
+    scene.duration = draw.range(0.3, 0.8);
     scene
 }
 
