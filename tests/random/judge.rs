@@ -96,18 +96,24 @@ fn judge_runs(scene: &Arc<Scene>, path: &Path, faults: &mut Vec<Fault>) {
     }
     match run(scene, path, |simulation| simulation.tolerance(FINE)) {
         Ok(fine) => {
+            if let Some(slow) = fine.seen.slow {
+                return add("slow", format!("more than {ATTEMPTS} attempts up to {slow:.3} s at {FINE:e}"));
+            }
             let apart = distance(&coarse.report, &fine.report);
             let both = is_reached(&coarse.report) && is_reached(&fine.report);
             if both && apart > APART {
                 let told = coarse.report.accuracy.map_or(f64::NAN, |accuracy| accuracy.estimated);
                 add("tolerance", format!("{COARSE:e} and {FINE:e} are {apart:.1e} m apart, estimated {told:.1e} m"));
             }
-            if let (Some(slow), false) = (fine.seen.slow, coarse.seen.slow.is_some()) {
-                add("slow", format!("more than {ATTEMPTS} attempts up to {slow:.3} s at {FINE:e}"));
-            }
             match run(scene, path, |simulation| simulation.fixed(GIVEN.0, GIVEN.1)) {
                 Ok(given) => {
                     let off = distance(&given.report, &fine.report);
+                    if let Some(slow) = given.seen.slow {
+                        return add(
+                            "slow",
+                            format!("more than {ATTEMPTS} attempts up to {slow:.3} s with given steps"),
+                        );
+                    }
                     if both && apart <= APART && given.report.warnings.is_empty() && off > GIVEN_APART {
                         add("steps", format!("steps of {} s are {off:.1e} m off, without a warning", GIVEN.1));
                     }
