@@ -40,7 +40,10 @@ impl Eventful {
         efforts[..self.outside.len()].copy_from_slice(&self.outside);
         self.felt.add(state.time, &mut efforts);
         mode.add_constant_efforts(elements, &mut efforts);
-        mode.add_motor_efforts(elements, self.origin.time, state.time, state, &mut efforts);
+        // A mode that follows at the end of a step was decided with the efforts after a jump of a target, the one before with those before it.
+        let is_next = self.stepped_in.as_ref().is_some_and(|before| !before.is_like(mode));
+        let since = if is_next { state.time } else { self.origin.time };
+        mode.add_motor_efforts(elements, since, state.time, state, &mut efforts);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let mut reporting = reporting.borrow_mut();
         let unique = holding.is_unique() && !inside;

@@ -177,6 +177,7 @@ impl Begun {
             .chain(ringing_warning(&method))
             .chain(singular_warning(&method))
             .chain(unsolved_warning(&method, duration))
+            .chain(contact.outside.clone())
             .chain(speeds.iter().flat_map(|speeds| speeds.warning()))
             .collect();
         let estimated_error =

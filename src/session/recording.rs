@@ -21,6 +21,8 @@ pub struct Recording {
     step_of: Vec<usize>,
     /// Events, each with the index of the next sample.
     events: Vec<(usize, Event)>,
+    /// The ends of steps with events, each with the number of events up to it.
+    eventful: Vec<(usize, StepEnd)>,
     /// Accuracies that the run told, each with the index of the next sample.
     accuracies: Vec<(usize, AccuracySoFar)>,
     /// Contacts, each with the index of its sample.
@@ -66,10 +68,15 @@ impl Recording {
     /// Any error of the observer.
     pub fn show_to(&self, observer: &mut dyn Observer) -> Result<(), ObserverError> {
         let (mut events, mut contacts) = (self.events.iter().peekable(), self.contacts.iter().peekable());
-        let mut accuracies = self.accuracies.iter().peekable();
+        let (mut accuracies, mut eventful) = (self.accuracies.iter().peekable(), self.eventful.iter().peekable());
+        let mut shown = 0;
         for number in 0..=self.times.len() {
             while let Some((_, event)) = events.next_if(|(before, _)| *before <= number) {
                 observer.event(event);
+                shown += 1;
+                while let Some((_, end)) = eventful.next_if(|(events, _)| *events <= shown) {
+                    observer.step(end);
+                }
             }
             while let Some((_, so_far)) = accuracies.next_if(|(before, _)| *before <= number) {
                 observer.accuracy(so_far);
@@ -108,6 +115,13 @@ impl Observer for Recording {
         Ok(())
     }
 
+    fn step(&mut self, end: &StepEnd) {
+        let events = self.events.len();
+        if self.eventful.last().map_or(0, |(known, _)| *known) < events {
+            self.eventful.push((events, *end));
+        }
+    }
+
     fn event(&mut self, event: &Event) {
         self.events.push((self.times.len(), *event));
     }
@@ -143,6 +157,10 @@ impl Observer for SharedRecording {
 
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         self.with(|recording| recording.sample_seen(sample))
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.with(|recording| recording.step(end));
     }
 
     fn event(&mut self, event: &Event) {

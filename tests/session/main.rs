@@ -3,6 +3,7 @@
 mod bad_input;
 mod control;
 mod dynamics;
+mod forces_at_jumps;
 mod quantities;
 mod runs;
 mod sensors;

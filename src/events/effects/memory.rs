@@ -118,7 +118,7 @@ impl ImpactMemory {
         let (_, last, faster) = self.last?;
         let ratio = rate / faster;
         let now = time + (time - last) * ratio / (1.0 - ratio);
-        Some(match self.ends {
+        now.is_finite().then_some(match self.ends {
             Some(Ends { best, last, apart }) if (now - last).abs() >= apart => Ends { best, last: now, apart },
             Some(Ends { last, .. }) => Ends { best: now, last: now, apart: (now - last).abs() },
             None => Ends { best: now, last: now, apart: f64::INFINITY },
@@ -136,8 +136,9 @@ impl ImpactMemory {
         height: f64,
     ) -> Option<(f64, f64)> {
         let (before, last, faster) = self.last?;
-        let (ratio, flight) = (rate / faster, time - last);
-        if before != side || self.in_a_row < IN_A_ROW || ratio >= 1.0 || restitution == 0.0 || flight <= 0.0 {
+        let flight = time - last;
+        // A limit may be met without speed in a blow on another one: the impact after it is not weaker.
+        if before != side || self.in_a_row < IN_A_ROW || rate >= faster || restitution == 0.0 || flight <= 0.0 {
             return None;
         }
         let rebound = restitution * rate;
@@ -146,5 +147,25 @@ impl ImpactMemory {
         let ends = self.predicted(time, rate).filter(|_| rebound * rebound <= 2.0 * acceleration * height)?;
         let first = rebound * rebound / (2.0 * acceleration);
         Some((ends.best, first / (1.0 - ratio * ratio)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_impact_after_one_without_speed_keeps_its_restitution() {
+        let mut memory = Memory::new(1, 0);
+        // Each bounce takes half as long as the one before, so that all end at 2 s.
+        for (time, rate) in [(0.0, 1.0), (1.0, 0.5), (1.5, 0.25), (1.75, 0.125)] {
+            memory.remember(Of::Joint(0), Side::Lower, time, rate);
+        }
+        let accumulates =
+            |memory: &Memory, time, rate| memory.joints[0].accumulates(Side::Lower, time, rate, 0.5, 1.0).is_some();
+        assert!(accumulates(&memory, 1.875, 0.0625));
+        // A blow on another limit reaches this one while the joint rests on it: v⁻ = 0, written with a minus.
+        memory.remember(Of::Joint(0), Side::Lower, 1.875, -0.0);
+        assert!(!accumulates(&memory, 1.9, 0.1));
     }
 }

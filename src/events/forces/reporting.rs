@@ -4,6 +4,7 @@
 //! those of the steps ([`crate::events::forces::closed_forces`]), because each pressure moves it in another way.
 
 use crate::events::forces::closed_forces::Closing;
+use crate::events::modes::mode::Mode;
 use crate::events::modes::present::Present;
 use crate::instant::cone::problem::{Law, Unsolved};
 use crate::instant::cone::{least_compliance, solve};
@@ -19,8 +20,8 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Clone)]
 pub(crate) struct Reporting {
     response: Response,
-    /// The state and efforts that were asked for last.
-    state: Option<(State, Vec<f64>)>,
+    /// The state, the efforts and the mode of the last call.
+    state: Option<(State, Vec<f64>, Mode)>,
     /// The forces on all rows then: where the next solution begins.
     forces: Vec<f64>,
     found: Vec<[f64; 3]>,
@@ -35,8 +36,11 @@ impl Reporting {
     /// The forces at the closed contacts of a mode (N), along normals and tangents. Where several fit the law those of least compliance.
     pub fn forces(&mut self, at: &Present, state: &State, efforts: &[f64], unique: bool) -> &[[f64; 3]] {
         // What is held stays where it is.
-        let same = |(known, before): &(State, Vec<f64>)| {
-            known.position == state.position && known.velocity == state.velocity && before == efforts
+        let same = |(known, before, mode): &(State, Vec<f64>, Mode)| {
+            known.position == state.position
+                && known.velocity == state.velocity
+                && before == efforts
+                && mode.is_like(at.mode)
         };
         if self.found.len() == at.mode.contacts.len() && self.state.as_ref().is_some_and(same) {
             return &self.found;
@@ -66,7 +70,7 @@ impl Reporting {
             }
             row += block.rows.len();
         }
-        self.state = Some((state.clone(), efforts.to_vec()));
+        self.state = Some((state.clone(), efforts.to_vec(), at.mode.clone()));
         &self.found
     }
 }

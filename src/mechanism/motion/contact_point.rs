@@ -42,6 +42,24 @@ impl ContactPoint {
     }
 }
 
+/// The part of the largest force at an instant that a force may be outside its cone: more is no rounding.
+const OUTSIDE: f64 = 1e-6;
+
+/// A force that is outside its cone by more than roundings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutsideCone {
+    /// How far it is outside (N).
+    pub violation: f64,
+    /// The largest contact force at that instant (N).
+    pub largest: f64,
+    /// When (s).
+    pub time: f64,
+    /// The pair ([`ContactPair::number`]).
+    pub pair: usize,
+    /// Where the shapes touch, in the world (m).
+    pub position: Vector3<f64>,
+}
+
 /// The worst of the contacts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactFigures {
@@ -49,16 +67,22 @@ pub struct ContactFigures {
     pub penetration: f64,
     /// The farthest of a force from its cone (N).
     pub cone_violation: f64,
+    /// The farthest of a force that is outside its cone by more than roundings, if there is one.
+    pub outside: Option<OutsideCone>,
 }
 
 impl ContactFigures {
-    /// Takes in the contacts of an instant, whose pairs are among these.
-    pub fn see(&mut self, points: &[ContactPoint], pairs: &[ContactPair]) {
+    /// Takes in the contacts of an instant (s), whose pairs are among these.
+    pub fn see(&mut self, time: f64, points: &[ContactPoint], pairs: &[ContactPair]) {
+        let largest = points.iter().map(|point| point.force.norm()).fold(0.0, f64::max);
         for point in points {
             let friction = pairs.iter().find(|pair| pair.number == point.pair).map_or(0.0, |pair| pair.friction);
+            let violation = point.cone_violation(friction);
+            let outside = OutsideCone { violation, largest, time, pair: point.pair, position: point.position };
             self.include(&ContactFigures {
                 penetration: point.penetration(),
-                cone_violation: point.cone_violation(friction),
+                cone_violation: violation,
+                outside: Some(outside).filter(|_| violation > OUTSIDE * largest),
             });
         }
     }
@@ -67,6 +91,15 @@ impl ContactFigures {
     pub fn include(&mut self, other: &ContactFigures) {
         self.penetration = self.penetration.max(other.penetration);
         self.cone_violation = self.cone_violation.max(other.cone_violation);
+        let worse = |other: &OutsideCone| self.outside.is_none_or(|own| other.violation > own.violation);
+        if let Some(worse) = other.outside.filter(worse) {
+            self.outside = Some(worse);
+        }
+    }
+
+    /// The forces alone, without the overlap.
+    pub fn of_forces(&self) -> Self {
+        ContactFigures { penetration: 0.0, ..*self }
     }
 }
 
@@ -96,12 +129,25 @@ mod tests {
     }
 
     #[test]
-    fn figures_keep_the_worst_of_each_with_the_friction_of_its_pair() {
+    fn figures_keep_the_worst_of_each_with_the_friction_of_its_pair_and_its_instant() {
         let pair = |number, friction| ContactPair { number, a: 0, b: 1, friction, restitution: 0.0 };
         let mut figures = ContactFigures::default();
-        figures.see(&[point([3.0, 4.0, 6.0], 1e-3), point([0.0, 0.0, 1.0], -1e-9)], &[pair(2, 0.0), pair(3, 0.5)]);
-        assert_eq!(figures, ContactFigures { penetration: 1e-9, cone_violation: 2.0 });
-        figures.include(&ContactFigures { penetration: 1e-8, cone_violation: 1.0 });
-        assert_eq!(figures, ContactFigures { penetration: 1e-8, cone_violation: 2.0 });
+        let points = [point([3.0, 4.0, 6.0], 1e-3), point([0.0, 0.0, 1.0], -1e-9)];
+        figures.see(0.25, &points, &[pair(2, 0.0), pair(3, 0.5)]);
+        let largest = 61.0_f64.sqrt();
+        let outside = Some(OutsideCone { violation: 2.0, largest, time: 0.25, pair: 3, position: Vector3::zeros() });
+        assert_eq!(figures, ContactFigures { penetration: 1e-9, cone_violation: 2.0, outside });
+        figures.include(&ContactFigures { penetration: 1e-8, cone_violation: 1.0, outside: None });
+        assert_eq!(figures, ContactFigures { penetration: 1e-8, cone_violation: 2.0, outside });
+        // A millionth of the largest force is no rounding, and a part of it is.
+        for (off, is_outside) in [(1.0e-6, false), (1.3e-6, true)] {
+            let mut figures = ContactFigures::default();
+            figures.see(
+                0.5,
+                &[point([5.0 + 10.0 * off, 0.0, 10.0], 0.0), point([0.0, 0.0, 10.0], 0.0)],
+                &[pair(3, 0.5)],
+            );
+            assert_eq!(figures.outside.is_some(), is_outside, "{figures:?}");
+        }
     }
 }

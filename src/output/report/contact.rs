@@ -1,7 +1,7 @@
 //! The contacts at the end of a run, and the worst of all its contacts.
 
-use crate::mechanism::ground::words::counted;
-use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::ground::words::{counted, decimals, rounded};
+use crate::mechanism::motion::contact_point::{ContactPoint, OutsideCone};
 use crate::model::Model;
 use crate::simulation::Finished;
 use serde::Serialize;
@@ -32,6 +32,9 @@ pub struct ContactsReport {
     pub max_penetration: f64,
     /// The farthest of a force from its friction cone at the end of any step (N).
     pub max_cone_violation: f64,
+    /// A warning, if a force is outside its cone by more than roundings.
+    #[serde(skip)]
+    pub(crate) outside: Option<String>,
     /// Those that are closed at the end of the run.
     pub points: Vec<ContactReport>,
     /// Whether the mechanism has shapes that may touch; otherwise the lines for people do not mention them.
@@ -63,6 +66,7 @@ impl ContactsReport {
         ContactsReport {
             max_penetration: figures.penetration,
             max_cone_violation: figures.cone_violation,
+            outside: figures.outside.map(|outside| outside_words(model, &outside)),
             points: finished.contacts.iter().map(|point| ContactReport::new(model, point)).collect(),
             may_touch: !model.mechanism.nonsmooth.pairs.is_empty(),
         }
@@ -73,6 +77,18 @@ impl ContactsReport {
         let slipping = self.points.iter().filter(|point| point.state == "slip").count();
         contact_words(self.points.len(), slipping, self.max_penetration, Some(self.max_cone_violation))
     }
+}
+
+/// The warning about a force outside its cone: which, where, when, and how far.
+fn outside_words(model: &Model, outside: &OutsideCone) -> String {
+    let (name, [x, y, z]) = (pair_name(model, outside.pair), outside.position.map(decimals).into());
+    format!(
+        "contact {name:?}: a force is {:.1e} N outside its friction cone at t = {} s, at x = {x}, y = {y}, z = {z} m, where the largest force is \
+         {:.1e} N; compare the run with one of a smaller --tolerance or --step",
+        outside.violation,
+        rounded(outside.time),
+        outside.largest
+    )
 }
 
 /// The contacts at the end, how many of them slip, the deepest overlap (m) and, if it is known, the farthest of a force from its cone (N):

@@ -256,8 +256,9 @@ impl Drop for Simulation {
     fn drop(&mut self) {
         if self.running.is_some() {
             let time = self.time();
-            // The error cannot be returned from `drop`.
-            let _ = self.close(Err(Error::Run(RunError::Interrupted { time })));
+            let close = || self.close(Err(Error::Run(RunError::Interrupted { time })));
+            // The error cannot be returned from `drop`. A second panic in a run that has panicked must not abort the process.
+            let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(close));
         }
     }
 }

@@ -89,6 +89,8 @@ impl MergedRun {
             let ready = awake.iter().all(|part| !part.shown.samples.is_empty());
             let until = match awake.first().and_then(|part| part.shown.samples.front()) {
                 Some(sample) if ready => sample.time,
+                // A rest may be after the end, and counts.
+                _ if frontier(awake) >= self.end => f64::INFINITY,
                 _ => frontier(awake),
             };
             self.take_events(awake, until, observers);
@@ -114,9 +116,13 @@ impl MergedRun {
     fn take_events(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
         let mut happened = Vec::new();
         for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
-            let count = shown.events.partition_point(|event| event.time <= until);
-            let of_whole = |event: Event| Event { body: island.body_of_whole(event.body), ..event };
-            happened.extend(shown.events.drain(..count).map(of_whole));
+            let of_whole = |event: &Event| Event { body: island.body_of_whole(event.body), ..*event };
+            // A rest after infinitely many impacts is told before it happens: later events may be earlier.
+            shown.events.retain(|event| {
+                let waits = event.time > until;
+                happened.extend((!waits).then(|| of_whole(event)));
+                waits
+            });
         }
         // The sort is stable: events of one instant stay in the order of the islands.
         happened.sort_by(|a, b| a.time.total_cmp(&b.time));

@@ -99,10 +99,10 @@ pub(crate) struct Course {
     /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
-    /// Distance of forces at the end of the last step from their cones (N), and the number of first-order steps until then. They count once the
-    /// closed contacts there have lasted. If an event at the same instant opens a contact again, or a step of first order with its own impulses
-    /// follows, no such force has acted.
-    not_lasted: (f64, usize),
+    /// Figures of the forces at the end of the last step, and the number of first-order steps until then. They count once what is closed
+    /// there has lasted: where an event at the same instant opens it again, or a step of first order follows, which has impulses of its own, no such
+    /// force has acted.
+    not_lasted: (ContactFigures, usize),
 }
 
 impl Course {
@@ -125,7 +125,7 @@ impl Course {
             told: None,
             sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
             contacts: Vec::new(),
-            not_lasted: (0.0, 0),
+            not_lasted: (ContactFigures::default(), 0),
         }
     }
 
@@ -137,7 +137,7 @@ impl Course {
     /// The figures so far.
     pub(crate) fn summary(&self) -> Summary {
         let mut summary = self.bookkeeper.summary;
-        summary.contact.include(&ContactFigures { penetration: 0.0, cone_violation: self.not_lasted.0 });
+        summary.contact.include(&self.not_lasted.0);
         summary
     }
 
@@ -260,15 +260,16 @@ impl Course {
             self.contacts.clear();
             integrator.contacts(mechanism, state, &mut self.contacts);
             let mut figures = ContactFigures::default();
-            figures.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            figures.see(state.time, &self.contacts, &mechanism.nonsmooth.pairs);
             figures.penetration = figures.penetration.max(integrator.overlap());
             let of_first_order = || integrator.description().first_order_steps;
             let (before, made) = self.not_lasted;
-            let lasted = before > 0.0 && outcome.step > 0.0 && of_first_order() == made;
-            let now = figures.cone_violation;
-            self.not_lasted = (now, if now > 0.0 { of_first_order() } else { 0 });
-            figures.cone_violation = if lasted { before } else { 0.0 };
-            self.bookkeeper.summary.contact.include(&figures);
+            let lasted = before.cone_violation > 0.0 && outcome.step > 0.0 && of_first_order() == made;
+            let now = figures.of_forces();
+            self.not_lasted = (now, if now.cone_violation > 0.0 { of_first_order() } else { 0 });
+            let before = if lasted { before } else { ContactFigures::default() };
+            let penetration = figures.penetration;
+            self.bookkeeper.summary.contact.include(&ContactFigures { penetration, ..before });
         }
     }
 

@@ -198,7 +198,7 @@ fn an_event_of_a_pair_is_called_after_both_shapes() {
 fn the_summary_has_the_deepest_overlap_and_the_farthest_of_a_force_from_its_cone_at_ends_of_steps() {
     let (_, summary) = log("figures_summed");
     // At the end, where the force of the wall is (10, 3, 4.25): tangential 5.2022 N, of which friction may be 5 N.
-    let ContactFigures { penetration, cone_violation } = summary.contact;
+    let ContactFigures { penetration, cone_violation, .. } = summary.contact;
     assert!((penetration - 0.5e-3).abs() < 1e-18, "{penetration}");
     let expected = 3.0_f64.hypot(4.25) - 5.0;
     // Roundings of a sum of ten steps and of a root.

@@ -190,14 +190,53 @@ fn motors_are_logged_at_every_sample_and_sampled_ones_with_the_effort_of_their_l
 fn the_energy_topic_has_what_friction_and_impacts_took() {
     let bytes = bytes("energy_logged");
     let messages = messages(&bytes);
-    for (index, message) in of_topic(&messages, "/energy").into_iter().enumerate() {
+    let step = (STEP * 1e9) as u64;
+    let energies = of_topic(&messages, "/energy");
+    for message in &energies {
+        // The end of a step, or a nanosecond before it where it has an event.
+        let (ended, is_before) = (message.log_time.div_ceil(step), (message.log_time + 1).is_multiple_of(step));
         let mut cdr = Cdr::new(message);
         let _header = (cdr.unsigned(), cdr.unsigned(), cdr.string());
         // Dissipated, work put in, lost to friction, lost in impacts.
-        let lost = [0.0, 0.0, index as f64 * FRICTION, index as f64 * IMPACTS];
-        assert_eq!(cdr.numbers::<7>()[3..], lost, "{index}");
+        let before_impacts = if is_before { 1.0 } else { 0.0 };
+        let lost = [0.0, 0.0, ended as f64 * FRICTION, (ended as f64 - before_impacts) * IMPACTS];
+        assert_eq!(cdr.numbers::<7>()[3..], lost, "{} ns", message.log_time);
         cdr.assert_ended();
     }
+    let before = energies.iter().filter(|message| (message.log_time + 1).is_multiple_of(step));
+    // Of three steps with events one ends at a sample, after which there is no nanosecond left.
+    assert_eq!(before.count(), 2);
+}
+
+#[test]
+fn a_motion_without_losses_between_impacts_has_one_energy_from_each_impact_to_the_next_in_its_log() {
+    let folder = scratch("between_impacts");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/bouncing_pendulum.toml");
+    let scene = scene.to_str().expect("a path in Unicode");
+    let run =
+        catena(&folder, &["simulate", scene, "--quiet", "--duration", "2.5", "--rate", "7", "--output", "log.mcap"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let bytes = std::fs::read(folder.join("log.mcap")).expect("a log");
+    let messages = messages(&bytes);
+    let energies: Vec<(u64, f64, f64)> = (of_topic(&messages, "/energy").into_iter())
+        .map(|message| {
+            let mut cdr = Cdr::new(message);
+            let _header = (cdr.unsigned(), cdr.unsigned(), cdr.string());
+            let [_, _, total, _, _, _, impacts] = cdr.numbers::<7>();
+            (message.log_time, total, impacts)
+        })
+        .collect();
+    let mut jumps = 0;
+    for two in energies.windows(2) {
+        let [(from, before, lost), (to, after, more)] = [two[0], two[1]];
+        let jumps_here = to == from + 1;
+        jumps += usize::from(jumps_here);
+        // The balance of the run is kept to 1e-9 of some joules; the impacts of this pendulum until 2.5 s take more than 1e-3 J.
+        assert_eq!((after - before).abs() > 1e-8, jumps_here, "{from} to {to} ns: {before} and {after} J");
+        assert!((after - before + more - lost).abs() < 1e-8, "{from} to {to} ns: {before} and {after} J");
+    }
+    assert_eq!(jumps, of_topic(&messages, "/events").len());
+    assert!(jumps >= 3, "{jumps} impacts");
 }
 
 #[test]
@@ -287,4 +326,27 @@ fn an_event_that_was_cut_anywhere_is_an_error() {
     let whole = decode::event(data).expect("an event");
     assert_eq!((whole.kind.as_str(), whole.what.as_str(), whole.impulse), ("limit_impact", "turn", Some(-2.5)));
     assert!((0..data.len()).all(|length| decode::event(&data[..length]).is_err()));
+}
+
+#[test]
+fn a_log_has_every_event_of_the_report_and_says_when_it_was() {
+    let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/repro/events/limits216.toml");
+    if !input.is_file() {
+        println!("skipped: there is no ../shared/repro/events");
+        return;
+    }
+    let folder = scratch("events");
+    let input = input.to_str().expect("a path in Unicode");
+    // Two trees that nothing connects, with thousands of impacts; some limits are met without speed.
+    let run = catena(&folder, &["simulate", input, "--json", "--quiet", "--output", "all.mcap"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let report: Value = serde_json::from_slice(&run.stdout).expect("a report");
+    let log: Value = serde_json::from_slice(&catena(&folder, &["inspect", "all.mcap", "--events", "--json"]).stdout)
+        .expect("the events of the log");
+    assert!(report["events"]["counts"]["limit_impact"].as_u64() > Some(1000), "{}", report["events"]["counts"]);
+    assert_eq!(report["events"]["counts"], log["counts"]);
+    let times = log["list"].as_array().expect("a list").iter().map(|event| event["time"].as_f64());
+    let times: Option<Vec<f64>> = times.collect();
+    let times = times.expect("every event has a time");
+    assert!(times.iter().all(|time| (0.0..=0.664).contains(time)));
 }

@@ -6,6 +6,8 @@
 //! | `/constraint` | largest constraint errors: `position` (m, rad), `velocity` (m/s, rad/s)                              |
 //! | `/solver`     | last `step` (s), `stages`; since the message before `steps`, `iterations`, `rejected` steps          |
 //!
+//! A step whose end has events has them twice: a nanosecond before its end as before its impacts, and at its end.
+//!
 //! No package of ROS defines these messages. The schema is in the log, so that viewers call the curves `energy.kinetic` and so on.
 
 use crate::output::log::encoding::definitions::{Definition, HEADER};

@@ -21,7 +21,7 @@ use crate::output::log::recording::queue::{Between, Piece};
 use crate::output::log::storage::error::LogError;
 use crate::output::log::storage::file::{LogFile, MessageSink};
 use crate::output::log::storage::inputs::{attach_inputs, inputs};
-use crate::simulation::{AccuracySoFar, Observer, ObserverError, Sample};
+use crate::simulation::{AccuracySoFar, Observer, ObserverError, Sample, StepEnd};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -252,6 +252,10 @@ impl Observer for Recorder {
             }
         }
         Ok(())
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.order.step(end);
     }
 
     fn event(&mut self, event: &Event) {

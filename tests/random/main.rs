@@ -1,0 +1,103 @@
+//! A generator of random scenes with events. Each is judged without a reference ([`judge`]); its seed decides all of it.
+//!
+//! ```text
+//! cargo test --release --test random                                           200 scenes
+//! cargo test --release --test random thousand -- --ignored --nocapture         5000 scenes
+//! SEED=17 cargo test --release --test random one_seed -- --ignored --nocapture  the scene of seed 17, or 17..40
+//! ```
+
+#[path = "../shared/common/mod.rs"]
+mod common;
+
+mod draw;
+mod judge;
+mod kinds;
+mod overlap;
+mod scene;
+mod shapes;
+mod urdf;
+mod watch;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+fn folder(seed: u64) -> PathBuf {
+    std::env::temp_dir().join(format!("catena-random-{}-{seed}", std::process::id()))
+}
+
+/// Judges all scenes of these seeds on as many threads as there are processors. Files of scenes that are right are removed.
+fn judged(seeds: Range<u64>) -> BTreeMap<u64, Vec<judge::Fault>> {
+    let (next, wrong) = (AtomicU64::new(seeds.start), Mutex::new(BTreeMap::new()));
+    let work = || loop {
+        let seed = next.fetch_add(1, Ordering::Relaxed);
+        if seed >= seeds.end {
+            break;
+        }
+        let (scene, folder) = (kinds::scene(seed), folder(seed));
+        let faults = judge::judge(&scene, &folder);
+        if faults.is_empty() {
+            let _ = std::fs::remove_dir_all(&folder);
+            continue;
+        }
+        for judge::Fault { verdict, words } in &faults {
+            println!("{seed:6} {:<24} {verdict:<12} {words}", scene.kind);
+        }
+        wrong.lock().expect("the other threads have not panicked").insert(seed, faults);
+    };
+    let threads = std::thread::available_parallelism().map_or(2, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let thread = std::thread::Builder::new().name("scenes".to_string());
+            thread.spawn_scoped(scope, work).expect("a thread");
+        }
+    });
+    wrong.into_inner().expect("no thread has panicked")
+}
+
+/// Says which seeds are wrong, shows the first scene, and fails if there are any.
+fn assert_right(seeds: Range<u64>) {
+    let count = seeds.end - seeds.start;
+    let wrong = judged(seeds);
+    let mut verdicts: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
+    for (seed, faults) in &wrong {
+        faults.iter().for_each(|fault| verdicts.entry(fault.verdict).or_default().push(*seed));
+    }
+    for (verdict, seeds) in &verdicts {
+        println!("{verdict}: {} ({seeds:?})", seeds.len());
+    }
+    println!("{} of {count} scenes are wrong", wrong.len());
+    if let Some(seed) = wrong.keys().next() {
+        println!("{}", kinds::scene(*seed).listing());
+        println!("its files: {}", folder(*seed).display());
+        println!("again: SEED={seed} cargo test --release --test random one_seed -- --ignored --nocapture");
+    }
+    assert!(wrong.is_empty(), "{} of {count} scenes are wrong: seeds {:?}", wrong.len(), wrong.keys());
+}
+
+#[test]
+fn two_hundred_random_scenes_with_events_keep_every_law() {
+    assert_right(0..200);
+}
+
+#[test]
+#[ignore = "some ten minutes: cargo test --release --test random thousand -- --ignored --nocapture"]
+fn five_thousand_random_scenes_with_events_keep_every_law() {
+    assert_right(1000..6000);
+}
+
+#[test]
+#[ignore = "SEED=17 cargo test --release --test random one_seed -- --ignored --nocapture"]
+fn one_seed() {
+    let Ok(seeds) = std::env::var("SEED") else { return };
+    let parsed = |text: &str| text.parse::<u64>().expect("SEED is a number, or a range as 10..20");
+    match seeds.split_once("..") {
+        Some((from, to)) => assert_right(parsed(from)..parsed(to)),
+        None => {
+            println!("{}", kinds::scene(parsed(&seeds)).listing());
+            assert_right(parsed(&seeds)..parsed(&seeds) + 1);
+        }
+    }
+}
