@@ -146,6 +146,7 @@ impl ImpactMemory {
         let acceleration = (restitution * faster + rate) / flight;
         let ends = self.predicted(time, rate).filter(|_| rebound * rebound <= 2.0 * acceleration * height)?;
         let first = rebound * rebound / (2.0 * acceleration);
+        let ratio = rate / faster;
         Some((ends.best, first / (1.0 - ratio * ratio)))
     }
 }
