@@ -174,7 +174,7 @@ impl Recorded {
         &self.text
     }
 
-    /// What is pickled of it, besides the model: times, positions and velocities of the state, contacts, report, text, and who decided on efforts.
+    /// The pickled parts besides the model: times, positions and velocities of the state, contacts, report, text, and who decided on efforts.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
         let Recorded { recording, report, text, controlled, .. } = self;
         let [times, positions, velocities] =

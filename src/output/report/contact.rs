@@ -58,15 +58,20 @@ impl ContactReport {
     }
 }
 
+/// A force that is outside its cone by less than this part of the weight of all bodies is a rounding: bodies that touch without pressing have only such forces.
+const ROUNDING: f64 = 1e-12;
+
 impl ContactsReport {
     /// The contacts of a run of this model.
     #[doc(hidden)]
     pub fn new(model: &Model, finished: &Finished) -> Self {
         let figures = finished.summary.contact;
+        let weight = model.mechanism.total_mass() * model.mechanism.gravity.norm();
+        let outside = figures.outside.filter(|outside| outside.violation > ROUNDING * weight);
         ContactsReport {
             max_penetration: figures.penetration,
             max_cone_violation: figures.cone_violation,
-            outside: figures.outside.map(|outside| outside_words(model, &outside)),
+            outside: outside.map(|outside| outside_words(model, &outside)),
             points: finished.contacts.iter().map(|point| ContactReport::new(model, point)).collect(),
             may_touch: !model.mechanism.nonsmooth.pairs.is_empty(),
         }
