@@ -16,7 +16,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 
-/// Where everything is held by efforts that follow the state, which is time alone then, a step is no longer than this (s).
+/// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;
 
 impl Integrator for Eventful {

@@ -1,7 +1,7 @@
-//! Whether the last step is covered: for each pair that may close in it a certificate without a hole, and how deep shapes overlap in it.
+//! Whether the last step is covered: for each pair that may close in it a certificate without a hole, and the depth of overlaps in it.
 //!
 //! ```text
-//!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)     of open pairs over the stretches, of closed contacts at x = 1/3 and 1
+//!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)   of open pairs over the stretches, of closed contacts at x = 1/3 and 1
 //! ```
 
 use crate::events::finding::approach::{Approaching, speed_at};

@@ -15,12 +15,12 @@ const SHORTEST_REST: f64 = 1e-3;
 /// so many in a row.
 pub(super) const QUIET: usize = 10;
 
-/// Accelerations below this part of what they are the difference of are zero.
+/// Accelerations below this part of the terms that cancel in them are zero.
 const ROUNDING: f64 = 1e-14;
 
 impl Eventful {
-    /// Whether a state in which nothing moves stays as it is: no acceleration is more than a rounding, on contacts and under efforts that do not change.
-    /// So may be even what nothing holds, where the forces on it cancel. Its energies and speeds would be roundings, and with them the lengths of steps.
+    /// Whether a state at rest stays as it is: every acceleration is a rounding, on contacts and under efforts that do not change. A free body can
+    /// also be at rest, if the forces on it cancel. Its energies and speeds would be roundings, and with them the lengths of steps.
     pub(super) fn stays_at_rest(&mut self, inputs: Inputs, state: &State) -> bool {
         let asked = !(self.mode.contacts.is_empty() || self.pieces[self.current].moving.is_empty());
         if !asked
@@ -42,7 +42,7 @@ impl Eventful {
         self.elements.motors.iter().all(|motor: &Motor| motor.period == 0.0 && motor.target.is_constant())
     }
 
-    /// Whether nothing has moved in the last step by more than does not matter, on contacts and under efforts that do not change.
+    /// Whether all motions of the last step were too small to matter, on contacts and under efforts that do not change.
     pub(super) fn is_quiet(&self, state: &State) -> bool {
         if self.asleep || self.mode.contacts.is_empty() || state.time - self.origin.time < SHORTEST_REST {
             return false;

@@ -85,7 +85,7 @@ fn gains(scene: &Scene, before: &[f64], state: &State) -> bool {
     after.is_nan() || after > (1.0 + GAIN) * before
 }
 
-/// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
+/// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
 pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
     let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, cut: 0.0, rounding: 0.0 };
     if meetings.is_empty() {

@@ -18,7 +18,7 @@ pub(crate) struct Met<'m> {
     pub rates: &'m [f64],
     /// N m s or N s.
     pub impulses: &'m [f64],
-    /// Where infinitely many impacts end here: when the last of them would be (s). A contact is named by its pair.
+    /// Infinite sequences of impacts that end here, each with the time of its last impact (s). A contact is named by its pair.
     pub ends: &'m [(Of, f64)],
     /// The functions that are zero.
     pub stopped: &'m [Watched],

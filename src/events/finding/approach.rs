@@ -3,17 +3,18 @@
 //! Seen from body b, no point of body a moves faster than
 //!
 //! ```text
-//!     V = |u| + |ω| R_a,    u = v_a − v_b − ω_b × (c_a − c_b),   ω = ω_a − ω_b        R_a: reach of a shape from the centre of mass c_a of its body (m)
+//!     V = |u| + |ω| R_a,    u = v_a − v_b − ω_b × (c_a − c_b),   ω = ω_a − ω_b     R_a: reach of a shape from the centre of mass c_a of its body (m)
 //! ```
 //!
-//! and the same holds with a and b exchanged: what falls together does not approach, however fast it falls. A gap φ cannot close between two instants of
-//! distance τ while `φ₁ + φ₂ ≥ V τ`. If it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution. There a minimum
-//! that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose distances from the start
-//! are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch ([`crate::events::finding::cover`]).
+//! and the same holds with a and b exchanged: bodies that fall together do not approach, however fast they fall. A gap φ cannot close between two
+//! instants of distance τ while `φ₁ + φ₂ ≥ V τ`. If it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution.
+//! There a minimum that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose
+//! distances from the start are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch
+//! ([`crate::events::finding::cover`]).
 //!
-//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter more, and half
-//! of what it changes by from one to the next. For a stretch the speeds at its ends are enough, with half of the
-//! change that is possible in that time, and a quarter more, if that is less.
+//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter
+//! more, and half of its change from one sample to the next. For a stretch the speeds at its ends are enough, with half of the change that is
+//! possible in that time, and a quarter more, if that is less.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
@@ -82,7 +83,7 @@ impl Speeds {
         body.map_or(&WORLD, |body| &self.bodies[sample * self.count + body])
     }
 
-    /// Whether no body has changed its speeds by more than a tenth, so that more samples would tell nothing.
+    /// Whether every body has kept its speeds to a tenth, so that more samples would add no information.
     pub fn are_steady(&self) -> bool {
         let steady = |body: usize, speed: fn(&BodyState) -> f64| {
             let speeds = self.samples().map(|sample| speed(self.at(sample, Some(body))));
@@ -104,7 +105,8 @@ impl Speeds {
         }
     }
 
-    /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is that of the step (s).
+    /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is the length of the step
+    /// (s).
     pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
         let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
             let later = self.samples().skip(1);
@@ -417,8 +419,8 @@ mod tests {
 
     #[test]
     fn what_falls_and_turns_together_does_not_approach() {
-        // Two bodies on one rigid motion, 0.3 m apart, 5 m/s and 7 rad/s: nothing of one moves as seen from the other. The second is then 0.1 m/s faster,
-        // and turns by 0.2 rad/s more, so that with a reach of 0.5 m its points are faster by at most 0.2 m/s.
+        // Two bodies on one rigid motion, 0.3 m apart, 5 m/s and 7 rad/s: every point of one is at rest as seen from the other. The second is then
+        // 0.1 m/s faster, and turns by 0.2 rad/s more, so that with a reach of 0.5 m its points are faster by at most 0.2 m/s.
         let spin = Vector3::new(3.0, -2.0, 6.0);
         let fall = Vector3::new(0.0, 0.0, -5.0);
         let apart = Vector3::new(0.1, 0.2, -0.2);
@@ -468,7 +470,8 @@ mod tests {
 
     #[test]
     fn what_leaves_at_the_start_is_covered_from_there_on_and_found_when_it_comes_back_through_a_thin_wall() {
-        // A ball leaves a wall of 1 cm at v, comes back at 2 v/g, and is beyond the wall at the first of six samples whenever the step is long enough.
+        // A ball leaves a wall of 1 cm at v, comes back at 2 v/g, and is beyond the wall at the first of six samples whenever the step is long
+        // enough.
         let (radius, wall) = (2e-3, 1e-2);
         for long in [0.3, 1.0, 2.5, 10.0] {
             for leaves in [1e-3, 0.03, 0.5, 2.0] {
@@ -511,7 +514,7 @@ mod tests {
         }
     }
 
-    /// The first closing of a gap (m) at a speed of at most V, and what is covered.
+    /// The first closing of a gap (m) at a speed of at most V, and the covered stretches.
     fn look(
         gap: impl FnMut(f64) -> f64,
         speed: f64,

@@ -4,8 +4,8 @@
 //!     [t₀, t₁] ∪ [t₁, t₂] ∪ … = the step,      on each   φ₁ + φ₂ ≥ V τ,   or the least φ of a stretch shorter than a resolution was searched
 //! ```
 //!
-//! φ is the gap of the pair at the ends of a stretch of length τ (s), V the most by which it can close (m/s). A stretch that is missing is a hole, through
-//! which a body could pass unseen. The step is not accepted then.
+//! φ is the gap of the pair at the ends of a stretch of length τ (s), V the most by which it can close (m/s). A stretch that is missing is a hole,
+//! through which a body could pass unseen. The step is not accepted then.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,7 +1,7 @@
 //! The contacts that are reported: where bodies touch, and the forces between them.
 //!
-//! Where several forces fit the law those of least compliance are told ([`crate::instant::cone`]), which are unique and do not pinch; where something slides,
-//! those of the steps ([`crate::events::forces::closed_forces`]), because each pressure moves it in another way.
+//! If several forces fit the law, the report has the forces of least compliance ([`crate::instant::cone`]), which are unique and do not pinch. If a
+//! contact slides, it has the forces of the steps ([`crate::events::forces::closed_forces`]), because each pressure gives another motion.
 
 use crate::events::forces::closed_forces::Closing;
 use crate::events::modes::present::Present;

@@ -1,9 +1,9 @@
 //! States inside the last step of a piece, kept by their times.
 //!
-//! Every function that is watched is looked at at the same samples of a step. On closed contacts each state of the dense output is a projection on the
-//! closures, which takes longer than all that is evaluated in it.
+//! Every watched function is looked at at the same samples of a step. On closed contacts each state of the dense output is a projection on the
+//! closures, which takes longer than all evaluations in it.
 
-/// States that are kept at most: the samples of a step, and those in which one root is looked for.
+/// States that are kept at most: the samples of a step, and the states in which one root is looked for.
 const KEPT: usize = 32;
 
 /// An instant of the last step.
@@ -30,7 +30,7 @@ impl Inside {
 /// What is known of the sample of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Evaluated {
-    /// Where it is, in which making of the step; `None` if nothing is known.
+    /// The instant, and the number of the attempt at the step; `None` if it is not evaluated.
     pub at: Option<(Inside, u64)>,
     /// Whether the bodies are placed there,
     pub bodies: bool,

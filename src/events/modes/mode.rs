@@ -55,7 +55,7 @@ pub(crate) enum MotorMode {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Closed {
     pub contact: Contact,
-    /// The direction in which it begins to slide, in the world; none while it sticks or rolls.
+    /// The direction in which it begins to slide, in the world; `None` while it sticks or rolls.
     pub slides: Option<Vector3<f64>>,
 }
 
@@ -118,7 +118,7 @@ impl Mode {
         self.add_motor_efforts(elements, since, state.time, state, efforts);
     }
 
-    /// The same without friction: what is decided anew begins with these.
+    /// The same without friction: a new decision begins with these efforts.
     pub fn driving_efforts(&self, elements: &Elements, inputs: Inputs, state: &State) -> Vec<f64> {
         let mut efforts = vec![0.0; state.velocity.len()];
         inputs.write_constant(&mut efforts);
@@ -128,8 +128,8 @@ impl Mode {
         efforts
     }
 
-    /// The efforts of motors that follow their laws, at a time (s) and state, added to `efforts`; their targets are those of the piece that
-    /// begins at or before `since` (s).
+    /// The efforts of motors that follow their laws, at a time (s) and state, added to `efforts`; their targets belong to the piece that begins at or
+    /// before `since` (s).
     pub fn add_motor_efforts(&self, elements: &Elements, since: f64, time: f64, state: &State, efforts: &mut [f64]) {
         for (motor, mode) in elements.motors.iter().zip(&self.motors) {
             if *mode == MotorMode::Unbounded {
