@@ -1,4 +1,4 @@
-//! The solution of least norm of a square system that may be singular, and the vectors that do nothing in it.
+//! The solution of least norm of a square system that may be singular, and its null vectors.
 //!
 //! ```text
 //!     A P = Q R      R₁₁ (r × r) regular, what is below it rounding        columns by their size: Householder with pivoting

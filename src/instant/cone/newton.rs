@@ -4,9 +4,9 @@
 //!     (A (D + ε) + B) δr = −F(u, r),     u = D r + b
 //! ```
 //!
-//! F, A and B are those of `laws.rs` (block diagonal), D is scaled, and ε is a compliance about the last iterate: it makes redundant contacts
-//! solvable and changes the path, not the answer. Forces that the laws give at once (open contacts, intervals at a bound) are eliminated before the
-//! matrix is formed. The step is halved until the natural map is smaller; the best iterate is kept.
+//! `laws.rs` defines F, A and B (block diagonal). D is scaled, and ε is a compliance about the last iterate: it makes redundant contacts solvable and
+//! changes the path, not the answer. Forces that the laws give at once (open contacts, intervals at a bound) are eliminated before the matrix is
+//! formed. The step is halved until the natural map is smaller; the best iterate is kept.
 //!
 //! Source: P. Alart, A. Curnier 1991; semismooth Newton: L. Qi, J. Sun, A nonsmooth version of Newton's method, Mathematical Programming 58 (1993).
 
@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Most halvings of a step.
 const HALVINGS: usize = 5;
-/// So many steps may gain less than a tenth; where ε follows the map, more.
+/// The most steps in a row that gain less than a tenth, and the most of them if ε follows the map.
 const PATIENCE: usize = 3;
 const PATIENCE_SOFT: usize = 40;
 /// The largest ε that follows the map.

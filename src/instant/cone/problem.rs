@@ -37,7 +37,7 @@ pub(crate) enum Law {
 }
 
 impl Law {
-    /// That of a contact that sticks, or slides in this direction of its tangents; without friction only its normal has a row.
+    /// The law of a contact that sticks, or slides in this direction of its tangents; without friction only its normal has a row.
     pub fn of_contact(friction: f64, slides: Option<[f64; 2]>) -> Self {
         match slides {
             _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
@@ -146,8 +146,8 @@ pub(crate) struct Answer {
     pub rates: Vec<f64>,
     /// The state of each block.
     pub states: Vec<BlockState>,
-    /// By how much the law is not met, max |r − P_K(r − û / w)| over the blocks, relative to the largest force: the larger of the residuals in
-    /// forces and in forces times √w, which does not forgive light bodies beside heavy ones.
+    /// The residual of the law, max |r − P_K(r − û / w)| over the blocks, relative to the largest force: the larger of the residuals in forces and in
+    /// forces times √w, which does not forgive light bodies beside heavy ones.
     pub residual: f64,
 }
 

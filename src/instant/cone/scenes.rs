@@ -73,7 +73,7 @@ impl Scene {
         Scene { bodies, laws: Vec::new(), rows: Vec::new(), mobility: DMatrix::zeros(0, 0), free: Vec::new() }
     }
 
-    /// A row: the velocity of a point of a body along a direction, less that of the other body (none: the world).
+    /// A row: the velocity of a point of a body along a direction, less the velocity of the other body there (`None`: the world).
     pub fn row(&self, a: usize, b: Option<usize>, point: Vector3<f64>, along: Vector3<f64>) -> DVector<f64> {
         let mut row = DVector::zeros(6 * self.bodies.len());
         for (body, sign) in [(Some(a), 1.0), (b, -1.0)] {

@@ -1,11 +1,11 @@
-//! The states that follow from a solution, and what is exactly zero or at a bound in each of them.
+//! The states that follow from a solution, and the rates and forces that are exactly zero or at a bound in each of them.
 //!
 //! ```text
 //!     z = r − u:    contact   z_N ≤ 0: open, r = 0       |z_T| ≤ μ z_N: sticks, u = 0       else slips, u_N = 0, r_T = μ r_N z_T/|z_T|
 //!                   interval  z at or beyond a bound: r is that bound, else u = 0
 //! ```
 //!
-//! All of it in scaled units, in which r and u compare. What is within rounding of a border is open, or sticks.
+//! All of it is in scaled units, in which r and u compare. A contact within rounding of a border is open, or sticks.
 
 use crate::instant::cone::laws::natural_map;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem};

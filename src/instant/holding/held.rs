@@ -1,15 +1,15 @@
 //! The mechanism of the remaining degrees of freedom while some joints are held.
 //!
-//! A joint that friction or a limit holds at `q = q*` is no joint: its body is part of its parent. With the pose `X` of a member in the
-//! frame of the first body of its group, at `q*`,
+//! A joint that friction or a limit holds at `q = q*` is no joint: its body is part of its parent. `X` is the pose of a member in the frame of the
+//! first body of its group, at `q*`,
 //!
 //! ```text
 //!     m = Σ m_i,   c = Σ m_i c_i / m,   J = Σ X J_i Xᵀ + m_i (|d|² 1 − d dᵀ),  d = c_i − c        mass, centre, inertia
 //!     F ↦ P⁻¹ X F                                                                               every frame F on a member
 //! ```
 //!
-//! with the principal frame `P` of the group; what hangs on the world becomes part of it. A rate that is held is exactly zero, and what does
-//! not move costs nothing. Closures whose ends are on one group say nothing and are left out; so are the forces between them.
+//! with the principal frame `P` of the group; bodies that are fixed to the world become part of it. A held rate is exactly zero, and held joints cost
+//! no time. Closures whose ends are on one group are redundant and are left out; so are the forces between them.
 
 use crate::mechanism::description::closure::{Attachment, Coordinate, JointLimit, LoopJoint};
 use crate::mechanism::description::contact::TouchJoint;
@@ -29,18 +29,18 @@ pub(crate) struct Closures {
     pub anchors: Vec<LoopJoint>,
 }
 
-/// What is left of a mechanism to move, and where it is in the whole.
+/// The reduced mechanism of the joints that are not held, and its place in the whole.
 pub(crate) struct Held {
     /// What moves.
     pub mechanism: Mechanism,
     /// The body of the whole that heads each body.
     heads: Vec<usize>,
-    /// For each body of the whole whether its joint is held, and the group that it is part of; none for the world.
+    /// For each body of the whole whether its joint is held, and the group that it is part of; `None` for the world.
     pub is_held: Vec<bool>,
     groups: Vec<Option<usize>>,
 }
 
-/// Where a body of the whole is: fixed in a group (or in the world), with its pose in the group's frame.
+/// Place of a body of the whole: fixed in a group (or in the world), with its pose in the group's frame.
 #[derive(Clone, Copy)]
 struct Place {
     group: Option<usize>,
@@ -48,8 +48,8 @@ struct Place {
 }
 
 impl Held {
-    /// The rest of a mechanism in a state, with the joints of these bodies held where they are. It has no limits, friction, motors and contacts of its
-    /// own: a mode says what they do.
+    /// The rest of a mechanism in a state, with the joints of these bodies held where they are. It has no limits, friction, motors and contacts of
+    /// its own, because these follow the mode.
     pub fn new(whole: &Mechanism, state: &State, is_held: Vec<bool>, closures: &Closures) -> Self {
         Held::build(whole, state, is_held, closures, false)
     }
@@ -148,7 +148,7 @@ impl Held {
             }
         };
         let mut forces = whole.forces.clone();
-        // Limits alone are no efforts, and cost nothing between events.
+        // Limits alone are no efforts, and cost no time between events.
         let Nonsmooth { friction, motors, .. } = &whole.nonsmooth;
         forces.driven |= !friction.is_empty() || !motors.is_empty();
         forces.joint_dampers.retain_mut(|damper| freedom(damper.freedom).map(|own| damper.freedom = own).is_some());
@@ -200,12 +200,12 @@ impl Held {
         self.heads[body]
     }
 
-    /// The body of what moves that a body of the whole heads; none if its joint is held.
+    /// The body of the reduced mechanism that a body of the whole heads; `None` if its joint is held.
     pub fn headed_by(&self, body: usize) -> Option<usize> {
         self.heads.binary_search(&body).ok()
     }
 
-    /// What a body of the whole is part of: a body of what moves, or the world.
+    /// The group of a body of the whole: a body of the reduced mechanism, or the world.
     pub fn group(&self, body: usize) -> Option<usize> {
         self.groups[body]
     }
@@ -215,7 +215,7 @@ impl Held {
         self.heads.is_empty()
     }
 
-    /// The coordinate in what moves of one of the whole; none if it is held.
+    /// The coordinate of the reduced mechanism for one of the whole; `None` if it is held.
     pub fn coordinate(&self, whole: &Mechanism, of: Coordinate) -> Option<Coordinate> {
         let body = self.heads.binary_search(&of.body).ok()?;
         let (from, to) = (&whole.bodies[of.body].joint, &self.mechanism.bodies[body].joint);
@@ -226,28 +226,28 @@ impl Held {
         })
     }
 
-    /// The degree of freedom of what moves that is one of the whole; none if it is held.
+    /// The degree of freedom of the reduced mechanism for one of the whole; `None` if it is held.
     pub fn freedom(&self, whole: &Mechanism, of: usize) -> Option<usize> {
         let head = whole.body_of_freedom(of)?;
         let body = self.heads.binary_search(&head).ok()?;
         Some(of - whole.bodies[head].joint.velocity_index + self.mechanism.bodies[body].joint.velocity_index)
     }
 
-    /// Copies entries of position vectors of the whole into those of what moves.
+    /// Copies entries of position vectors of the whole into position vectors of the reduced mechanism.
     pub fn gather_positions(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (&head, body) in self.heads.iter().zip(&self.mechanism.bodies) {
             into[body.joint.position_range()].copy_from_slice(&from[whole.bodies[head].joint.position_range()]);
         }
     }
 
-    /// Copies entries of velocity vectors of the whole into those of what moves.
+    /// Copies entries of velocity vectors of the whole into velocity vectors of the reduced mechanism.
     pub fn gather_velocities(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (&head, body) in self.heads.iter().zip(&self.mechanism.bodies) {
             into[body.joint.velocity_range()].copy_from_slice(&from[whole.bodies[head].joint.velocity_range()]);
         }
     }
 
-    /// Copies entries of position vectors of what moves to their places in the whole.
+    /// Copies entries of position vectors of the reduced mechanism to their places in the whole.
     pub fn spread_positions(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (&head, body) in self.heads.iter().zip(&self.mechanism.bodies) {
             into[whole.bodies[head].joint.position_range()].copy_from_slice(&from[body.joint.position_range()]);
@@ -308,7 +308,7 @@ fn heads_and_places(whole: &Mechanism, state: &State, is_held: &[bool]) -> (Vec<
     (heads, places)
 }
 
-/// A mechanism of these bodies, which are depth first because those of the whole are.
+/// A mechanism of these bodies, which are depth first because the bodies of the whole are.
 fn number(whole: &Mechanism, mut bodies: Vec<Body>) -> Mechanism {
     let (mut position_count, mut velocity_count) = (0, 0);
     for body in &mut bodies {

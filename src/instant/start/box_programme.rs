@@ -4,8 +4,8 @@
 //!     minimise  ½ xᵀ Q x + cᵀ x        subject to  lower ≤ x ≤ upper
 //! ```
 //!
-//! The interior-point method of clarabel finds which bounds hold with equality; those are then set, and the others follow from
-//! `Q_ff x_f = −c_f − Q_fb x_b`, so that what is on a bound is exactly there. The set is corrected by the signs of the multipliers.
+//! The interior-point method of clarabel finds which bounds hold with equality; those are then set, and the others follow from `Q_ff x_f = −c_f −
+//! Q_fb x_b`, so that coordinates at a bound are exactly there. The set is corrected by the signs of the multipliers.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
