@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     Σ (1 + contacts/4) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or a step that cannot be made:    a crowd
-//!     Σ iterations (rates + 3 contacts)² over the steps of 1e-2 s > 1.2e7, or > 2e6 soon after a crowd, four of which have ended at events:   a crowd
+//!     Σ iterations (rates + 3 contacts)² over the steps of 1e-2 s > 1.2e7, or > 2e6 soon after a crowd, four of which have ended at events:  a crowd
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!

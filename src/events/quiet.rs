@@ -10,9 +10,9 @@ use crate::mechanism::motion::state::State;
 /// Slower than this part of the fastest that any body has been, and nearer than this to where the step began (m or rad), is at rest; with a tolerance
 /// slower than a tenth of it in a second, and nearer than a thousandth of it;
 const REST: f64 = 1e-12;
-/// in steps of at least this length (s),
+/// The steps of a body at rest have at least this length (s).
 const SHORTEST_REST: f64 = 1e-3;
-/// so many in a row.
+/// Steps in a row at rest before the mechanism sleeps.
 pub(super) const QUIET: usize = 10;
 
 /// Accelerations below this part of the terms that cancel in them are zero.

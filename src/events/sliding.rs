@@ -44,9 +44,9 @@ const STRAIGHT: f64 = 0.1;
 const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
 const SLOWER: f64 = 0.25;
-/// Steps in which contacts slide are looked at if they are shorter than this (s),
+/// The energy of steps in which contacts slide is checked if they are shorter than this (s).
 pub(super) const JAM: f64 = 1e-7;
-/// and made in another way if more than this part of the largest kinetic energy is unaccounted for.
+/// Such a step is made in another way if more than this part of the largest kinetic energy is unaccounted for.
 const OFF: f64 = 1e-8;
 /// Given steps are made shorter if more than this part is unaccounted for, and more than this part of the friction loss. A step that cannot follow a
 /// slip or a jam is off by about the friction loss. Truncation errors are far smaller.

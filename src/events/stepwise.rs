@@ -38,9 +38,9 @@ use crate::mechanism::motion::touches::touch_motion;
 const GAIN: f64 = 1e-14;
 /// So many closed contacts make a step cost about one more.
 const CONTACTS_A_STEP: usize = 4;
-/// Rounds in which contacts that have pressed are put onto each other,
+/// The most rounds in which contacts that have pressed are put onto each other.
 const LANDINGS: usize = 4;
-/// until their gaps are this part of the size of their pair; those that are farther apart than `NEAR` of it have been left.
+/// The rounds end when the gaps are at most this part of the size of their pair. Contacts that are farther apart than `NEAR` of it have parted.
 const LANDED: f64 = 1e-13;
 const NEAR: f64 = 1e-4;
 /// A limit is reached if its gap is at most this many times the gap that counts as being on it.
@@ -50,9 +50,9 @@ const NEARLY: f64 = 100.0;
 const MOVES: f64 = 1.25;
 /// Rounds in which pairs are added that come near because others push them.
 const WIDENED: usize = 4;
-/// A step in which a body could pass through another is made shorter this often at most,
+/// A step in which a body could pass through another is made shorter this often at most.
 const SHORTENED: usize = 4;
-/// and one in which it moves by this part of the size of the pair is short enough, however thin they are.
+/// A step in which it moves by this part of the size of the pair is short enough, however thin the shapes are.
 const THIN: f64 = 1e-3;
 
 /// What has pressed in a step of first order.

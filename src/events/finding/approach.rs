@@ -25,17 +25,17 @@ use nalgebra::Vector3;
 
 /// Halvings of each interval between samples, at most: the resolution is reached before, unless bodies are as fast as light.
 const DEPTH: usize = 44;
-/// A gap that was closed at the start is looked at at instants that are nearer to it by this factor each,
+/// A gap that was closed at the start is looked at at instants that are nearer to it by this factor each.
 const NEARER: f64 = 0.25;
-/// at so many at most.
+/// The most such instants.
 const NEAREST: i32 = 24;
-/// A parabola that is least beyond the ends of a stretch by this part of its half has no minimum in it;
+/// A parabola that is least beyond the ends of a stretch by this part of its half has no minimum in it.
 const AT_END: f64 = 1.2;
-/// one that is least near an end is looked at this far inside.
+/// A parabola that is least near an end is looked at this far inside.
 const INSIDE: f64 = 0.98;
-/// Bodies may be faster between the samples of a step than at them by this factor,
+/// Bodies may be faster between the samples of a step than at them by this factor.
 const FASTER: f64 = 1.25;
-/// and by this part of what their velocity changes by from a sample to the next.
+/// They may also be faster by this part of the change of their velocity from a sample to the next.
 const CHANGING: f64 = 0.5;
 /// Speeds are steady while the least of them is this part of the largest.
 const STEADY: f64 = 0.9;

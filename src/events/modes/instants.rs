@@ -32,11 +32,11 @@ impl Inside {
 pub(crate) struct Evaluated {
     /// The instant, and the number of the attempt at the step; `None` if it is not evaluated.
     pub at: Option<(Inside, u64)>,
-    /// Whether the bodies are placed there,
+    /// Whether the bodies are placed there.
     pub bodies: bool,
-    /// the forces are those of this instant,
+    /// Whether the forces belong to this instant.
     pub efforts: bool,
-    /// and their margin is.
+    /// Whether the margin belongs to this instant.
     pub margin: bool,
 }
 
