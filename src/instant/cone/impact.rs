@@ -17,9 +17,9 @@ use crate::instant::cone::cascade::solve;
 use crate::instant::cone::problem::{Answer, Law, Problem, Unsolved};
 use nalgebra::DMatrix;
 
-/// Rounds after which it is asked whether a plastic impact is where they tend to,
+/// Rounds after which a plastic impact may end them, if they tend to it.
 const ROUNDS: usize = 50;
-/// because they have lost this part of what it takes.
+/// Rounds tend to a plastic impact if they have lost this part of its loss.
 const TENDS: f64 = 0.05;
 /// Most rounds, times the rows of the problem.
 const MOST: usize = 30_000;
