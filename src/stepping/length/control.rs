@@ -47,8 +47,8 @@ const FIRST_POWER: f64 = 1.0 / 16.0;
 const KEPT: f64 = 3.3;
 
 /// The largest error of a sample inside a step, over a power of the largest E that is kept: factor and power for a number of stages, for which they
-/// were measured. Dense output has a lower order than the ends of steps (`doc/decisions/005-samples-between-steps.md`).
-/// Of three stages E itself is a bound while the coefficients fall.
+/// were measured. Dense output has a lower order than the ends of steps (`doc/decisions/005-samples-between-steps.md`). For three stages E itself is
+/// a bound while the coefficients fall.
 const BETWEEN: [(usize, f64, f64); 3] = [(3, 1.0, 1.0), (5, 0.25, 1.5), (9, 0.35, 1.25)];
 /// The part of the tolerance that samples inside steps may be off by.
 const BETWEEN_SHARE: f64 = 0.5;
