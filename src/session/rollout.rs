@@ -1,6 +1,6 @@
 //! Many runs of one model from many starts, in parallel.
 //!
-//! Each run is bit-identical to that of [`Simulation`](crate::session::Simulation) from the same start, for any number of threads.
+//! Each run is bit-identical to the run of a [`Simulation`](crate::session::Simulation) from the same start, for any number of threads.
 
 use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Start;
@@ -18,7 +18,7 @@ use std::sync::{Mutex, PoisonError};
 pub struct Rollout<'r> {
     /// Simulated time (s); by default that of the file, or 10 s.
     pub duration: Option<f64>,
-    /// Wanted accuracy of positions (m); by default that of the file, or 1e-6 m.
+    /// Wanted accuracy of positions (m); by default the accuracy of the file, or 1e-6 m.
     pub tolerance: Option<f64>,
     /// Stages and length of steps (s), instead of a tolerance.
     pub fixed: Option<(usize, f64)>,
