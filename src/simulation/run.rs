@@ -182,7 +182,7 @@ impl<'s> Simulation<'s> {
     /// Efforts on the joints from now on, besides the forces of the mechanism: one entry a degree of freedom [N m or N].
     ///
     /// # Errors
-    /// [`InputError`] for another number of efforts and for what is not finite.
+    /// [`InputError`] for another number of efforts and for numbers that are not finite.
     pub fn set_efforts(&mut self, efforts: &[f64]) -> Result<(), InputError> {
         let wanted = self.mechanism.velocity_count;
         if efforts.len() != wanted {
@@ -222,7 +222,7 @@ impl<'s> Simulation<'s> {
         }
     }
 
-    /// What a program has decided on in the meantime cannot be made again.
+    /// Decisions of a program in the meantime cannot be repeated.
     fn settle(&mut self) {
         if self.start.take().is_some() {
             self.integrators.settle(self.mechanism, &self.state);
