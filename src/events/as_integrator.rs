@@ -65,7 +65,7 @@ impl Integrator for Eventful {
             }
             done => done?,
         };
-        // What is left is less than the time can tell.
+        // The remaining time is below the rounding of the time.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
             outcome.step += until - state.time;
             state.time = until;
@@ -104,7 +104,7 @@ impl Integrator for Eventful {
     fn description(&self) -> MethodDescription {
         let steps = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
         let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
-        // What another mode has seen.
+        // The findings of other modes.
         description.include_stability(&self.idle);
         description.few_stage_steps = self.idle.few_stage_steps;
         for steps in self.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {

@@ -44,7 +44,7 @@ impl Eventful {
         true
     }
 
-    /// Where the first gap closes, and which.
+    /// The state in which the first gap closes, and that gap.
     fn first_gap(&mut self, inputs: Inputs, longest: f64, origin: &State) -> Option<(State, Watched)> {
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
         let mut all = vec![0.0; efforts.len()];

@@ -23,7 +23,7 @@ const ASKED: usize = 48;
 pub(super) struct GapInside<'e, 'i> {
     pub eventful: &'e mut Eventful,
     pub inputs: Inputs<'i>,
-    /// Where the step begins (s).
+    /// Start of the step (s).
     pub since: f64,
     /// Whether it is asked where the dense output is as interpolated.
     pub roughly: bool,

@@ -92,7 +92,7 @@ impl Crowding {
                 crowded |= *count > most;
             }
             let (work, events, _) = self.labour;
-            // So much work takes that long to be seen again.
+            // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
             let laboured = work > most && events >= LABOUR_EVENTS;

@@ -67,7 +67,7 @@ pub struct Eventful {
     pub(super) origin: State,
     pub(super) left: Option<State>,
     pub(super) sample: State,
-    /// What is known of it.
+    /// The evaluated functions of that sample.
     pub(super) evaluated: Evaluated,
     /// Room for looks at steps.
     pub(super) looking: Looking,
@@ -98,13 +98,13 @@ pub struct Eventful {
     pub(super) steps: usize,
     pub(super) stepped: f64,
     pub(super) lost_at_start: f64,
-    /// What stands for the steps where nothing moves.
+    /// Method description used while every joint is held.
     pub(super) idle: MethodDescription,
     /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
     pub(super) between: Option<f64>,
     /// The part of it in steps that were too long for a damper (m).
     pub(super) ringing: f64,
-    /// How often the law of contact could not be solved to its accuracy.
+    /// Number of laws of contact that could not be solved to their accuracy.
     pub(super) unsolved: usize,
     /// Number of rebounds left out in crowds of impacts and in steps of first order, and the energy that they would have given back (J).
     pub(super) cut: (usize, f64),
@@ -120,7 +120,7 @@ pub struct Eventful {
     pub(super) asleep: bool,
     /// Steps in a row in which nothing has moved.
     pub(super) quiet: usize,
-    /// Where events crowd.
+    /// The counts of crowds of events.
     pub(super) crowding: Crowding,
     /// The end of the last step, if it was one of first order.
     pub(super) stepped_over: Option<State>,
@@ -321,7 +321,7 @@ impl Eventful {
             self.mode.motors[index] = self.motor_mode(index, state);
         }
         for (mode, joint) in self.mode.joints.iter_mut().zip(&self.elements.joints) {
-            // What is decided now is no event.
+            // The decisions at the start are no events.
             *mode = if joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some())
             {
                 JointMode::Held { on: joint.side(joint.position(state)) }
@@ -339,7 +339,7 @@ impl Eventful {
         Ok(())
     }
 
-    /// What a motor does in a state, from nothing that was before.
+    /// The mode of a motor in a state, independent of the modes before.
     pub(super) fn motor_mode(&self, index: usize, state: &State) -> MotorMode {
         let motor = &self.elements.motors[index];
         let effort = unbounded(&self.elements, index, state.time, state.time, state);

@@ -20,7 +20,7 @@ pub(super) const JUMP: f64 = 1e4;
 /// A step in which it does is shorter by this factor.
 const SHORTER: f64 = 1.0 / 16.0;
 
-/// What the location of an event has found.
+/// The result of the location of an event.
 pub(crate) enum Located {
     /// The functions that are zero at the end of the step.
     At(Vec<Watched>),

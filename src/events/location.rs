@@ -46,9 +46,9 @@ const WITHIN: f64 = 0.1;
 /// which it has not fallen.
 const FALLS: f64 = 0.8;
 const STALE: usize = 3;
-/// In steps below this (s) that is so for slips as well.
+/// For slips the search ends in this way only in steps below this (s).
 const SHORT: f64 = 1e-6;
-/// And where the bracket of one that has not fallen is narrower than this part of the step.
+/// For slips it also ends if the bracket is narrower than this part of the step.
 const NARROW: f64 = 1e-2;
 /// Slips slower than this part of the largest speed give no usable slope.
 const STEEP: f64 = 1e-7;
@@ -120,7 +120,7 @@ impl Eventful {
         let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
         let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
-            // What carries nothing does not part by roundings.
+            // An unloaded contact does not part by roundings.
             for (value, &index) in values.iter_mut().zip(&which[of]) {
                 if let Watched::Presses(contact) = self.watched[index]
                     && self.holding.is_unloaded(contact)
@@ -307,7 +307,7 @@ impl Eventful {
         let mut before: Option<(f64, f64)> = None;
         // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
         let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
-        // Of forces, whether an end before the root is known.
+        // For forces: whether an end before the root is known.
         let (forces, mut preceded) = (self.watched[bracket.watched].is_force(), false);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.

@@ -175,7 +175,7 @@ impl Eventful {
         mode.contacts.iter().any(|closed| touch_motion(&closed.contact.joint, bodies).gap < -OVERLAP)
     }
 
-    /// What all forces push with, added up [N or N m].
+    /// Sum of the sizes of all forces [N or N m].
     fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
         let Piece { moving, small, .. } = &self.pieces[self.current];
         let driving = self.mode.driving_efforts(&self.elements, inputs, end);

@@ -32,7 +32,7 @@ const SHORTENED: usize = 8;
 const SHORTER: f64 = 1.0 / 16.0;
 /// Such a step is no longer than this (s).
 const BLIND: f64 = 1e-9;
-/// And not longer than this, in any case, where it does not look at a pair or a limit (s): what overlaps then is moved apart.
+/// A step that does not look at a pair or a limit is never longer than this (s); overlaps that it leaves are moved apart.
 const BLIND_TO_BOUNDS: f64 = 1e-7;
 /// Such a step is longer by this factor each time that its event left the mode unchanged.
 const LONGER: f64 = 16.0;

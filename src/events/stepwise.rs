@@ -36,7 +36,7 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
-/// So many closed contacts make a step cost about one more.
+/// This many closed contacts add the cost of about one step.
 const CONTACTS_A_STEP: usize = 4;
 /// The most rounds in which contacts that have pressed are put onto each other.
 const LANDINGS: usize = 4;
@@ -55,7 +55,7 @@ const SHORTENED: usize = 4;
 /// A step in which it moves by this part of the size of the pair is short enough, however thin the shapes are.
 const THIN: f64 = 1e-3;
 
-/// What has pressed in a step of first order.
+/// Contacts and limits that have pressed in a step of first order.
 struct Pushed {
     pressed: Vec<Pressed>,
     limits: Vec<Bearing>,
@@ -119,7 +119,7 @@ impl Eventful {
         let events = self.events.len();
         self.pass_anew(inputs, state);
         self.events.truncate(events);
-        // What closed has been moved: that gains nothing either.
+        // Closed contacts have been moved, which must not gain energy either.
         let impacts = self.bound(&start, state, work);
         let bodies = body_states(&self.whole, state);
         let distance = |&pair: &usize| self.touching.distance(pair, &bodies);

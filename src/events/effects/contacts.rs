@@ -51,7 +51,7 @@ pub(crate) struct Contacts {
     pub(super) gathered: usize,
     /// The numbers of those that slid there.
     slid: Vec<usize>,
-    /// What is left to be decided once impacts are over.
+    /// The contacts to be decided once impacts are over.
     pub candidates: Vec<Candidate>,
     /// Slower than this is rest [m/s].
     pub(super) rest: f64,

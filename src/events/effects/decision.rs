@@ -36,7 +36,7 @@ use nalgebra::Vector3;
 
 /// Accelerations below this part of their terms are zero.
 const ROUNDING: f64 = 1e-10;
-/// And so are those below this part of the largest of all, and of one unit.
+/// Accelerations below this part of the largest of all, and of one unit, are rounding as well.
 const DIFFERENCE: f64 = 1e-14;
 /// The part by which the bound of a joint is reduced if an event has found the joint at that bound.
 const LESS: f64 = 1e-9;
@@ -51,7 +51,7 @@ pub(crate) struct Scene<'s> {
     pub response: &'s mut Response,
 }
 
-/// What has been seen to reach its end.
+/// Elements that an event has found at the end of their efforts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Yielding {
     /// Joints at an end of the efforts that can hold them, and the direction in which they go.
@@ -68,7 +68,7 @@ pub(crate) struct Yielding {
 }
 
 impl Yielding {
-    /// What the functions that are zero say.
+    /// The elements that the functions that are zero name.
     pub fn of(triggers: &[Watched]) -> Self {
         let mut yielding = Yielding::default();
         for trigger in triggers {
@@ -99,7 +99,7 @@ pub(crate) struct Candidate {
     pub opens: bool,
 }
 
-/// What cannot be decided at the level of accelerations.
+/// Reasons for which accelerations alone decide no mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Undecided {
     /// A candidate that slides, by its number, has no consistent acceleration: an impulse must follow.

@@ -26,7 +26,7 @@ const LARGEST: f64 = 0.5;
 /// Pressures above this part of the largest, below zero, are rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// What a decision keeps closed or held.
+/// The blocks that a decision keeps closed or held.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
     blocks: Vec<Block>,

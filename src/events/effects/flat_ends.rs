@@ -39,13 +39,13 @@ const IN_PLANE: f64 = 1.0 - 1e-12;
 struct FlatEnd<'c> {
     /// Contacts at points of its rim.
     points: Vec<&'c Contact>,
-    /// Of the disc, in the world (m), and its radius (m).
+    /// Centre of the disc, in the world (m), and its radius (m).
     centre: Vector3<f64>,
     radius: f64,
     tangents: [Vector3<f64>; 2],
 }
 
-/// What the rims of a list of contacts are asked for.
+/// The question to the rims of a list of contacts.
 pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
     pub touching: &'s Touching,
     pub bodies: &'s [BodyState],
@@ -53,7 +53,7 @@ pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
     pub value: V,
     /// Values down to this are zero.
     pub least: f64,
-    /// How often points have been added before.
+    /// Number of rounds that have added points before.
     pub round: usize,
     /// Whether the point towards the centre of pressure is wanted in any case.
     pub pressed: bool,
@@ -95,7 +95,7 @@ impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
         if end.has(&wanted, SAME, bodies) {
             return None;
         }
-        // Of a mesh another triangle may be below.
+        // Another triangle of a mesh may be below.
         let found = end.points.iter().filter_map(|known| touching.on_rim(known, &wanted, bodies));
         found.into_iter().find(|contact| touching.margin(contact, bodies) >= 0.0)
     }
@@ -111,7 +111,7 @@ impl<'c> FlatEnd<'c> {
         };
         let (one, other) = (at(&tangents[0])?, at(&-tangents[0])?);
         let (centre, radius) = (0.5 * (one + other), 0.5 * (one - other).norm());
-        // What stands on one point of its rim, tilted, lacks none.
+        // A tilted end that stands on one point of its rim lacks no points.
         let rises = normal.dot(&(one - other)).hypot(normal.dot(&(at(&tangents[1])? - centre)) * 2.0);
         (rises <= FLAT * radius).then_some(FlatEnd { points, centre, radius, tangents })
     }

@@ -6,14 +6,14 @@ use crate::events::finding::watched::Watched;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::event::{Event, Side};
 
-/// So many impacts within [`CROWD_TIME`] end in one without restitution.
+/// Impacts within [`CROWD_TIME`] that end in one without restitution.
 const CROWD: usize = 100;
 /// s.
 const CROWD_TIME: f64 = 1e-4;
 /// Impacts of one limit in a row before they are taken for the beginning of infinitely many.
 const IN_A_ROW: usize = 3;
 
-/// What is remembered of a joint or a pair from event to event.
+/// The memory of a joint or a pair from event to event.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ImpactMemory {
     /// The largest rate of a joint at an end of a step [rad/s or m/s].
@@ -35,7 +35,7 @@ struct Ends {
     apart: f64,
 }
 
-/// What is remembered of the run.
+/// The memory of the run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     pub joints: Vec<ImpactMemory>,
@@ -58,7 +58,7 @@ pub(crate) struct Found<'f> {
     pub anew: bool,
 }
 
-/// What an event has done.
+/// The effects of an event.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Done {
     pub events: Vec<Event>,
@@ -72,7 +72,7 @@ pub(crate) struct Done {
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,
     pub pairs: Vec<bool>,
-    /// How often a law could not be solved to its accuracy.
+    /// Number of laws that could not be solved to their accuracy.
     pub unsolved: usize,
     /// Whether the contacts that touch could not be decided at all: no mode follows in which the scheme can go on.
     pub undecided: bool,

@@ -63,7 +63,7 @@ impl Contacts {
         let asked = Asked { touching: scene.touching, bodies: &bodies, value, least, round, pressed: round == 0 };
         let contacts: Vec<&Contact> = self.candidates.iter().map(|candidate| &candidate.contact).collect();
         let mut lacking = asked.lacking(&contacts, &decided.holding);
-        // What parts is no candidate, here as little as in [`Contacts::come_to_rest`].
+        // Points that part are no candidates, as in [`Contacts::come_to_rest`].
         lacking.retain(|contact| touch_motion(&contact.joint, &bodies).rate <= self.rest);
         if lacking.is_empty() {
             return false;

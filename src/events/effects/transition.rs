@@ -120,7 +120,7 @@ pub(crate) fn transit(
     if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
         jump_to_bounds(elements, mode, state, &mut done);
     }
-    // What is seized each time has not been decided.
+    // A contact that is seized in every round is undecided.
     let mut unsolved = true;
     for _ in 0..CALMING {
         done.lost += contacts.come_to_rest(scene, state, &yielding);
@@ -128,7 +128,7 @@ pub(crate) fn transit(
         let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
         for round in 0..COMPLETING {
             let Ok(found) = &decided else { break };
-            // What is not exact is off at every point.
+            // An inexact answer has errors at every point.
             if found.off > 0.0 || !contacts.complete_decision(scene, state, found, round) {
                 break;
             }
@@ -267,7 +267,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
                 done.motors[index] = true;
                 note_bound(&elements.motors[index], [0, is], time, &mut done.events);
             }
-            // What contacts do is found again, from where the bodies are.
+            // The modes of contacts are found again, from the places of the bodies.
             Watched::Approach(_)
             | Watched::Presses(_)
             | Watched::Grips(_)
@@ -277,7 +277,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             Watched::Excess(index) => {
                 mode.motors[index] = MotorMode::Unbounded;
                 done.motors[index] = true;
-                // From either of its bounds.
+                // The motor leaves either of its bounds.
                 note_bound(&elements.motors[index], [1, 0], time, &mut done.events);
             }
         }

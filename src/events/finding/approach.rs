@@ -40,7 +40,7 @@ const CHANGING: f64 = 0.5;
 /// Speeds are steady while the least of them is this part of the largest.
 const STEADY: f64 = 0.9;
 
-/// What limits the speed of a gap over a step.
+/// The speeds of bodies that bound the rate of a gap over a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Speeds {
     /// Number of bodies, and where they are at each sample of the step, sample after sample.
@@ -202,12 +202,12 @@ impl Seen {
     }
 }
 
-/// What a gap is looked at with.
+/// The bounds and resolution for the search of a gap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
     /// It counts as closed at the start if it is at most this (m).
     pub closed: f64,
-    /// What is zero elsewhere (m).
+    /// At other instants it counts as closed if it is below minus this (m).
     pub zero: f64,
     /// V over the whole step [m/s].
     pub speed: f64,

@@ -22,7 +22,7 @@ pub(crate) fn are_checked() -> bool {
     CHECKED.load(Ordering::Relaxed)
 }
 
-/// What is covered of a step, from its start on.
+/// The covered part of a step, from its start on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cover {
     /// Covered up to this time (s).

@@ -14,17 +14,17 @@ use std::ops::Range;
 pub(crate) const SAMPLES: usize = 6;
 /// The samples of a span that is short beside the steps of the motion, in which forces change in proportion to time.
 pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
-/// The samples that are looked at first,
+/// The samples that are looked at first.
 pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
-/// and the least value of a function there over all that it changes by, above which it is not looked at any more.
+/// A function is not looked at any more if its least value there exceeds this many times its change.
 const CALM: f64 = 2.0;
-/// So soon after the start, in parts of the first interval, a function that falls there is less than at the start.
+/// A function that falls at the start is smaller after this part of the first interval.
 const SOON: f64 = 1e-3;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
 const WIDTH: f64 = 1e-10;
-/// and, in short steps late in a run, to the roundings of times.
+/// In short steps late in a run, the root is bracketed to the roundings of times.
 const SAME_INSTANT: f64 = 2.0 * f64::EPSILON;
 
 /// A bracket in time (s) of the first root of a function: positive at `low`, negative at `high`.
@@ -43,7 +43,7 @@ pub(crate) struct Bracket {
 }
 
 impl Bracket {
-    /// Of a function that is negative from the start (s) on.
+    /// The bracket of a function that is negative from the start (s) on.
     pub fn at_start(watched: usize, start: f64) -> Self {
         Bracket { watched, low: start, high: start, root: start, slope: 0.0, at_start: true }
     }

@@ -34,17 +34,17 @@ pub(crate) enum Watched {
     Slide(usize),
     /// Remaining effort of a held joint towards the lower or upper end of its efforts.
     Bears(usize, Side),
-    /// What all held joints can bear together.
+    /// Remaining effort of all held joints together.
     Margin,
-    /// What a motor can do more, upwards or downwards.
+    /// Remaining effort of a motor, upwards or downwards.
     Motor(usize, Side),
-    /// What a motor at its bound has too much.
+    /// Effort of a motor's law beyond its bound.
     Excess(usize),
     /// The distance of a pair, or the least gap of its open features.
     Approach(usize),
     /// The pressure of a closed contact.
     Presses(usize),
-    /// What a contact that sticks can bear.
+    /// Remaining friction of a contact that sticks.
     Grips(usize),
     /// The slip of a closed contact that slides.
     Slips(usize),
@@ -54,7 +54,7 @@ pub(crate) enum Watched {
     Feature(usize),
 }
 
-/// What the functions are of, at an instant.
+/// The inputs of the functions at an instant.
 pub(crate) struct Seen<'s> {
     pub elements: &'s Elements,
     pub touching: &'s Touching,
@@ -64,7 +64,7 @@ pub(crate) struct Seen<'s> {
     pub since: f64,
     pub time: f64,
     pub state: &'s State,
-    /// Where the bodies are, if contacts are among the functions.
+    /// The states of the bodies, if contacts are among the functions.
     pub bodies: &'s [BodyState],
     /// t₀ of every closed contact.
     pub slips: &'s [Vector3<f64>],
@@ -165,10 +165,10 @@ impl Watched {
                 let (low, high) = mode.joints[index].holding(&elements.joints[index]);
                 let effort = holding.of(index);
                 let left = if side == Side::Lower { effort - low } else { high - effort };
-                // What rests unloaded is not let go by roundings.
+                // Roundings must not release an unloaded joint at rest.
                 left + holding.rounding(index)
             }
-            // What falls freely beside each other presses with roundings.
+            // Bodies that fall freely beside each other press with roundings.
             Watched::Margin => holding.margin() + holding.rounding_of_contacts(),
             Watched::Motor(index, side) => {
                 let bound = elements.motors[index].max_effort;
@@ -214,7 +214,7 @@ impl Watched {
         }
     }
 
-    /// What its roundings are relative to.
+    /// The scale of its roundings.
     pub fn scale(self, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
         let size = |pair: usize| touching.pairs[pair].extents.larger.max(touching.pairs[pair].extents.farthest);
         match self {
@@ -237,7 +237,7 @@ impl Watched {
         }
     }
 
-    /// What is rounding of its value, where that is known.
+    /// Rounding of its value, if it is known.
     pub fn rounding(self, holding: &Holding) -> f64 {
         match self {
             Watched::Bears(index, _) => holding.rounding(index),

@@ -42,11 +42,11 @@ pub(crate) struct ClosedForces {
     pub weights: Vec<f64>,
     /// The size of what they are the difference of.
     pub size: f64,
-    /// What they hold.
+    /// The held blocks.
     pub load: Load,
 }
 
-/// What is held at an instant, and whether it falls together.
+/// Held blocks at an instant, and whether all of them are in common free fall.
 pub(crate) struct Load {
     held: Closing,
     together: bool,
@@ -97,7 +97,7 @@ pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -
     Chosen::new(&blocks).is_unique(&rows.square)
 }
 
-/// What is closed and held at an instant, and how it answers.
+/// Closed contacts and held joints at an instant, and their response.
 pub(crate) struct Closing {
     bodies: Vec<BodyState>,
     pub blocks: Vec<Block>,
@@ -230,7 +230,7 @@ pub(crate) fn slipping(
     let held = Closing::at(at, response, state, efforts);
     let Closing { bodies, blocks, rows, offset, .. } = &held;
     let rates = &rows.square * DVector::from_vec(held.forces(unique)) + DVector::from_column_slice(offset);
-    // Where forces are not unique those of one pair stop together.
+    // If forces are not unique, the slips of one pair stop together.
     let mut stops: Vec<Stop> = Vec::new();
     let mut turns = f64::INFINITY;
     let mut row = 0;

@@ -64,7 +64,7 @@ enum How {
 
 /// The workspace for a tree.
 struct Tree {
-    /// Of what moves.
+    /// The response of the reduced mechanism.
     response: Response,
     small: State,
     small_efforts: Vec<f64>,
@@ -138,7 +138,7 @@ impl Holding {
         self.efforts[joint]
     }
 
-    /// What its roundings may be [N m or N].
+    /// Bound of the roundings of a joint's effort [N m or N].
     pub fn rounding(&self, joint: usize) -> f64 {
         ROUNDING * self.sizes[joint].max(1.0)
     }
@@ -154,12 +154,12 @@ impl Holding {
         self.weights.get(contact).is_some_and(|weight| pressure.abs() <= UNLOADED * weight)
     }
 
-    /// What the roundings of the contacts may be (N).
+    /// Bound of the roundings of contact forces (N).
     pub fn rounding_of_contacts(&self) -> f64 {
         CONTACT_ROUNDING * self.contact_size
     }
 
-    /// What the roundings of their pressures may be (N).
+    /// Bound of the roundings of contact pressures (N).
     pub fn rounding_of_pressures(&self) -> f64 {
         if self.is_unique() { self.rounding_of_contacts() } else { SHARED_ROUNDING * self.contact_size }
     }
@@ -196,7 +196,7 @@ impl Holding {
             How::Tree(tree) => {
                 tree.evaluate(whole, moving, state, efforts);
                 for &(joint, _) in joints.iter() {
-                    // What follows a joint hands on what it needs by their ratio.
+                    // A follower adds its needed effort to its leader, by their ratio.
                     (found[joint], sizes[joint]) = (0.0, 0.0);
                     for member in &elements.joints[joint].members {
                         let at = member.coordinate;

@@ -33,7 +33,7 @@ impl Reporting {
 
     /// The forces at the closed contacts of a mode (N), along normals and tangents. Where several fit the law those of least compliance.
     pub fn forces(&mut self, at: &Present, state: &State, efforts: &[f64], unique: bool) -> &[[f64; 3]] {
-        // What is held stays where it is.
+        // The forces of the same state are kept.
         let same = |(known, before): &(State, Vec<f64>)| {
             known.position == state.position && known.velocity == state.velocity && before == efforts
         };
@@ -43,7 +43,7 @@ impl Reporting {
         let held = Closing::at(at, &mut self.response, state, efforts);
         let laws = held.laws();
         let slides = laws.iter().any(|law| matches!(law, Law::Sliding { .. }));
-        // What slides moves as those of the steps say.
+        // Sliding contacts move under the forces of the steps.
         let of_steps = (unique || slides).then(|| held.forces(unique));
         self.forces = if let Some(forces) = of_steps.filter(|forces| unique || fit(&laws, forces)) {
             forces

@@ -16,18 +16,18 @@ pub(crate) struct Inside {
 }
 
 impl Inside {
-    /// With a state on all closures.
+    /// An instant with a state on all closures.
     pub fn at(time: f64) -> Self {
         Inside { time, roughly: false }
     }
 
-    /// With a state as interpolated.
+    /// An instant with a state as interpolated.
     pub fn roughly(time: f64) -> Self {
         Inside { time, roughly: true }
     }
 }
 
-/// What is known of the sample of a step.
+/// The evaluated functions of the sample of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Evaluated {
     /// The instant, and the number of the attempt at the step; `None` if it is not evaluated.
@@ -47,9 +47,9 @@ pub(crate) struct Instants {
     /// One state after the other.
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    /// Where the next state is kept when there is no more room.
+    /// Place of the next state once all places are used.
     oldest: usize,
-    /// How often the step was another.
+    /// Number of steps so far, repeated attempts included.
     makings: u64,
 }
 

@@ -25,7 +25,7 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
-/// What a joint does.
+/// The mode of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum JointMode {
     /// It moves; its friction, if it has any, against this direction.
@@ -40,7 +40,7 @@ pub(crate) enum JointMode {
     },
 }
 
-/// What a motor does.
+/// The mode of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum MotorMode {
     /// Its law without bound.
@@ -59,7 +59,7 @@ pub(crate) struct Closed {
     pub slides: Option<Vector3<f64>>,
 }
 
-/// What all do.
+/// The modes of all elements.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mode {
     pub joints: Vec<JointMode>,

@@ -30,11 +30,11 @@ pub(crate) struct Room {
 }
 
 struct Within {
-    /// Of the whole.
+    /// The state of the whole.
     state: State,
-    /// Of the law, one entry after the other.
+    /// The efforts of the law, one entry after the other.
     efforts: Vec<f64>,
-    /// Of what moves.
+    /// The response of the reduced mechanism.
     response: Response,
 }
 

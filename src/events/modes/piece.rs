@@ -14,7 +14,7 @@ use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 
-/// What moves while a mode lasts, and its steps.
+/// The reduced mechanism of a mode, and its steps.
 pub(crate) struct Piece {
     pub(crate) key: Key,
     pub(crate) moving: Held,

@@ -39,7 +39,7 @@ impl PieceRecipe {
         })
     }
 
-    /// What describes the steps where nothing moves.
+    /// The method description used while every joint is held.
     ///
     /// # Errors
     /// As of [`PieceRecipe::make`].
