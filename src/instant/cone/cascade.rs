@@ -28,7 +28,7 @@ use nalgebra::{DMatrix, DVector};
 const ACCEPTED: f64 = 1e-10;
 /// Residuals up to this end the cascade: less, because settling the states may add some times the residual.
 const SOLVED: f64 = 1e-11;
-/// And up to this where that is enough.
+/// A residual up to this is enough for steps of first order.
 const ROUGH: f64 = 1e-6;
 /// Proximal compliance, in units of the mobility of a block.
 const COMPLIANCE: f64 = 1e-8;
@@ -40,7 +40,7 @@ const SWEEPS: usize = 10;
 const IMPLIED: f64 = 1e-9;
 /// How far inside the cones interior points start.
 const SPREADS: [f64; 6] = [10.0, 100.0, 1.0, 30.0, 3.0, 0.3];
-/// And where those fail: each is one more chance, at a fiftieth of what a convex programme costs.
+/// Depths that are tried if those fail: each is one more chance, at a fiftieth of the cost of a convex programme.
 const MORE_SPREADS: [f64; 5] = [300.0, 0.1, 20.0, 1000.0, 50.0];
 /// Scaled forces above this many times the largest free rate pinch a body.
 const LARGE: f64 = 1e4;
@@ -143,7 +143,7 @@ pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
     Some(settle(problem, &scaled, &best.forces).forces)
 }
 
-/// What Newton's method makes of forces.
+/// Forces after Newton's method.
 fn improved(scaled: &Scaled, mut forces: Vec<f64>, settings: Settings) -> Vec<f64> {
     improve(scaled, &mut forces, settings);
     forces

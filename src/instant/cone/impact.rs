@@ -30,7 +30,7 @@ const APPROACH: f64 = 1e-6;
 /// Rates below this part of the terms that they are the sum of are rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// What an impact leaves.
+/// The result of an impact.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Impact {
     /// P (m), of all rounds together.
@@ -139,7 +139,7 @@ fn round(
         part.iter().flat_map(|&block| starts[block]..starts[block] + problem.laws[block].rows()).collect();
     let mobility = DMatrix::from_fn(rows.len(), rows.len(), |row, column| problem.mobility[(rows[row], rows[column])]);
     let free: Vec<f64> = rows.iter().map(|&row| state.rates[row]).collect();
-    // What earlier rounds have used of a bound is gone.
+    // The part of a bound that earlier rounds have used is gone.
     let laws: Vec<Law> = part
         .iter()
         .map(|&block| match problem.laws[block] {

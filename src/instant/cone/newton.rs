@@ -121,7 +121,7 @@ fn step(problem: &Scaled, forces: &[f64], rates: &[f64], settings: Settings) -> 
     if unknown.is_empty() {
         return Some(step);
     }
-    // What the known changes do to the rates.
+    // The changes of the rates by the known changes of forces.
     let mut known = vec![0.0; count];
     for (column, &change) in step.iter().enumerate().filter(|(_, change)| **change != 0.0) {
         problem.add_column(column, change, &mut known);

@@ -17,7 +17,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT}
 
 /// Most rounds of the fixed point.
 const ROUNDS: usize = 25;
-/// So many rounds may pass in which the residual is not halved.
+/// Rounds that may pass without halving the residual.
 const PATIENCE: usize = 6;
 
 /// Scaled forces near a solution, from the forces of a start or from zero; `None` if clarabel fails.
@@ -79,7 +79,7 @@ fn shifts(problem: &Scaled, forces: &[f64], rates: &[f64]) -> Vec<f64> {
     problem.blocks().flat_map(of_block).collect()
 }
 
-/// What stays the same in all rounds.
+/// The parts of the programme that are the same in all rounds.
 struct Programme {
     quadratic: CscMatrix<f64>,
     rows: CscMatrix<f64>,

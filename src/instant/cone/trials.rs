@@ -313,7 +313,7 @@ fn the_same_problem_has_the_same_answer_to_the_last_bit() {
     let bits = |forces: &[f64]| forces.iter().map(|force| force.to_bits()).collect::<Vec<u64>>();
     let (one, other) = (solve(&scene.problem(), None).expect("one"), solve(&scene.problem(), None).expect("other"));
     assert_eq!(bits(&one.forces), bits(&other.forces));
-    // From its own answer it stays there.
+    // Started at its own answer, it stays there.
     let warm = solve(&scene.problem(), Some(&one.forces)).expect("warm");
     let size = one.forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     assert!(one.forces.iter().zip(&warm.forces).all(|(one, warm)| (one - warm).abs() <= 1e-10 * size));

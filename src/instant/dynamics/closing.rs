@@ -27,7 +27,7 @@ pub(crate) struct Closing {
     decided: bool,
     /// Whether velocities were projected in the state that was taken last.
     projected: bool,
-    /// What was counted in the first state.
+    /// The count of the closures in the first state.
     counted: Option<Arc<Counted>>,
 }
 

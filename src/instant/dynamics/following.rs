@@ -21,7 +21,7 @@ pub(crate) struct Following {
     rows: Vec<(usize, usize, f64)>,
     /// X.
     columns: DMatrix<f64>,
-    /// Of A.
+    /// The factor of A.
     factor: Cholesky<f64, Dyn>,
 }
 

@@ -46,7 +46,7 @@ pub(crate) struct Exerted {
     efforts: Vec<f64>,
     /// The same of motors, friction and limits alone.
     in_joints: Vec<f64>,
-    /// Of the contacts on the bodies.
+    /// The wrenches of the contacts on the bodies.
     wrenches: Vec<BodyWrench>,
     /// The contacts at which there is no impact, as reports name them.
     points: Vec<ContactPoint>,
@@ -85,7 +85,7 @@ impl Exerted {
     /// the wrenches of the contacts on the bodies. Does not allocate while no joint is held and no bodies may touch.
     pub fn at(&mut self, position: &[f64], velocity: &[f64], motors: &[f64]) -> (&[f64], &[BodyWrench]) {
         let Exerted { elements, state, efforts, motors: before, known, blocks, .. } = self;
-        // What is held stays where it is.
+        // The efforts of the same state are kept.
         let same = state.position == position && state.velocity == velocity && before == motors;
         if std::mem::replace(known, true) && same {
             return (&self.efforts, &self.wrenches);

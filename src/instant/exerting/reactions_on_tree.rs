@@ -40,7 +40,7 @@ pub struct ReactionsOnTree<M> {
     motors: Vec<f64>,
 }
 
-/// What a loop joint carries.
+/// The load of a loop joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoopReaction {
     /// Force of the first end on the second, in the world (N).

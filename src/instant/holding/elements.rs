@@ -166,7 +166,7 @@ impl ElementJoint {
         }
     }
 
-    /// What counts as being on a bound (rad or m).
+    /// The distance that counts as being on a bound (rad or m).
     pub fn at_limit(&self, side: Side) -> f64 {
         AT_LIMIT * self.bound(side).abs().max(1.0)
     }

@@ -31,7 +31,7 @@ pub(crate) struct Closures {
 
 /// The reduced mechanism of the joints that are not held, and its place in the whole.
 pub(crate) struct Held {
-    /// What moves.
+    /// The reduced mechanism.
     pub mechanism: Mechanism,
     /// The body of the whole that heads each body.
     heads: Vec<usize>,
@@ -331,7 +331,7 @@ fn number(whole: &Mechanism, mut bodies: Vec<Body>) -> Mechanism {
     }
 }
 
-/// From the bodies of the whole into the groups.
+/// Maps from the bodies of the whole into the groups.
 struct Into<'p> {
     places: &'p [Place],
     /// Mass, principal frame and moments of each group.

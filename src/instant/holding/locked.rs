@@ -28,7 +28,7 @@ pub struct Locked {
 }
 
 impl Locked {
-    /// Of a mechanism; `None` if no joint is locked, or each of them.
+    /// The locked joints of a mechanism; `None` if no joint is locked, or each of them.
     pub fn of(whole: &Mechanism) -> Option<Self> {
         if whole.nonsmooth.limits.is_empty() {
             return None;
@@ -52,7 +52,7 @@ impl Locked {
         &self.held.mechanism
     }
 
-    /// Where the bodies and coordinates of the whole are in it.
+    /// The places of the bodies and coordinates of the whole in it.
     pub(crate) fn held(&self) -> &Held {
         &self.held
     }
@@ -95,7 +95,7 @@ impl Locked {
         self.held.is_held.iter().enumerate().filter(|(_, held)| **held).map(|(body, _)| body)
     }
 
-    /// What the joint of a body is up to, if it is locked.
+    /// The status of the joint of a body, if it is locked.
     pub fn status(&self, whole: &Mechanism, state: &State, body: usize) -> Option<JointStatus> {
         if !self.held.is_held[body] {
             return None;

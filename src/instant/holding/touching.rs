@@ -36,7 +36,7 @@ pub(crate) struct Pair {
     pub restitution: f64,
     /// Its number in the whole mechanism.
     pub number: usize,
-    /// What its tolerances are made of.
+    /// The lengths from which its tolerances are made.
     pub extents: Extents,
     /// How far a body moves at least while it passes through the other (m).
     pub breadth: f64,

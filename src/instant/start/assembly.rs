@@ -33,7 +33,7 @@ const ON_LIMIT: f64 = 1e-9;
 /// Velocities below this [m/s, rad/s] decide no branch.
 const AT_REST: f64 = 1e-9;
 
-/// What the projection of the start changed.
+/// The changes that the projection of the start made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Correction {
     /// Largest change of a number of the joint positions [m, rad, or of a quaternion].
@@ -256,7 +256,7 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
         return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
     }
     correction.velocity = changed;
-    // What cannot move does not have to decide where to.
+    // A mechanism that cannot move has no branch to decide.
     if decided.singular > 0 && state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
         return Err(AssemblyError::Undecided { extra: decided.singular });
     }
