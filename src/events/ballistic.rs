@@ -87,7 +87,7 @@ impl Eventful {
         Some((self.after(origin, &moves, until), first))
     }
 
-    /// The state after so long (s) under constant accelerations.
+    /// The state after this time (s) under constant accelerations.
     fn after(&self, origin: &State, accelerations: &[f64], time: f64) -> State {
         let mut state = origin.clone();
         let moved = origin.velocity.iter().zip(accelerations).map(|(rate, a)| time * (rate + 0.5 * time * a));

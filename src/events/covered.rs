@@ -25,9 +25,9 @@ pub(super) struct GapInside<'e, 'i> {
     pub inputs: Inputs<'i>,
     /// Start of the step (s).
     pub since: f64,
-    /// Whether it is asked where the dense output is as interpolated.
+    /// Whether the dense output is used as interpolated.
     pub roughly: bool,
-    /// Its number among what is watched, and among the pairs.
+    /// Its number among the watched functions, and among the pairs.
     pub watched: usize,
     pub pair: usize,
 }

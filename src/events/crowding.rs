@@ -53,7 +53,7 @@ pub(super) struct Crowding {
 }
 
 impl Crowding {
-    /// Nothing has happened yet.
+    /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
         labour: (0.0, 0, f64::NEG_INFINITY),

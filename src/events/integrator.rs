@@ -54,7 +54,7 @@ pub struct Eventful {
     pub(super) mode: Mode,
     pub(super) memory: Memory,
     pub(super) pieces: Vec<Piece>,
-    /// The piece in use, and that of the last step.
+    /// The piece in use, and the piece of the last step.
     pub(super) current: usize,
     pub(super) last: usize,
     pub(super) watched: Vec<Watched>,
@@ -116,9 +116,9 @@ pub struct Eventful {
     pub(super) undecided: bool,
     /// Steps of first order, and how long they were together (s).
     pub(super) first_order: (usize, f64),
-    /// Whether everything has come to rest on contacts, and is not moved until something changes.
+    /// Whether all bodies rest on contacts, and stay there until the next event.
     pub(super) asleep: bool,
-    /// Steps in a row in which nothing has moved.
+    /// Consecutive steps at rest.
     pub(super) quiet: usize,
     /// The counts of crowds of events.
     pub(super) crowding: Crowding,
@@ -361,7 +361,7 @@ impl Eventful {
         self.carry_out(inputs, state, Found { triggers, height: self.height, anew: false })
     }
 
-    /// The same where nothing is known of the contacts.
+    /// The same without known contacts: they are looked for everywhere.
     pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> f64 {
         self.mode.contacts.clear();
         self.carry_out(inputs, state, Found { triggers: &[], height: self.height, anew: true })

@@ -7,10 +7,10 @@ use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 
-/// Slower than this part of the fastest that any body has been, and nearer than this to where the step began (m or rad), is at rest; with a tolerance
-/// slower than a tenth of it in a second, and nearer than a thousandth of it;
+/// A step is at rest if its rates are below this part of the largest speed so far, and its motion is below this (m or rad). A tolerance allows rates
+/// of a tenth of it per second, and a motion of a thousandth of it.
 const REST: f64 = 1e-12;
-/// The steps of a body at rest have at least this length (s).
+/// A step at rest has at least this length (s).
 const SHORTEST_REST: f64 = 1e-3;
 /// Steps in a row at rest before the mechanism sleeps.
 pub(super) const QUIET: usize = 10;
@@ -37,7 +37,7 @@ impl Eventful {
         all.iter().all(|(acceleration, size)| acceleration.abs() <= ROUNDING * size)
     }
 
-    /// Whether no motor changes what it does in time.
+    /// Whether every motor has a constant target and no ticks.
     fn is_driven_evenly(&self) -> bool {
         self.elements.motors.iter().all(|motor: &Motor| motor.period == 0.0 && motor.target.is_constant())
     }

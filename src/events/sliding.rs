@@ -143,7 +143,7 @@ impl Eventful {
 
     /// Whether contacts put the energy of the step to this end off balance. Sliding contacts do so if friction gives energy, or if the energy is off
     /// by more than the tolerance allows, or than a given step may be. Steps so short that gaps have no digits left may be off by rounding only. If
-    /// all contacts stick, a given step may be off by far more.
+    /// all contacts stick, only a given step that is far off counts.
     pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
         let sticks = !self.slides();

@@ -305,7 +305,7 @@ impl Eventful {
             }
             let mode = self.motor_mode(index, state);
             let follows = |mode: &MotorMode| matches!(mode, MotorMode::Given(_));
-            // Another effort alone asks nothing of joints that move.
+            // A new effort alone leaves the modes of moving joints unchanged.
             changed |= !(follows(&mode) && follows(&self.mode.motors[index])) && mode != self.mode.motors[index];
             self.note_bound_at_tick(index, mode, now);
             self.mode.motors[index] = mode;

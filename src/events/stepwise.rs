@@ -74,7 +74,7 @@ impl Eventful {
             self.crowding.fail(state.time);
             return true;
         }
-        // Given steps may be short where nothing happens.
+        // Given steps may be short without any event.
         let chosen = self.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         !self.touching.pairs.is_empty() && self.crowding.count(state.time, work)

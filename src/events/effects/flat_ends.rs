@@ -35,7 +35,7 @@ const MIDDLE: f64 = 0.3;
 /// Contacts whose normals have at least this cosine are in one plane.
 const IN_PLANE: f64 = 1.0 - 1e-12;
 
-/// A flat end, and what is known of it.
+/// A flat end and its geometry.
 struct FlatEnd<'c> {
     /// Contacts at points of its rim.
     points: Vec<&'c Contact>,

@@ -28,10 +28,10 @@ const GAIN: f64 = 1e-6;
 /// Rates that are this part of the terms that they are the sum of are roundings.
 const ROUNDING: f64 = 1e-14;
 
-/// Something that is met.
+/// A limit or contact that is met.
 #[derive(Clone, Debug)]
 pub(crate) struct Meeting {
-    /// Its first row is positive into what is allowed.
+    /// Its first row is positive towards the allowed side.
     pub block: Block,
     /// e.
     pub restitution: f64,

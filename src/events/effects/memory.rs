@@ -79,7 +79,7 @@ pub(crate) struct Done {
 }
 
 impl Memory {
-    /// Nothing has happened to so many joints and pairs.
+    /// The memory at the start of a run with these numbers of joints and pairs.
     pub fn new(joints: usize, pairs: usize) -> Self {
         Memory {
             joints: vec![ImpactMemory::default(); joints],

@@ -60,7 +60,7 @@ pub(crate) enum Closing {
 }
 
 impl Speeds {
-    /// Nothing has moved.
+    /// The speeds of bodies at rest.
     pub fn reset(&mut self, bodies: usize) {
         self.count = bodies;
         self.bodies.resize(bodies * (SAMPLES + 1), WORLD);
@@ -227,7 +227,7 @@ pub(crate) fn first_closing(
 ) -> Option<Closing> {
     let time = |j: usize| if j == samples { end } else { start + (end - start) * j as f64 / samples as f64 };
     let mut low = pair.look(start);
-    // One look at the end is enough for what is far away.
+    // One look at the end is enough for distant bodies.
     let last = pair.look(end);
     if low.gap > measure.closed && last.gap > 0.0 && low.gap + last.gap >= measure.speed * (end - start) {
         cover.take([start, end], low.gap.min(last.gap));

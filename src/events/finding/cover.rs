@@ -27,12 +27,12 @@ pub(crate) fn are_checked() -> bool {
 pub(crate) struct Cover {
     /// Covered up to this time (s).
     pub until: f64,
-    /// The least gap that was seen in what is covered (m).
+    /// The least gap that was seen in the covered part (m).
     pub least: f64,
 }
 
 impl Cover {
-    /// Nothing is covered yet of a step from this time on (s).
+    /// The empty cover of a step from this time on (s).
     pub fn from(start: f64) -> Self {
         Cover { until: start, least: f64::INFINITY }
     }

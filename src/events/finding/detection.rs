@@ -115,7 +115,7 @@ pub(crate) fn first_sign_change(
             continue;
         }
         let found = close_in(watched, low, high, at_start, length, &mut value);
-        // Nothing is earlier.
+        // No root is earlier than the start.
         if at_start {
             return Some(found);
         }

@@ -40,7 +40,7 @@ pub(crate) struct ClosedForces {
     pub contacts: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     pub weights: Vec<f64>,
-    /// The size of what they are the difference of.
+    /// The size of the terms that cancel in them.
     pub size: f64,
     /// The held blocks.
     pub load: Load,
@@ -89,7 +89,7 @@ fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
 /// Slower slips have the direction in which they began [m/s].
 const SLOWEST: f64 = 1e-12;
 
-/// Whether what is held is held by unique forces.
+/// Whether the forces on held blocks are unique.
 pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -> bool {
     let bodies = body_states(at.whole, state);
     let blocks = blocks(at, &bodies);

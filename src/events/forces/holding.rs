@@ -54,7 +54,7 @@ pub(crate) struct Holding {
 }
 
 enum How {
-    /// Nothing is held.
+    /// A mode without held joints and closed contacts.
     Nothing,
     /// In a tree.
     Tree(Box<Tree>),
@@ -81,7 +81,7 @@ struct Tree {
 }
 
 impl Holding {
-    /// For a mode in a state, and what moves in it.
+    /// The workspace for a mode in a state, and its reduced mechanism.
     pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
         let Present { whole, elements, mode, moving, .. } = *at;
         let joints: Vec<(usize, usize)> = (elements.joints.iter().zip(&mode.joints).enumerate())

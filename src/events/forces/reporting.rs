@@ -31,7 +31,7 @@ impl Reporting {
         Reporting { response: Response::new(mechanism), state: None, forces: Vec::new(), found: Vec::new() }
     }
 
-    /// The forces at the closed contacts of a mode (N), along normals and tangents. Where several fit the law those of least compliance.
+    /// The forces at the closed contacts of a mode (N), along normals and tangents. If several fit the law, the ones of least compliance are taken.
     pub fn forces(&mut self, at: &Present, state: &State, efforts: &[f64], unique: bool) -> &[[f64; 3]] {
         // The forces of the same state are kept.
         let same = |(known, before): &(State, Vec<f64>)| {

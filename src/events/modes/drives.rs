@@ -35,14 +35,14 @@ pub(crate) struct Drives {
 
 struct Drive {
     motor: Motor,
-    /// In what moves.
+    /// The coordinate in the reduced mechanism.
     coordinate: Coordinate,
     /// r₀.
     rest: f64,
 }
 
 impl Drives {
-    /// Adds the motors of a mode to what moves.
+    /// Adds the motors of a mode to the reduced mechanism.
     pub fn add(elements: &Elements, mode: &Mode, whole: &Mechanism, held: &mut Held) -> Self {
         let mut drives =
             Drives { entries: Vec::new(), changing: Vec::new(), freedoms: Vec::new(), since: 0.0, rates: Vec::new() };

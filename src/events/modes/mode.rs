@@ -89,7 +89,7 @@ impl Mode {
         self.add_given_efforts(elements, efforts);
     }
 
-    /// Those of friction that slides.
+    /// Adds the efforts of sliding friction.
     fn add_friction(&self, elements: &Elements, efforts: &mut [f64]) {
         for (joint, mode) in elements.joints.iter().zip(&self.joints) {
             if let JointMode::Free { sliding } = mode {
@@ -98,7 +98,7 @@ impl Mode {
         }
     }
 
-    /// Those of motors at their bounds or between ticks.
+    /// Adds the efforts of motors at their bounds or between ticks.
     fn add_given_efforts(&self, elements: &Elements, efforts: &mut [f64]) {
         for (motor, mode) in elements.motors.iter().zip(&self.motors) {
             let freedom = motor.coordinate.freedom;

@@ -21,7 +21,7 @@ use std::cell::RefCell;
 
 /// The workspace of a piece for a law: the places where its entries act, and room.
 pub(crate) struct Room {
-    /// Degrees of freedom of what moves, each once.
+    /// Degrees of freedom of the reduced mechanism, each once.
     freedoms: Vec<usize>,
     /// Entries of the law that act on the reduced mechanism, with their places among the freedoms, and the entries of the motors that change in time.
     of_law: Vec<(usize, usize)>,
@@ -66,7 +66,7 @@ impl Room {
     }
 }
 
-/// The law of what moves.
+/// The law of the reduced mechanism.
 pub(crate) struct Narrowed<'n> {
     law: &'n dyn Feedback,
     whole: &'n Mechanism,
@@ -76,7 +76,7 @@ pub(crate) struct Narrowed<'n> {
 }
 
 impl<'n> Narrowed<'n> {
-    /// None where no law acts on what moves.
+    /// `None` if no law acts on the reduced mechanism.
     pub fn of(
         law: Option<&'n dyn Feedback>,
         whole: &'n Mechanism,

@@ -19,7 +19,7 @@ pub(crate) struct Piece {
     pub(crate) key: Key,
     pub(crate) moving: Held,
     pub(crate) drives: Drives,
-    /// None if nothing moves.
+    /// `None` if every joint is held.
     pub(crate) steps: Option<Box<dyn PieceSteps>>,
     /// For efforts that follow the state, once there are any.
     pub(crate) law: Option<Box<Room>>,

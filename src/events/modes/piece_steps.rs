@@ -56,7 +56,7 @@ impl PieceRecipe {
         Ok(self.make(&nothing, &[])?.description())
     }
 
-    /// The tolerance that steps are chosen from (m); `None` where they are given.
+    /// The tolerance from which steps are chosen (m); `None` for given steps.
     pub fn tolerance(&self) -> Option<f64> {
         match self {
             PieceRecipe::Lobatto(Recipe { steps: Steps::Fixed { .. }, .. }) => None,
@@ -68,7 +68,7 @@ impl PieceRecipe {
 
 /// Steps that can end at events.
 pub(crate) trait PieceSteps: Integrator + Send {
-    /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are those of the step.
+    /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are the inputs of that step.
     ///
     /// # Errors
     /// [`StepError`] where the equations cannot be solved.
