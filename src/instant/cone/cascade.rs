@@ -162,7 +162,7 @@ fn fastest(scaled: &Scaled) -> f64 {
     scaled.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()))
 }
 
-/// Whether forces are none of those that grow without end.
+/// Whether forces have not begun to grow without end.
 fn is_small(scaled: &Scaled, forces: &[f64]) -> bool {
     let large = LARGE * fastest(scaled);
     forces.iter().all(|force| force.abs() <= large)

@@ -100,10 +100,10 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, U
 
 /// The impulse of a contact that slides and has no consistent acceleration (Painlevé), without a collision: b_N of its block is 0.
 ///
-/// No impulse at all fits the law as well. This is the answer next to that for a small rate of approach, which has to stop.
+/// No impulse at all fits the law as well. This is the limit of the answers for small rates of approach, which have to stop.
 ///
 /// # Errors
-/// Those of [`solve`].
+/// The errors of [`solve`].
 pub(crate) fn impulse_without_collision(problem: &Problem, block: usize) -> Result<Answer, Unsolved> {
     problem.check()?;
     let Some(&row) = problem.starts().get(block) else { return Err(Unsolved::Numbers { block }) };

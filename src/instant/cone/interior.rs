@@ -51,7 +51,7 @@ struct Linear {
     by_product: Vector3<f64>,
 }
 
-/// Scaled forces near a solution; none if it fails. Spread says how far inside the cones it starts, in units of the largest b.
+/// Scaled forces near a solution; `None` if it fails. Spread says how far inside the cones it starts, in units of the largest b.
 pub(super) fn interior(problem: &Scaled, spread: f64) -> Option<Vec<f64>> {
     let mut point = start(problem, spread)?;
     let count = problem.free.len();

@@ -18,7 +18,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 /// Which equations stand for the law of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
-    /// Those of Alart and Curnier.
+    /// The equations of Alart and Curnier.
     AlartCurnier,
     /// The natural map of De Saxcé's complementarity.
     Natural,

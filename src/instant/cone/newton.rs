@@ -99,7 +99,7 @@ fn advance(problem: &Scaled, forces: &[f64], step: &DVector<f64>, length: f64, t
     problem.rates(to, rates);
 }
 
-/// δr; none if the matrix is singular.
+/// δr; `None` if the matrix is singular.
 fn step(problem: &Scaled, forces: &[f64], rates: &[f64], settings: Settings) -> Option<DVector<f64>> {
     let count = forces.len();
     let mut step = DVector::zeros(count);

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! D (m × m) is the mobility (Delassus matrix), symmetric and positive semidefinite; it is singular where contacts are redundant. r (m) are forces
-//! or impulses, u (m) rates or accelerations, b (m) those without r. Units are those of the rows: N, N m, N s, with m/s, rad/s, m/s².
+//! or impulses, u (m) rates or accelerations, b (m) the rates without r. Units follow the rows: N, N m, N s, with m/s, rad/s, m/s².
 //!
 //! Source: G. De Saxcé, Z.-Q. Feng, The bipotential method, Mathematical and Computer Modelling 28 (1998), for Coulomb's law as complementarity.
 
@@ -91,7 +91,7 @@ impl Problem<'_> {
     /// Checks lengths and numbers.
     ///
     /// # Errors
-    /// If lengths differ, a number is not finite, or a law is none.
+    /// If lengths differ, a number is not finite, or a law is malformed.
     pub fn check(&self) -> Result<(), Unsolved> {
         let rows: usize = self.laws.iter().map(Law::rows).sum();
         let (height, width) = self.mobility.shape();

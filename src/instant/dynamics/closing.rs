@@ -32,7 +32,7 @@ pub(crate) struct Closing {
 }
 
 impl Closing {
-    /// For a mechanism; none if it has no closures.
+    /// The workspace for a mechanism; `None` if it has no closures.
     pub fn new(mechanism: &Mechanism) -> Option<Self> {
         mechanism.has_closures().then(|| {
             let projection = Projection::new(mechanism);

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! [N m or N]; a_free are the accelerations without λ, with all forces and closures. The set is `[−τ_f, τ_f]` where friction alone holds, without
-//! bound into the allowed range on a limit. Where several λ fit, those of least compliance are taken.
+//! bound into the allowed range on a limit. If several λ fit, the ones of least compliance are taken.
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 

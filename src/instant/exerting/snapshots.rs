@@ -36,7 +36,7 @@ impl View {
     /// Takes the efforts of the motors at the instants that are looked at next [N m or N]: one entry a motor, instant after instant.
     pub fn drive(&mut self, motors: &[f64]) {
         match self {
-            // It has none.
+            // These mechanisms have no motors.
             View::Lanes(_) => {}
             View::Serial(serial) => serial.drive(motors),
         }

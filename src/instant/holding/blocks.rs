@@ -152,7 +152,7 @@ pub(crate) fn second_rates<'c>(
 }
 
 impl Rows {
-    /// Those of blocks at a state.
+    /// The rows of blocks at a state.
     pub fn of(response: &mut Response, state: &State, blocks: &[Block]) -> Self {
         Rows::new(response, state, blocks.iter().flat_map(|block| block.rows.iter().cloned()).collect())
     }

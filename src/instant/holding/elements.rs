@@ -24,7 +24,7 @@ pub(crate) struct ElementJoint {
     pub upper: f64,
     /// e: the part of the rate that an impact gives back.
     pub restitution: f64,
-    /// Dry friction [N m or N]; zero for none.
+    /// Dry friction [N m or N]; zero without friction.
     pub friction: f64,
     /// The bodies whose joints have these limits: it, or one that follows it.
     owners: [usize; 2],
@@ -54,7 +54,7 @@ pub(crate) struct Elements {
 pub(crate) const AT_LIMIT: f64 = 1e-14;
 
 impl Elements {
-    /// Those of a mechanism, in the order of its bodies. Several limits of one joint are their intersection, several frictions their sum.
+    /// The elements of a mechanism, in the order of its bodies. Several limits of one joint are their intersection, several frictions their sum.
     pub fn new(mechanism: &Mechanism) -> Self {
         let nonsmooth = &mechanism.nonsmooth;
         let coordinates = nonsmooth.limits.iter().map(|limit| limit.coordinate);

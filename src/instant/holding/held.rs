@@ -21,7 +21,7 @@ use crate::mechanism::motion::state::State;
 use crate::model::Composite;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
-/// Closed contacts as closures of what moves.
+/// Closed contacts as closures of the reduced mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Closures {
     pub touches: Vec<TouchJoint>,
@@ -74,7 +74,7 @@ impl Held {
             .iter()
             .zip(&heads)
             .map(|(parts, &head)| {
-                // A body alone stays what it is, to the last bit.
+                // A group of one body keeps the numbers of that body to the last bit.
                 if parts.len() == 1 {
                     return (whole.bodies[head].mass, Pose::identity(), whole.bodies[head].inertia);
                 }
@@ -136,7 +136,7 @@ impl Held {
         (self.mechanism.limits, self.mechanism.nonsmooth) = (limits, nonsmooth);
     }
 
-    /// Closures and forces of what moves.
+    /// Closures and forces of the reduced mechanism.
     fn take_over(&mut self, whole: &Mechanism, closures: &Closures, into: &Into) {
         let coordinate = |of: Coordinate| self.coordinate(whole, of);
         let freedom = |freedom: usize| self.freedom(whole, freedom);
@@ -195,7 +195,7 @@ impl Held {
         mechanism.nonsmooth = Nonsmooth::default();
     }
 
-    /// The body of the whole that heads a body of what moves.
+    /// The body of the whole that heads a body of the reduced mechanism.
     pub fn head(&self, body: usize) -> usize {
         self.heads[body]
     }
@@ -210,7 +210,7 @@ impl Held {
         self.groups[body]
     }
 
-    /// Whether nothing is left to move.
+    /// Whether every joint is held.
     pub fn is_empty(&self) -> bool {
         self.heads.is_empty()
     }
@@ -254,7 +254,7 @@ impl Held {
         }
     }
 
-    /// The same of velocity vectors; what is held gets zero.
+    /// The same of velocity vectors; held joints get zero.
     pub fn spread_velocities(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (body, &held) in whole.bodies.iter().zip(&self.is_held) {
             if held {
@@ -266,7 +266,7 @@ impl Held {
         }
     }
 
-    /// The state of what moves.
+    /// The state of the reduced mechanism.
     pub fn gather(&self, whole: &Mechanism, state: &State) -> State {
         let mut own = State::zero(&self.mechanism);
         own.time = state.time;
@@ -276,7 +276,7 @@ impl Held {
         own
     }
 
-    /// Moves the state of the whole to that of what moves.
+    /// Moves the state of the whole to the state of the reduced mechanism.
     pub fn spread(&self, whole: &Mechanism, own: &State, state: &mut State) {
         state.time = own.time;
         self.spread_positions(whole, &own.position, &mut state.position);

@@ -1,7 +1,7 @@
 //! The pairs of colliders that may touch: their geometry, and their contacts in a given state.
 //!
-//! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. Poses are those of the
-//! bodies; the world has its own.
+//! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. A pose belongs
+//! to a body; the world has its own.
 
 use crate::geometry::{Extents, FeatureId, PairGeometry, PlaceId, TouchPlace};
 use crate::mechanism::description::body_state::{BodyState, WORLD};

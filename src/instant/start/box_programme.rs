@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 /// Largest number of corrections of the set of bounds that hold.
 const CORRECTIONS: usize = 40;
 
-/// The minimum; `None` if there is none that the solver finds.
+/// The minimum; `None` if the solver does not find it.
 pub fn minimise_in_box(quadratic: &DMatrix<f64>, linear: &DVector<f64>, bounds: &[(f64, f64)]) -> Option<Vec<f64>> {
     let rough = interior_point(quadratic, linear, bounds)?;
     Some(on_bounds(quadratic, linear, bounds, &rough).unwrap_or(rough))
