@@ -61,8 +61,8 @@
 //! | [`observing`] | samples, steps, events and contacts during a run |
 //! | [`errors`] | the causes that an [`Error`](session::Error) may hold |
 //!
-//! All other modules are hidden in this documentation. They are public for the binary, the Python package and the tests of this repository, and change
-//! without notice. `doc/architecture.md` describes the source.
+//! All other modules are hidden in this documentation. They are public for the binary, the Python package and the tests of this repository, and
+//! change without notice. `doc/architecture.md` describes the source.
 
 #![deny(unsafe_code)]
 

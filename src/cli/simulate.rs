@@ -253,7 +253,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     };
     let before = model.warning_lines().count();
     let strict = arguments.input.refuse(report.warnings.iter().skip(before).cloned()).map_err(Failure::run);
-    // What became of the run is more than what became of its report.
+    // The outcome of the run matters more than the outcome of its report.
     Ok(Ran { log: report.log, ended: ended.map_err(Failure::from).and(printed).and(strict) })
 }
 

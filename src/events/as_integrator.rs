@@ -16,7 +16,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 
-/// Where everything is held by efforts that follow the state, which is time alone then, a step is no longer than this (s).
+/// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;
 
 impl Integrator for Eventful {
@@ -66,7 +66,7 @@ impl Integrator for Eventful {
             }
             done => done?,
         };
-        // What is left is less than the time can tell.
+        // The remaining time is below the rounding of the time.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
             outcome.step += until - state.time;
             state.time = until;
@@ -105,7 +105,7 @@ impl Integrator for Eventful {
     fn description(&self) -> MethodDescription {
         let steps = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
         let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
-        // What another mode has seen.
+        // The findings of other modes.
         description.include_stability(&self.idle);
         description.few_stage_steps = self.idle.few_stage_steps;
         for steps in self.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {

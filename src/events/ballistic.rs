@@ -4,9 +4,9 @@
 //!     q(δ) = q₀ + δ v₀ + ½ δ² a₀,   v(δ) = v₀ + δ a₀,      δ ≤ 1e-8 s with φ(q(δ)) = 0
 //! ```
 //!
-//! φ is the gap of a pair or of a limit (m or rad), a₀ the accelerations in the mode. Where contacts are closed, roundings of their gaps are forces in such
-//! short steps, and the scheme cannot make them. What is left out is of the order of δ³: the state is right to its roundings, while a pair that would be
-//! let into the other one would have to be moved apart again.
+//! φ is the gap of a pair or of a limit (m or rad), a₀ the accelerations in the mode. In such short steps on closed contacts, roundings of gaps act
+//! as forces, and the scheme cannot solve them. The omitted terms are of the order of δ³, so the state is right to its roundings. A pair that entered
+//! the other one would have to be moved apart again.
 
 use crate::events::finding::watched::{Seen, Watched};
 use crate::events::forces::closed_forces::accelerations;
@@ -23,8 +23,8 @@ const ATTEMPTS: usize = 40;
 const CLOSED: f64 = 1e-15;
 
 impl Eventful {
-    /// Goes from the start of the step to the first gap among what is watched that closes within `longest` (s), and adds it to what happens; false if none
-    /// of those that happen is open there, or none closes.
+    /// Goes from the start of the step to the first watched gap that closes within `longest` (s), and adds it to the triggers. False if no trigger is
+    /// open there, or no gap closes.
     pub(super) fn go_ballistically(&mut self, inputs: Inputs, longest: f64, triggers: &mut Vec<Watched>) -> bool {
         if self.mode.contacts.is_empty() {
             return false;
@@ -44,7 +44,7 @@ impl Eventful {
         true
     }
 
-    /// Where the first gap closes, and which.
+    /// The state in which the first gap closes, and that gap.
     fn first_gap(&mut self, inputs: Inputs, longest: f64, origin: &State) -> Option<(State, Watched)> {
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
         let mut all = vec![0.0; efforts.len()];
@@ -87,7 +87,7 @@ impl Eventful {
         Some((self.after(origin, &moves, until), first))
     }
 
-    /// The state after so long (s) under constant accelerations.
+    /// The state after this time (s) under constant accelerations.
     fn after(&self, origin: &State, accelerations: &[f64], time: f64) -> State {
         let mut state = origin.clone();
         let moved = origin.velocity.iter().zip(accelerations).map(|(rate, a)| time * (rate + 0.5 * time * a));

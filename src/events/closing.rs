@@ -1,11 +1,12 @@
-//! What closes in a step of first order, and what has pressed in it.
+//! The blocks that close in a step of first order, and the contacts and limits that have pressed in it.
 //!
 //! ```text
-//!     0 ≤ P_N ⊥ u_N + φ/h ≥ 0,   u = D P + W v_f       for the blocks that come together, u_N + φ/h < 0 at P = 0, and those that their impulses push together
+//!     0 ≤ P_N ⊥ u_N + φ/h ≥ 0,   u = D P + W v_f
+//!     for the blocks that come together, u_N + φ/h < 0 at P = 0, and the blocks that their impulses push together
 //! ```
 //!
-//! φ is the gap of a block, P its impulses (N s), h the length of the step (s), v_f the velocities without impulses. Of a mesh hundreds of points are near a
-//! floor, and few of them take part.
+//! φ is the gap of a block, P its impulses (N s), h the length of the step (s), v_f the velocities without impulses. Hundreds of points of a mesh are
+//! near a floor, and few of them take part.
 
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::cone::solve_roughly;
@@ -16,12 +17,12 @@ use nalgebra::{DMatrix, DVector};
 
 /// Rounds in which those that others push together are added, at most.
 const ROUNDS: usize = 8;
-/// What comes together more slowly than this part of the largest rate does not.
+/// Blocks that come together more slowly than this part of the largest rate do not close.
 const APPROACHES: f64 = 1e-12;
 /// A contact is held by friction where it needs less than this part of what there is.
 const HOLDS: f64 = 1.0 - 1e-9;
 
-/// What may close or hold in a step: blocks with their gaps (m or rad), and the contacts by their numbers in the blocks.
+/// Blocks that may close or hold in a step, with their gaps (m or rad), and the contacts by their numbers in the blocks.
 #[derive(Default)]
 pub(super) struct Closing {
     pub blocks: Vec<Block>,
@@ -81,8 +82,8 @@ pub(super) fn pressed_in(blocks: &[Block], gaps: &[f64], contacts: &[Contact], i
     pressed
 }
 
-/// The impulses of blocks for these rates without them. Those that do not come together take no part until others push them together: of a mesh many points
-/// are near.
+/// The impulses of blocks for these rates without them. Blocks that do not come together take part only if others push them together, because many
+/// points of a mesh are near.
 pub(super) fn impulses_among(rows: &Rows, rates: &[f64], blocks: &[Block]) -> Vec<f64> {
     let mut starts = Vec::with_capacity(blocks.len());
     let mut first = 0;

@@ -8,11 +8,12 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 
-/// Forces outside their cones by more than this part of the largest are none of the law.
+/// Forces outside their cones by more than this part of the largest force violate the law.
 const FAR_OUT: f64 = 1e-6;
 
 impl Eventful {
-    /// Whether the forces of the mode in a state are far outside their cones: a law that was not solved to its accuracy may have told what is closed wrongly.
+    /// Whether the forces of the mode in a state are far outside their cones: a law that was solved inaccurately may have chosen the wrong closed
+    /// contacts.
     pub(super) fn is_far_out(&self, inputs: Inputs, state: &State) -> bool {
         let Eventful { whole, elements, touching, pieces, current, reporting, mode, holding, .. } = self;
         let mut efforts = vec![0.0; whole.velocity_count];
@@ -31,7 +32,7 @@ impl Eventful {
     pub(crate) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
         let inside = self.left.as_ref().is_some_and(|left| state.time < left.time);
         let mode = self.stepped_in.as_ref().filter(|_| inside).unwrap_or(&self.mode);
-        // What presses where nothing could be decided is an impulse: no force of that instant is its.
+        // At an undecided instant contacts press with impulses: the forces of that instant do not apply to them.
         if mode.contacts.is_empty() || (self.undecided && !inside) {
             return;
         }

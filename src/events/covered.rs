@@ -1,7 +1,7 @@
-//! Whether the last step is covered: for each pair that may close in it a certificate without a hole, and how deep shapes overlap in it.
+//! Whether the last step is covered: for each pair that may close in it a certificate without a hole, and the depth of overlaps in it.
 //!
 //! ```text
-//!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)     of open pairs over the stretches, of closed contacts at x = 1/3 and 1
+//!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)   of open pairs over the stretches, of closed contacts at x = 1/3 and 1
 //! ```
 
 use crate::events::finding::approach::{Approaching, speed_at};
@@ -23,11 +23,11 @@ const ASKED: usize = 48;
 pub(super) struct GapInside<'e, 'i> {
     pub eventful: &'e mut Eventful,
     pub inputs: Inputs<'i>,
-    /// Where the step begins (s).
+    /// Start of the step (s).
     pub since: f64,
-    /// Whether it is asked where the dense output is as interpolated.
+    /// Whether the dense output is used as interpolated.
     pub roughly: bool,
-    /// Its number among what is watched, and among the pairs.
+    /// Its number among the watched functions, and among the pairs.
     pub watched: usize,
     pub pair: usize,
 }

@@ -1,38 +1,38 @@
-//! Crowds of events: when so many steps end at events that first-order steps are taken instead, and how many.
+//! Crowds of events: many steps end at events in a short time, and first-order steps are taken instead.
 //!
 //! ```text
 //!     Σ (1 + contacts/4) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or a step that cannot be made:    a crowd
-//!     Σ iterations (rates + 3 contacts)² over the steps of 1e-2 s > 1.2e7, or > 2e6 soon after a crowd, four of which have ended at events:    a crowd
+//!     Σ iterations (rates + 3 contacts)² over the steps of 1e-2 s > 1.2e7, or > 2e6 soon after a crowd, four of which have ended at events:  a crowd
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!
-//! (given steps count 1 each) in steps of 1e-4 s, and in a sixteenth of that time where it is longer than 1.6 ms, up to 1e-3 s. So the work for a time of the motion is bounded: where
-//! crowds follow without end, 400 steps without contacts and 52 of first order for 52 ms.
+//! Given steps count 1 each. The first-order steps have 1e-4 s, and a sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the
+//! work for a time of the motion is bounded: if crowds follow without end, 52 ms take 400 steps without contacts and 52 steps of first order.
 //!
-//! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed in one
-//! step of first order of 1e-6 s; of 4, 16 and 64 times that where they follow each other soon, and as a crowd after these.
+//! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed
+//! in one step of first order of 1e-6 s. Jams that follow each other soon take 4, 16 and 64 times that length, and then count as crowds.
 
-/// Length of a step of first order (s),
+/// Length of a step of first order (s).
 pub(super) const STEP: f64 = 1e-4;
-/// up to so many of which a crowd is left by; where more are needed there are fewer and longer ones for the same time,
+/// The most first-order steps of that length that leave a crowd. A longer time is left in fewer and longer steps.
 const FINE: usize = 16;
-/// up to this factor.
+/// Such steps are longer by this factor at most.
 const LONGER: usize = 10;
-/// So much work within such times (s) is a crowd, in steps of what has no contacts.
+/// Work within a time (s) that makes a crowd, in steps without contacts.
 const CROWDS: [(usize, f64); 2] = [(100, 1e-5), (400, 1e-3)];
-/// So much work of iterations within such a time (s) is one, too, with so many events: what an iteration costs grows with the square of its unknowns, about
-/// 2e-7 s each on one core. The break of ten billiard balls has 1e7, in impacts that are all true; soon after a crowd less is enough.
+/// Work of iterations within a time (s), with a number of events, that makes a crowd. An iteration costs about 2e-7 s on one core, times the square
+/// of its unknowns. The break of ten billiard balls has 1e7, in impacts that are all true. Soon after a crowd less is enough.
 const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
 const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
-/// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length,
+/// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length.
 pub(super) const JAM_STEP: f64 = 1e-6;
-/// and one that follows within [`SOON`] times its length by one that is longer by this factor, up to those of crowds.
+/// A jam that follows within [`SOON`] times the last length takes a step that is longer by this factor, up to the length of steps of crowds.
 const JAM_LONGER: f64 = 4.0;
-/// A crowd is left by one such step; if another follows within so many of them by twice as many as before,
+/// A crowd is left by one such step. Another crowd within this many of its steps takes twice as many as before.
 const SOON: f64 = 10.0;
-/// up to so many, in steps of the least length.
+/// The most steps of the least length that leave a crowd.
 const LONGEST: usize = 512;
 
 /// Steps that have become many, and the steps of first order that are to be made.
@@ -42,7 +42,7 @@ pub(super) struct Crowding {
     counts: [(usize, f64); CROWDS.len()],
     /// Work of iterations, and events, since a time (s).
     labour: (f64, usize, f64),
-    /// What is still to be made of the last crowd, and what it was, in steps of the least length; and when it ended (s).
+    /// Steps still to be made for the last crowd, steps that it had, both in the least length, and its end (s).
     left: usize,
     made: usize,
     ended: f64,
@@ -53,7 +53,7 @@ pub(super) struct Crowding {
 }
 
 impl Crowding {
-    /// Nothing has happened yet.
+    /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
         labour: (0.0, 0, f64::NEG_INFINITY),
@@ -64,7 +64,7 @@ impl Crowding {
         jams: false,
     };
 
-    /// Counts steps that would only repeat what has happened, and are not made.
+    /// Counts steps that would only repeat earlier events, and are not made.
     pub fn count_repeated(&mut self, steps: usize) {
         self.counts.iter_mut().for_each(|(count, _)| *count += steps);
     }
@@ -79,7 +79,7 @@ impl Crowding {
         *events += usize::from(event);
     }
 
-    /// Counts a step that begins at a time (s), with its work in steps of what has no contacts; whether it is to be one of first order.
+    /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order.
     pub fn count(&mut self, time: f64, work: usize) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -92,7 +92,7 @@ impl Crowding {
                 crowded |= *count > most;
             }
             let (work, events, _) = self.labour;
-            // So much work takes that long to be seen again.
+            // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
             let laboured = work > most && events >= LABOUR_EVENTS;
@@ -105,16 +105,16 @@ impl Crowding {
         true
     }
 
-    /// A step that begins at a time (s) could not be made, however short, and one of first order is made in its place. To try in vain is the dearest of
-    /// all: those that follow soon are left by more and more of these, as crowds are.
+    /// A step that begins at a time (s) failed at every length, and one of first order is made in its place. A failed attempt is the most expensive
+    /// one, so failures that follow soon are left by more and more of these steps, as crowds are.
     pub fn fail(&mut self, time: f64) {
         self.jams = false;
         self.begin(time, 0.0);
         self.make(time);
     }
 
-    /// A step that begins at a time (s), in which contacts slide, could not be solved: what jams is gone in a moment, and is left by a step of first order that
-    /// is hardly longer.
+    /// A step that begins at a time (s), in which contacts slide, could not be solved. A jam is over in a moment, and is left by a step of first
+    /// order that is hardly longer.
     pub fn jam(&mut self, time: f64) {
         let (length, ended) = self.jam;
         let again = time - ended <= SOON * length;
@@ -123,7 +123,7 @@ impl Crowding {
             self.fail(time);
         } else {
             (self.jam, self.jams) = ((length, time + length), true);
-            // What has led to it is over, and so is most of the time in which that counts.
+            // The events that led to it are over, and so is most of the time in which they count.
             self.counts[0] = (0, time);
         }
     }
@@ -137,7 +137,7 @@ impl Crowding {
         (self.made / FINE).clamp(1, LONGER)
     }
 
-    /// Whether a crowd has ended less than so long ago (s), or soon for its length.
+    /// Whether a crowd has ended less than `soon` ago (s), or soon for its length.
     fn is_soon(&self, time: f64, soon: f64) -> bool {
         time - self.ended <= soon.max(SOON * self.made as f64 * STEP)
     }
@@ -160,7 +160,7 @@ impl Crowding {
 mod tests {
     use super::*;
 
-    /// Steps of 0.1 µs, or as many as are given for a failure, and those of first order over a second.
+    /// Steps of 0.1 µs, or as many as are given for a failure, and the steps of first order over a second.
     fn made(work: usize, fails: Option<usize>) -> (usize, usize) {
         let (mut crowding, mut time, mut steps, mut coarse) = (Crowding::CALM, 0.0, 0, 0);
         while time < 1.0 {

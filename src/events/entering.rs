@@ -1,4 +1,4 @@
-//! A mode is entered: what moves in it, at which pace its steps go on, and what is watched.
+//! A mode is entered: its reduced mechanism, the pace at which steps go on, and the watched functions.
 //!
 //! ```text
 //!     mode, state ─▶ what is held, closures ─▶ key ─▶ piece: known, or made in the place of the one that has not been used for longest
@@ -26,11 +26,11 @@ use std::sync::Arc;
 
 /// Modes whose workspaces are kept.
 const KEPT_MODES: usize = 12;
-/// The first step after an event is asked to be at least so long (s).
+/// The first step after an event is asked to be at least this long (s).
 const RENEWED: f64 = 1e-6;
 
 impl Eventful {
-    /// Finds or makes what moves in the mode, and what is watched in it.
+    /// Finds or makes the reduced mechanism of the mode, and its watched functions.
     pub(super) fn enter(&mut self, state: &mut State) {
         let Eventful { whole, elements, touching, mode, response, bodies, .. } = self;
         let held = if self.asleep {
@@ -57,8 +57,8 @@ impl Eventful {
         let key = Key { held, places, motors, closures };
         let pace = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
         let pace = pace.map_or(StepPace::Grid { origin: self.began }, |steps| steps.pace(self.began));
-        // What made steps short before says nothing of what moves now. One that failed has become as short as steps can be, and what goes on is as long
-        // as the step that stands for it at least.
+        // The causes of short steps before do not apply to this mode. A failed step has become as short as steps can be; the next step is at least as
+        // long as the step of first order that replaces it.
         let least = if self.stepped_over.is_some() { STEP } else { RENEWED };
         let pace = match pace {
             StepPace::Step { length, kinetic } if length > 0.0 => StepPace::Step { length: length.max(least), kinetic },

@@ -1,4 +1,4 @@
-//! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
+//! The integrator of motions that are smooth in pieces: steps of the scheme for the reduced mechanism of a mode, ended at events.
 
 use crate::events::crowding::Crowding;
 use crate::events::effects::decision::Scene;
@@ -39,9 +39,9 @@ use nalgebra::Vector3;
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// A start that is outside its limits by so many times what counts as being on them is put there.
+/// A start that is outside its limits by up to this many times the tolerance of a limit is put there.
 const NEARLY: f64 = 1e5;
-/// What may be left of the height of accumulating impacts, where no tolerance says so (rad or m).
+/// The height that accumulating impacts may leave without a tolerance (rad or m).
 const HEIGHT: f64 = 1e-13;
 /// The same over a tolerance.
 const LEFT: f64 = 1e-4;
@@ -68,16 +68,16 @@ pub struct Eventful {
     pub(super) fresh_joints: Vec<bool>,
     pub(super) fresh_motors: Vec<bool>,
     pub(super) fresh_pairs: Vec<bool>,
-    /// Where the last step began, and where it ended, with everything that happened there.
+    /// The states at which the last step began and ended, the second one after all events there.
     pub(super) origin: State,
     pub(super) left: Option<State>,
     pub(super) sample: State,
-    /// What is known of it.
+    /// The evaluated functions of that sample.
     pub(super) evaluated: Evaluated,
     /// Room for looks at steps.
     pub(super) looking: Looking,
     pub(super) speeds: Speeds,
-    /// What is covered of the last step for each pair that may close in it, by its number among what is watched.
+    /// The covered stretches of the last step for each pair that may close in it, by its number among the watched functions.
     pub(super) covers: Vec<(usize, Cover)>,
     /// A bound of the overlap of all pairs in the last step (m).
     pub(super) overlap: f64,
@@ -95,7 +95,7 @@ pub struct Eventful {
     pub(super) flips: (usize, f64),
     /// Modes in which steps ended where they began.
     pub(super) cycle: Cycle,
-    /// How often in a row an event at the start of a step has changed nothing.
+    /// Consecutive events at the start of a step that left the mode unchanged.
     pub(super) unfounded: i32,
     /// Whether the next step does not look at these functions.
     pub(super) looks_away: bool,
@@ -103,17 +103,17 @@ pub struct Eventful {
     pub(super) steps: usize,
     pub(super) stepped: f64,
     pub(super) lost_at_start: f64,
-    /// What stands for the steps where nothing moves.
+    /// Method description used while every joint is held.
     pub(super) idle: MethodDescription,
     /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
     pub(super) between: Option<f64>,
     /// The part of it in steps that were too long for a damper (m).
     pub(super) ringing: f64,
-    /// How often the law of contact could not be solved to its accuracy.
+    /// Number of laws of contact that could not be solved to their accuracy.
     pub(super) unsolved: usize,
-    /// How often rebounds were left out in crowds of impacts and in steps of first order, and what they would have given back (J).
+    /// Number of rebounds left out in crowds of impacts and in steps of first order, and the energy that they would have given back (J).
     pub(super) cut: (usize, f64),
-    /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
+    /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
     pub(super) left_of_impacts: f64,
     /// The height that they may leave (m or rad).
     height: f64,
@@ -121,11 +121,11 @@ pub struct Eventful {
     pub(super) undecided: bool,
     /// Steps of first order, and how long they were together (s).
     pub(super) first_order: (usize, f64),
-    /// Whether everything has come to rest on contacts, and is not moved until something changes.
+    /// Whether all bodies rest on contacts, and stay there until the next event.
     pub(super) asleep: bool,
-    /// Steps in a row in which nothing has moved.
+    /// Consecutive steps at rest.
     pub(super) quiet: usize,
-    /// Where events crowd.
+    /// The counts of crowds of events.
     pub(super) crowding: Crowding,
     /// The end of the last step, if it was one of first order.
     pub(super) stepped_over: Option<State>,
@@ -242,7 +242,7 @@ impl Eventful {
         self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).any(|steps| steps.was_held_by_stability())
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
     pub fn between(&self) -> Option<f64> {
         let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
         pieces.map(|steps| steps.between()).fold(self.between, larger)
@@ -254,8 +254,8 @@ impl Eventful {
         pieces.map(|steps| steps.ringing_inside()).fold(self.ringing, f64::max)
     }
 
-    /// Takes note of a step of first order, inside which samples are where it began or ended, whichever is nearer in time: they are off by half of
-    /// what it moves.
+    /// Records the sampling error of a step of first order. Samples inside it use the end that is nearer in time, so that the error is half the
+    /// displacement.
     pub(super) fn see_jump(&mut self, start: &State, end: &State) {
         let moved = distance(&probes(&self.whole, start), &probes(&self.whole, end));
         self.between = larger(self.between, Some(0.5 * moved));
@@ -272,7 +272,7 @@ impl Eventful {
         self.pieces.iter_mut().filter_map(|piece| piece.steps.as_mut()).for_each(|steps| steps.leave_companion());
     }
 
-    /// Writes where the companion is after the last step; `false` if there is none, or none any more.
+    /// Writes the state of the companion after the last step; `false` without a companion.
     pub(crate) fn place_companion(&self, state: &mut State) -> bool {
         let Some(piece) = self.pieces.get(self.current).filter(|_| self.accompanied) else { return false };
         let Some(companion) = piece.steps.as_ref().and_then(|steps| steps.companion()) else { return false };
@@ -280,13 +280,13 @@ impl Eventful {
         true
     }
 
-    /// Lets accumulating impacts leave this part of the height that they may leave, and not less than so many times the least height: runs with finer steps leave
-    /// less, and those that they are compared with more.
+    /// Lets accumulating impacts leave this part of the height that they may leave, and at least this multiple of the least height: runs with finer
+    /// steps leave less, and the runs that they are compared with leave more.
     pub(crate) fn leave_of_impacts(&mut self, part: f64, least: f64) {
         self.height = (least * HEIGHT).max(part * self.recipe.tolerance().map_or(HEIGHT, |tolerance| LEFT * tolerance));
     }
 
-    /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
+    /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
     pub(crate) fn left_of_impacts(&self) -> f64 {
         self.left_of_impacts
     }
@@ -329,7 +329,7 @@ impl Eventful {
             self.mode.motors[index] = self.motor_mode(index, state);
         }
         for (mode, joint) in self.mode.joints.iter_mut().zip(&self.elements.joints) {
-            // What is decided now is no event.
+            // The decisions at the start are no events.
             *mode = if joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some())
             {
                 JointMode::Held { on: joint.side(joint.position(state)) }
@@ -347,7 +347,7 @@ impl Eventful {
         Ok(())
     }
 
-    /// What a motor does in a state, from nothing that was before.
+    /// The mode of a motor in a state, independent of the modes before.
     pub(super) fn motor_mode(&self, index: usize, state: &State) -> MotorMode {
         let motor = &self.elements.motors[index];
         let effort = unbounded(&self.elements, index, state.time, state.time, state);
@@ -369,7 +369,7 @@ impl Eventful {
         self.carry_out(inputs, state, Found { triggers, height: self.height, anew: false })
     }
 
-    /// The same where nothing is known of the contacts.
+    /// The same without known contacts: they are looked for everywhere.
     pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> f64 {
         self.mode.contacts.clear();
         self.carry_out(inputs, state, Found { triggers: &[], height: self.height, anew: true })
@@ -396,7 +396,8 @@ impl Eventful {
         done.lost
     }
 
-    /// Notes rebounds that were left out before a state, and what they would have given back (J), where it is not next to nothing beside the kinetic energy.
+    /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic
+    /// energy.
     pub(super) fn leave_out(&mut self, rebounds: usize, energy: f64, state: &State) {
         if rebounds > 0 && energy > MATTERS * resting::energy(&self.whole, state).kinetic {
             self.cut = (self.cut.0 + rebounds, self.cut.1 + energy);

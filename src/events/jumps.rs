@@ -4,10 +4,10 @@
 //!     λ(h) > 0 for h < h₁,   λ(h) < 0 for h > h₁,   |λ| ≫ roundings at both sides of h₁
 //! ```
 //!
-//! λ is the pressure of a contact, or what a joint can still bear, at the end of a step of length h. The equations of the stages of a step in which a slip of
-//! u m/s is accelerated by much more than u/h have more than one solution. In those that are not the motion a contact pulls, λ < 0, and its friction
-//! pushes the slip on: in one that was seen from 1e-3 to 0.08 m/s in 75 µs. They are no worse than others by what steps are chosen for, which sees places.
-//! A force that has a root is located; one that changes its sign and has none has jumped from one solution to another.
+//! λ is the pressure of a contact, or the remaining effort of a joint, at the end of a step of length h. The equations of the stages of a step in
+//! which a slip of u m/s is accelerated by much more than u/h have more than one solution. Spurious solutions have λ < 0: the contact pulls and its
+//! friction accelerates the slip (observed: 1e-3 to 0.08 m/s in 75 µs). The measure by which steps are chosen sees places, and finds them no worse
+//! than others. A force that has a root is located; one that changes its sign and has none has jumped from one solution to another.
 
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
@@ -15,12 +15,12 @@ use crate::events::integrator::Eventful;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 
-/// A force that is off its bound by so many times its roundings, and comes no nearer, jumps.
+/// A force jumps if its distance from the bound is more than this many times its roundings, and does not fall.
 pub(super) const JUMP: f64 = 1e4;
 /// A step in which it does is shorter by this factor.
 const SHORTER: f64 = 1.0 / 16.0;
 
-/// What the location of an event has found.
+/// The result of the location of an event.
 pub(crate) enum Located {
     /// The functions that are zero at the end of the step.
     At(Vec<Watched>),
@@ -31,8 +31,8 @@ pub(crate) enum Located {
 }
 
 impl Eventful {
-    /// Makes the step again so that it ends at its first event, shorter and shorter while forces jump in it, or without an event where no one is left in the
-    /// shorter one; returns the functions that are zero there. An event within `shortest` (s) of the start is there.
+    /// Makes the step again so that it ends at its first event, shorter and shorter while forces jump in it, or without an event if the shorter step
+    /// has no event; returns the functions that are zero there. An event within `shortest` (s) of the start is there.
     pub(super) fn end_at_first(
         &mut self,
         inputs: Inputs,

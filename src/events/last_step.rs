@@ -1,6 +1,6 @@
 //! The inside of the last step: states, and functions of them, at its instants.
 //!
-//! Functions are asked one by one at the samples of a step, and at one instant again and again. What was worked out there last is kept: where the bodies are,
+//! Functions are asked one by one at the samples of a step, and at one instant again and again. The latest results are kept: where the bodies are,
 //! and the forces that hold joints and contacts.
 
 use crate::events::finding::watched::{Seen, Watched};

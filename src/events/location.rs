@@ -4,9 +4,9 @@
 //!     φ(q̄, v̄, t₀ + h) = 0:    h ← h − φ (h − h')/(φ − φ')           (h', φ') the attempt before
 //! ```
 //!
-//! A bracket on the dense output of the step begins it, and each attempt ends a step of the scheme; φ̇ at its end is the slope in h but for terms of the
-//! order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. Where an earlier root
-//! shows on the shortened step it is taken instead.
+//! A bracket on the dense output of the step begins it, and each attempt ends a step of the scheme; φ̇ at its end is the slope in h but for terms of
+//! the order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. If an earlier root shows on the shortened
+//! step, it is taken instead.
 
 use crate::events::covered::{GapInside, SAME_END};
 use crate::events::finding::approach::{Approaching, Closing, Measure, first_closing};
@@ -33,23 +33,24 @@ const TOGETHER: f64 = 1e-11;
 const RESOLUTION: f64 = 2e-3;
 /// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
 const FINEST: f64 = 1e-6;
-/// Its root is looked for as in a step so many times as long as its bracket: to 1e-9 of that. An end that is off by more than roundings shows the slope.
+/// The root is looked for as in a step that is this many times as long as its bracket, to 1e-9 of that length. An end that is off by more than
+/// roundings shows the slope.
 const ROUGHLY: f64 = 10.0;
 /// A pair that closes at the end of a step is looked at up to this part of it.
 const NEARLY: f64 = 0.999;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
 const STOPPED: f64 = 1e-10;
-/// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
+/// Force roots are located to this part of the rounding error, past the bound, so that the constraint releases immediately.
 const WITHIN: f64 = 0.1;
-/// The smallest value of a function has fallen if it is less than this part of what it was. After so many attempts in which it has not there is no
-/// root to be found.
+/// The smallest value of a function has fallen if it is less than this part of its value before. The search for a root ends after `STALE` attempts in
+/// which it has not fallen.
 const FALLS: f64 = 0.8;
 const STALE: usize = 3;
-/// In steps below this (s) that is so for slips as well.
+/// For slips the search ends in this way only in steps below this (s).
 const SHORT: f64 = 1e-6;
-/// And where the bracket of one that has not fallen is narrower than this part of the step.
+/// For slips it also ends if the bracket is narrower than this part of the step.
 const NARROW: f64 = 1e-2;
-/// Slips below this part of it say nothing of how fast they fall.
+/// Slips slower than this part of the largest speed give no usable slope.
 const STEEP: f64 = 1e-7;
 
 impl Eventful {
@@ -77,7 +78,7 @@ impl Eventful {
         which.extend(self.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index));
     }
 
-    /// Where a function changes its sign first in the last step; `known` is one that does at its end.
+    /// The first bracket in which a function changes its sign in the last step; `known` is one that does at its end.
     pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         let mut looking = std::mem::take(&mut self.looking);
         let found = self.look(inputs, since, known.map(|known| known.watched), &mut looking);
@@ -119,7 +120,7 @@ impl Eventful {
         let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
         let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
-            // What carries nothing does not part by roundings.
+            // An unloaded contact does not part by roundings.
             for (value, &index) in values.iter_mut().zip(&which[of]) {
                 if let Watched::Presses(contact) = self.watched[index]
                     && self.holding.is_unloaded(contact)
@@ -201,7 +202,8 @@ impl Eventful {
         first
     }
 
-    /// Whether the gap of a pair is as well known from the interpolation alone, as of what was open before. Where it touches, roundings count.
+    /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching
+    /// pairs.
     pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
         !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
     }
@@ -295,7 +297,7 @@ impl Eventful {
         let (mut low, mut high) = (bracket.low - since, (bracket.high - since).max(bracket.root - since));
         let mut length = bracket.root - since;
         let mut slope = bracket.slope;
-        // A slip has a direction before it stops, and none at the stop: its end is reached from there.
+        // A slip has a direction before it stops, but not at the stop: its end is reached from before the stop.
         let stops = matches!(self.watched[bracket.watched], Watched::Slips(_) | Watched::SlipsTogether(_));
         if stops {
             let before = if bracket.low > since { bracket.low - since } else { 0.5 * length };
@@ -305,7 +307,7 @@ impl Eventful {
         let mut before: Option<(f64, f64)> = None;
         // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
         let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
-        // Of forces, whether an end before the root is known.
+        // For forces: whether an end before the root is known.
         let (forces, mut preceded) = (self.watched[bracket.watched].is_force(), false);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
@@ -394,7 +396,7 @@ impl Eventful {
             } else if length < high {
                 high
             } else {
-                // What the dense output has shown is none of the steps that end there.
+                // The dense output shows a root that does not exist on steps that end there.
                 if forces && value > JUMP * noise {
                     return Ok(false);
                 }

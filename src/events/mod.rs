@@ -14,13 +14,13 @@
 //! The dense output is of lower order than the ends of steps, so it only brackets the event. One problem for all closures, joints and contacts
 //! ([`crate::instant::cone`]) decides at the end of the step on impacts, sticking and release.
 //!
-//! | room | what is in it |
+//! | room | contents |
 //! |---|---|
-//! | `modes` | the states of joints, motors and contacts; what is left to move in them, with its steps |
+//! | `modes` | the states of joints, motors and contacts; the reduced mechanism of each mode, with its steps |
 //! | `forces` | efforts that hold joints, forces of closed contacts, and their report |
-//! | `finding` | functions whose sign is watched, where one changes within a step, distances that close |
-//! | `effects` | what follows: impulses, which contacts stay closed and stick, the next mode, the list of events |
-//! | here | the integrator: its steps, those that end at events, rest, and crowds of events |
+//! | `finding` | functions whose sign is watched, their first sign change within a step, distances that close |
+//! | `effects` | the effects of an event: impulses, which contacts stay closed and stick, the next mode, the list of events |
+//! | here | the integrator: its steps, steps that end at events, rest, and crowds of events |
 //!
 //! A room imports those above it in this table. Limits, friction, motors and pairs of shapes are in [`crate::instant::holding::elements`] and
 //! [`crate::instant::holding::touching`], accelerations and velocities under efforts and impulses in [`crate::instant::dynamics::response`],

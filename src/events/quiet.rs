@@ -7,20 +7,20 @@ use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 
-/// Slower than this part of the fastest that any body has been, and nearer than this to where the step began (m or rad), is at rest; with a tolerance
-/// slower than a tenth of it in a second, and nearer than a thousandth of it;
+/// A step is at rest if its rates are below this part of the largest speed so far, and its motion is below this (m or rad). A tolerance allows rates
+/// of a tenth of it per second, and a motion of a thousandth of it.
 const REST: f64 = 1e-12;
-/// in steps of at least this length (s),
+/// A step at rest has at least this length (s).
 const SHORTEST_REST: f64 = 1e-3;
-/// so many in a row.
+/// Steps in a row at rest before the mechanism sleeps.
 pub(super) const QUIET: usize = 10;
 
-/// Accelerations below this part of what they are the difference of are zero.
+/// Accelerations below this part of the terms that cancel in them are zero.
 const ROUNDING: f64 = 1e-14;
 
 impl Eventful {
-    /// Whether a state in which nothing moves stays as it is: no acceleration is more than a rounding, on contacts and under efforts that do not change.
-    /// So may be even what nothing holds, where the forces on it cancel. Its energies and speeds would be roundings, and with them the lengths of steps.
+    /// Whether a state at rest stays as it is: every acceleration is a rounding, on contacts and under efforts that do not change. A free body can
+    /// also be at rest, if the forces on it cancel. Its energies and speeds would be roundings, and with them the lengths of steps.
     pub(super) fn stays_at_rest(&mut self, inputs: Inputs, state: &State) -> bool {
         let asked = !(self.mode.contacts.is_empty() || self.pieces[self.current].moving.is_empty());
         if !asked
@@ -37,12 +37,12 @@ impl Eventful {
         all.iter().all(|(acceleration, size)| acceleration.abs() <= ROUNDING * size)
     }
 
-    /// Whether no motor changes what it does in time.
+    /// Whether every motor has a constant target and no ticks.
     fn is_driven_evenly(&self) -> bool {
         self.elements.motors.iter().all(|motor: &Motor| motor.period == 0.0 && motor.target.is_constant())
     }
 
-    /// Whether nothing has moved in the last step by more than does not matter, on contacts and under efforts that do not change.
+    /// Whether all motions of the last step were too small to matter, on contacts and under efforts that do not change.
     pub(super) fn is_quiet(&self, state: &State) -> bool {
         if self.asleep || self.mode.contacts.is_empty() || state.time - self.origin.time < SHORTEST_REST {
             return false;

@@ -1,7 +1,7 @@
 //! A first-order step over a position in which joint coordinates are singular, made if no step of the scheme can be: gimbal lock.
 //!
-//! Near such a position the bodies move smoothly, and joints with almost parallel axes turn against each other at rates without bound. The step moves the
-//! joints without these rates, and hands the motion of the bodies on:
+//! Near such a position the bodies move smoothly, and joints with almost parallel axes turn against each other at rates without bound. The step moves
+//! the joints without these rates, and hands the motion of the bodies on:
 //!
 //! ```text
 //!     H̃ = D^-½ H D^-½ = U Λ Uᵀ,  c = Uᵀ D^½ v₀              D: the diagonal of H, so that units do not count
@@ -9,8 +9,8 @@
 //!     v₁ = Y(q₁) Σ Jᵀ(q₁) (m v + h (m g + F), R J Rᵀ ω + h T)        v, ω: of each body at q₀;   F, T: forces on it
 //! ```
 //!
-//! so that the bodies are off by `h²` and by the small motion of the modes that were cut. Limits and friction follow as an event at the end.
-//! Y is the response with all closures ([`crate::instant::dynamics::response`]).
+//! so that the bodies are off by `h²` and by the small motion of the modes that were cut. Limits and friction follow as an event at the end. Y is the
+//! response with all closures ([`crate::instant::dynamics::response`]).
 
 use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
@@ -163,7 +163,7 @@ mod tests {
         let mass = DMatrix::from_row_slice(3, 3, &[1.0, cosine, 0.0, cosine, 1.0, 0.0, 0.0, 0.0, 1.0]);
         let velocity = [1e7 + 2.0, 1.0 - 1e7, -11.0];
         let found = regular_rates(&mass, &velocity, 1e-6);
-        // The difference is cut to what moves each joint by 0.01; the sum and the joint across are rounded in 1e7.
+        // The difference is cut so that each joint moves by 0.01; the sum and the joint across are rounded in 1e7.
         assert!((found[0] + found[1] - 3.0).abs() < 1e-6, "{found:?}");
         assert!((found[0] - found[1]).abs() < 2.1 * REACH / 1e-6, "{found:?}");
         assert!((found[2] + 11.0).abs() < 1e-6, "{found:?}");

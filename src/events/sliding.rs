@@ -4,7 +4,7 @@
 //!     t_stop = |u_T| / (−u̇_T · t)       u̇_T = D λ + b, with the forces of the mode where the step begins
 //! ```
 //!
-//! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
+//! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
 use crate::events::crowding::JAM_STEP;
 use crate::events::effects::contacts::STOPPED;
@@ -25,16 +25,17 @@ use crate::stepping::watching::unseen::Pushes;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
-/// One that stops sooner than this (s) is slow, and its stop is not passed: nothing has a direction there that steps could be solved with. A step goes
-/// this part of the way, and what is left of the slip is there at its end.
+/// A slip that stops within this time (s) ends the step before the stop, because its direction is undefined there. The step goes this part of the
+/// way, and the remaining slip is there at its end.
 const SOON: f64 = 1e-5;
 const SHORT_OF: f64 = 0.98;
 /// A step is no longer than this part of the time in which a slip turns by half a right angle: a slip that is slow turns faster than the polynomials
 /// through the stages can follow.
 const TURNS: f64 = 2.0;
-/// Slips below this part of the fastest that a body has been are none.
+/// Slips below this part of the largest speed of any body so far count as rest.
 const NO_SLIP: f64 = 1e-10;
-/// One below this part of the fastest is slow, and its direction that of before if the cosine of the angle between them is larger than this.
+/// A slip below this part of the largest speed is slow. It keeps its direction if the cosine of the angle to the direction before is larger than
+/// this.
 const SLOWED: f64 = 1e-3;
 const ALIKE: f64 = 0.7;
 /// A slip that turns aside by less than this part of how it falls stops.
@@ -43,15 +44,15 @@ const STRAIGHT: f64 = 0.1;
 const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
 const SLOWER: f64 = 0.25;
-/// Steps in which contacts slide are looked at if they are shorter than this (s),
+/// The energy of steps in which contacts slide is checked if they are shorter than this (s).
 pub(super) const JAM: f64 = 1e-7;
-/// and made in another way if more than this part of the largest kinetic energy is unaccounted for.
+/// Such a step is made in another way if more than this part of the largest kinetic energy is unaccounted for.
 const OFF: f64 = 1e-8;
-/// Given steps are made shorter if more than this part is, and more than so much of what friction takes: one that cannot follow a slip, or what jams, is
-/// off by about as much as friction does, and truncation by far less.
+/// Given steps are made shorter if more than this part is unaccounted for, and more than this part of the friction loss. A step that cannot follow a
+/// slip or a jam is off by about the friction loss. Truncation errors are far smaller.
 const OFF_GIVEN: f64 = 1e-6;
 const OFF_FRICTION: f64 = 1e-4;
-/// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
+/// If all contacts stick, they take no energy. A given step is then made shorter if it is off by more than this part of the largest kinetic energy.
 const OFF_STUCK: f64 = 1e-4;
 
 /// Closed contacts overlap by no more at the end of a step (m).
@@ -60,14 +61,14 @@ const OVERLAP: f64 = 1e-12;
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
 
-/// Where contacts are closed a step that would have to be shorter than this (s) fails: roundings of gaps are forces as large as weights in it.
+/// A step on closed contacts that would have to be shorter than this (s) fails, because roundings of gaps are forces as large as weights in it.
 const NO_DIGITS: f64 = 1e-9;
 
 /// How the first slip that stops bounds a step.
 pub(super) struct Stopping {
     /// A time soon after its stop (s); infinite if none slows down.
     pub until: f64,
-    /// The slip, by its number among what is watched, if it is slow and its stop nearer than steps are long.
+    /// The slip, by its number among the watched functions, if it is slow and its stop nearer than steps are long.
     pub slow: Option<usize>,
     /// Whether it falls straight to the stop, and hardly turns.
     pub straight: bool,
@@ -140,9 +141,9 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts put the energy of the step to this end off balance. Where they slide: friction gives energy, or the energy is off by more than the
-    /// tolerance allows, or than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given
-    /// step is off by far.
+    /// Whether contacts put the energy of the step to this end off balance. Sliding contacts do so if friction gives energy, or if the energy is off
+    /// by more than the tolerance allows, or than a given step may be. Steps so short that gaps have no digits left may be off by rounding only. If
+    /// all contacts stick, only a given step that is far off counts.
     pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
         let sticks = !self.slides();
@@ -154,7 +155,7 @@ impl Eventful {
         let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
         let off = (after.total() - before.total() + exchange.lost()).abs();
         let most = match self.recipe.tolerance() {
-            // What begins to move has next to no kinetic energy: beside what forces do over its size roundings do not matter.
+            // A body that begins to move has a tiny kinetic energy: roundings are small beside the work that forces do over its size.
             _ if sticks => OFF_STUCK * largest + OFF * self.pushes(inputs, end) * size(&self.whole, &self.origin),
             _ if length <= JAM => OFF * largest,
             Some(tolerance) => tolerance.max(OFF) * largest,
@@ -163,8 +164,8 @@ impl Eventful {
         off > most || exchange.friction < -OFF * largest
     }
 
-    /// Whether a closed contact overlaps at the end of the step by more than roundings: where contacts that slide nearly jam the iteration of the stages
-    /// falls slowly, and ends with what it has left.
+    /// Whether a closed contact overlaps at the end of the step by more than roundings: if sliding contacts nearly jam, the iteration of the stages
+    /// converges slowly, and ends with the remaining residual.
     pub(super) fn overlaps(&mut self, end: &State) -> bool {
         if self.mode.contacts.is_empty() {
             return false;
@@ -174,7 +175,7 @@ impl Eventful {
         mode.contacts.iter().any(|closed| touch_motion(&closed.contact.joint, bodies).gap < -OVERLAP)
     }
 
-    /// What all forces push with, added up [N or N m].
+    /// Sum of the sizes of all forces [N or N m].
     fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
         let Piece { moving, small, .. } = &*self.pieces[self.current];
         let driving = self.mode.driving_efforts(&self.elements, inputs, end);
@@ -182,8 +183,8 @@ impl Eventful {
         Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
 
-    /// Takes the directions in which closed contacts slide at the end of the step that was made last. Near a stop what is left across a slip is the error
-    /// of the step: a slow slip that would turn by more than half a right angle keeps its direction.
+    /// Takes the directions in which closed contacts slide at the end of the step that was made last. Near a stop the component across a slip is the
+    /// error of the step: a slow slip that would turn by more than half a right angle keeps its direction.
     pub(super) fn turn_slips(&mut self) {
         let Eventful { mode, bodies, slips, memory, .. } = self;
         for (closed, along) in mode.contacts.iter().zip(slips) {

@@ -24,19 +24,19 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
-/// Events at one instant before a step is made without looking at what they were.
+/// Events at one instant before a step is made without a look at their functions.
 const FLIPS: usize = 20;
-/// So often a step is made shorter,
+/// A step is made shorter this often at most before an element is believed to change its state at once.
 const SHORTENED: usize = 8;
-/// each time by this factor, before an element is believed to change its state at once.
+/// Each shorter step has this part of the length before.
 const SHORTER: f64 = 1.0 / 16.0;
 /// Such a step is no longer than this (s).
 const BLIND: f64 = 1e-9;
-/// And not longer than this, in any case, where it does not look at a pair or a limit (s): what overlaps then is moved apart.
+/// A step that does not look at a pair or a limit is never longer than this (s); overlaps that it leaves are moved apart.
 const BLIND_TO_BOUNDS: f64 = 1e-7;
-/// It is longer by this factor each time that what was found changes nothing,
+/// Such a step is longer by this factor each time that its event left the mode unchanged.
 const LONGER: f64 = 16.0;
-/// so often at most.
+/// The most such lengthenings.
 const MOST_UNFOUNDED: i32 = 5;
 
 impl Eventful {
@@ -173,8 +173,8 @@ impl Eventful {
                 self.crowding.count_repeated(FLIPS - self.flips.0);
                 self.flips.0 = FLIPS + 1;
             }
-            // What changes nothing is a trick of the dense output: the next step does not look, and is longer each time that this happens. A slip that was
-            // stopped has changed, even if it begins again.
+            // An event that leaves the mode unchanged is an artefact of the dense output. The next step skips its function, and is longer each time
+            // that this happens. A slip that was stopped has changed, even if it begins again.
             self.looks_away = at_start && stopped.is_none() && mode.is_like(&self.mode);
             if self.looks_away || self.flips.0 > FLIPS {
                 self.unfounded = (self.unfounded + 1).min(MOST_UNFOUNDED);
@@ -200,7 +200,7 @@ impl Eventful {
         Ok(outcome)
     }
 
-    /// Counts what a step from a time (s) on has cost; given steps may be many where nothing happens.
+    /// Counts the cost of a step from a time (s) on; given steps may be many between events.
     fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, event: bool) {
         if self.recipe.tolerance().is_some() {
             self.crowding.labour(since, iterations, unknowns, event);
@@ -218,7 +218,7 @@ impl Eventful {
         }
     }
 
-    /// Notes what happens at an instant: what happens there again and again, or changes nothing, is not looked at in the next step.
+    /// Notes the events of an instant: events that repeat there, or leave the mode unchanged, are not looked at in the next step.
     fn note_what_happens(&mut self, triggers: &[Watched], at_start: bool) {
         if !at_start {
             self.ignored.clear();
@@ -305,7 +305,7 @@ impl Eventful {
             }
             let mode = self.motor_mode(index, state);
             let follows = |mode: &MotorMode| matches!(mode, MotorMode::Given(_));
-            // Another effort alone asks nothing of joints that move.
+            // A new effort alone leaves the modes of moving joints unchanged.
             changed |= !(follows(&mode) && follows(&self.mode.motors[index])) && mode != self.mode.motors[index];
             self.note_bound_at_tick(index, mode, now);
             self.mode.motors[index] = mode;
@@ -322,7 +322,7 @@ impl Eventful {
         }
     }
 
-    /// The energy that went in and out in the step (J): what the scheme has summed for what moves, told apart.
+    /// The energy that went in and out in the step (J): the sums of the scheme for the reduced mechanism, told apart.
     fn exchanged(&mut self, end: &State, kernel: Exchange, nothing: bool) -> Exchange {
         if nothing {
             return Exchange::default();

@@ -8,8 +8,9 @@
 //!     q̄  = q₀ + h v̄,  on closures, within limits and out of overlaps by the least motion
 //! ```
 //!
-//! of first order, without rebounds (what they would have given back is told), with steps of a tenth of a millisecond, and of up to a millisecond in crowds that last. A step that would gain energy has its velocities scaled down. What it loses beside the work of motors counts as lost in
-//! impacts.
+//! The method has first order and no rebounds; the energy that they would have given back is told. Its steps have a tenth of a millisecond, and up to
+//! a millisecond in crowds that last. A step that would gain energy has its velocities scaled down. The energy that it loses beside the work of
+//! motors counts as lost in impacts.
 //!
 //! Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth contact dynamics method,
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
@@ -35,45 +36,45 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
-/// So many closed contacts make a step cost about one more.
+/// This many closed contacts add the cost of about one step.
 const CONTACTS_A_STEP: usize = 4;
-/// Rounds in which contacts that have pressed are put onto each other,
+/// The most rounds in which contacts that have pressed are put onto each other.
 const LANDINGS: usize = 4;
-/// until their gaps are this part of the size of their pair; those that are farther apart than `NEAR` of it have been left.
+/// The rounds end when the gaps are at most this part of the size of their pair. Contacts that are farther apart than `NEAR` of it have parted.
 const LANDED: f64 = 1e-13;
 const NEAR: f64 = 1e-4;
-/// A limit that is as near as so many times what counts as being on it is reached.
+/// A limit is reached if its gap is at most this many times the gap that counts as being on it.
 const NEARLY: f64 = 100.0;
 
-/// Points move no farther in a step than by this times what they would at the rates of its start.
+/// Points move in a step by at most this many times the distance that they would move at the rates of its start.
 const MOVES: f64 = 1.25;
 /// Rounds in which pairs are added that come near because others push them.
 const WIDENED: usize = 4;
-/// A step in which a body could pass through another is made shorter this often at most,
+/// A step in which a body could pass through another is made shorter this often at most.
 const SHORTENED: usize = 4;
-/// and one in which it moves by this part of the size of the pair is short enough, however thin they are.
+/// A step in which it moves by this part of the size of the pair is short enough, however thin the shapes are.
 const THIN: f64 = 1e-3;
 
-/// What has pressed in a step of first order.
+/// Contacts and limits that have pressed in a step of first order.
 struct Pushed {
     pressed: Vec<Pressed>,
     limits: Vec<Bearing>,
     /// The pairs that were near enough to be looked at.
     near: Vec<usize>,
-    /// The rebounds that are left out, and what they would give back (J).
+    /// Number of rebounds that are left out, and the energy that they would give back (J).
     rebounds: (usize, f64),
     /// The part of its length that the step may have, so that no pair passes through each other.
     part: f64,
 }
 
 impl Eventful {
-    /// Whether steps between events have become so many and so short that the run would not get on, or nothing follows that the scheme could step in.
+    /// Whether steps between events are too frequent and too short for the run to advance, or the scheme has no mode to step in.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
         if self.undecided {
             self.crowding.fail(state.time);
             return true;
         }
-        // Given steps may be short where nothing happens.
+        // Given steps may be short without any event.
         let chosen = self.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         !self.touching.pairs.is_empty() && self.crowding.count(state.time, work)
@@ -100,7 +101,7 @@ impl Eventful {
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         state.displace(&self.whole, &moved);
         state.time = start.time + step;
-        // Where it fails something stays open by what a step of first order leaves.
+        // If it fails, closures stay open by the error of a step of first order.
         let wanted = state.velocity.clone();
         let _ = assemble(&self.whole, state);
         if !state.velocity.iter().all(|rate| rate.is_finite()) {
@@ -118,7 +119,7 @@ impl Eventful {
         let events = self.events.len();
         self.pass_anew(inputs, state);
         self.events.truncate(events);
-        // What closed has been moved: that gains nothing either.
+        // Closed contacts have been moved, which must not gain energy either.
         let impacts = self.bound(&start, state, work);
         let bodies = body_states(&self.whole, state);
         let distance = |&pair: &usize| self.touching.distance(pair, &bodies);
@@ -135,7 +136,8 @@ impl Eventful {
         }
     }
 
-    /// The rebounds that a step leaves out, and what they would give back, `½ e² P |γ⁻|` each (J); what is slower than it falls in a step has none.
+    /// Rebounds that a step leaves out, and the energy that they would give back, `½ e² P |γ⁻|` each (J). An impact slower than the fall in one step
+    /// has no rebound.
     fn left_out(
         &self,
         blocks: &[Block],
@@ -160,8 +162,8 @@ impl Eventful {
         (count, sum)
     }
 
-    /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
-    /// Pairs as far from each other as `wider` (m) are among them. Returns also the distance of each pair (m), and whether it is near enough.
+    /// Blocks that may close or hold in a step of this length from a state, for velocities without it, and their gaps (m or rad). Pairs as far from
+    /// each other as `wider` (m) are among them. Returns also the distance of each pair (m), and whether it is near enough.
     fn closing_within(&self, step: f64, start: &State, velocity: &[f64], wider: &[f64]) -> (Closing, Vec<(f64, bool)>) {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
         for (index, joint) in self.elements.joints.iter().enumerate() {
@@ -209,7 +211,7 @@ impl Eventful {
         (Closing { blocks, gaps, contacts, sides }, seen)
     }
 
-    /// Adds to velocities at the start of a step what is accelerated freely and the impulses of all that may close in it. A pair that was far may come
+    /// Adds the free accelerations, and the impulses of all blocks that may close in a step, to velocities at its start. A pair that was far may come
     /// near because others push it: it is then looked at as well.
     fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
         let mut wider = vec![0.0; self.touching.pairs.len()];
@@ -256,9 +258,9 @@ impl Eventful {
         }
     }
 
-    /// Puts contacts that have pressed in a step onto each other and joints onto the limits that have borne them, by the least motion, and their velocities
-    /// onto what they did: those that have held hold still, and what slides keeps its normal rate zero. Normals turn in a step, and what would be left open
-    /// falls back in the next one as an impact.
+    /// Puts contacts that have pressed in a step onto each other, and joints onto the limits that have borne them, by the least motion. Their
+    /// velocities are projected as well: held contacts hold still, and sliding ones keep a normal rate of zero. Normals turn in a step, and a
+    /// remaining gap would fall back in the next step as an impact.
     fn land(&mut self, pressed: &[Pressed], limits: &[Bearing], state: &mut State) {
         let joints = &self.elements.joints;
         let limit_gap = |limit: &Bearing, state: &State| {
@@ -315,7 +317,7 @@ impl Eventful {
         }
     }
 
-    /// Takes from the velocities what a step has gained beside the work (J); returns what it has lost (J).
+    /// Takes the energy that a step has gained beside the work (J) from the velocities; returns the energy that it has lost (J).
     pub(super) fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
         let (before, after) = (energy(&self.whole, start), energy(&self.whole, end));
         let gained = after.total() - before.total() - work;
@@ -327,7 +329,7 @@ impl Eventful {
     }
 }
 
-/// What brings these values of rows to zero, with the least change of what the rows are of.
+/// The efforts along rows that bring these values of them to zero, with the least change of the vector that the rows act on.
 fn pull(rows: &Rows, values: &[f64]) -> Vec<f64> {
     minimise(&rows.square, values, &vec![(f64::NEG_INFINITY, f64::INFINITY); values.len()]).efforts
 }

@@ -14,10 +14,10 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// A slip that keeps this part of its speed has turned.
 const TURNED: f64 = 0.5;
-/// One that keeps less of it, but more than this part of the largest speed, has passed near its stop: it turns in less time than the step has taken, which is
-/// too long for it,
+/// A slip that keeps less of its speed, but more than this part of the largest speed, has passed near its stop. It turns in less time than the step
+/// has taken, so that the step is too long for it.
 const PASSED: f64 = 1e-5;
-/// and ends at this part of its length.
+/// Such a step ends at this part of its length.
 pub(super) const BEFORE_IT: f64 = 0.7;
 
 /// How a slip has turned.
@@ -30,7 +30,7 @@ pub(super) enum Turned {
 }
 
 impl Eventful {
-    /// Leaves out contacts that carry nothing where the step begins and where it ends: others that meet do not part them.
+    /// Leaves out contacts that are unloaded at both ends of the step: others that meet do not part them.
     pub(super) fn leave_unloaded(&mut self, inputs: Inputs, since: f64, located: usize, all: &mut Vec<Watched>) {
         let located = self.watched[located];
         let unloaded = |this: &Self, watched: &Watched| match *watched {

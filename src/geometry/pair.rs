@@ -92,8 +92,8 @@ impl PairGeometry {
         self.reach
     }
 
-    /// No translation along which the shapes overlap from its start to its end is shorter than this (m), where one of them passes through the other: the sum
-    /// of their least widths. A mesh is a shell and has none; that of a half space is infinite.
+    /// Lower bound of the translations (m) along which the shapes overlap from start to end while one of them passes through the other: the sum of
+    /// their least widths. A mesh is a shell of width zero; the width of a half space is infinite.
     pub fn breadth(&self) -> f64 {
         let of_first = match &self.first {
             First::HalfSpace(_) => f64::INFINITY,
@@ -247,7 +247,8 @@ impl PairGeometry {
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
     }
 
-    /// The least height over a half space of the vertices that are not part of `closed` places (m); `None` unless one shape is a half space and the other has flat faces.
+    /// The least height over a half space of the vertices that are not part of `closed` places (m); `None` unless one shape is a half space and the
+    /// other has flat faces.
     pub fn lowest_beside(&self, closed: &[PlaceId], a: &Pose, b: &Pose) -> Option<f64> {
         let First::HalfSpace(half_space) = &self.first else { return None };
         let (_, (rotation, translation)) = self.relative(a, b);

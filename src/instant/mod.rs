@@ -1,9 +1,9 @@
 //! Problems at one instant: the assembly of closed loops, the reactions of joints and loops, and whether the mechanism is in equilibrium.
 //!
-//! | where | what is in it |
+//! | room | contents |
 //! |---|---|
 //! | `dynamics` | accelerations under efforts, velocities after impulses |
-//! | `holding` | what can hold or press, as elements and as rows of one problem |
+//! | `holding` | elements that can hold or press, and the rows of one problem for them |
 //! | `cone` | the laws of that problem and their solvers |
 //! | `start` | closed loops, limits kept, shapes moved apart |
 //! | `exerting` | reactions, rest, snapshots for logs |

@@ -1,7 +1,7 @@
 //! One [`Model`] from a [`Scene`]: its robots side by side, then their couplings.
 //!
-//! The bodies of each robot follow those of the robot before it, all with the world as their root. With several robots
-//! every name of a link, joint or body is `robot/name`; with one they stay plain. A `[[body]]` has a link and a joint of its name.
+//! The bodies of each robot follow the bodies of the robot before it, all with the world as their root. With several robots every name of a link,
+//! joint or body is `robot/name`; with one they stay plain. A `[[body]]` has a link and a joint of its name.
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;

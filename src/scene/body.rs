@@ -8,8 +8,8 @@
 //!                                      Ixx = mc (3 r² + l²)/12 + ms (2/5 r² + l²/4 + 3/8 l r)
 //! ```
 //!
-//! with the volume V (m³), the mass m = ρ V (kg) of a density ρ (kg/m³), the inertia I about the centre (kg m²), radius r, length l and edges
-//! a, b, c (m); of a capsule, whose length is that of its cylinder, mc is the mass of the cylinder and ms that of both half spheres.
+//! with the volume V (m³), the mass m = ρ V (kg) of a density ρ (kg/m³), the inertia I about the centre (kg m²), radius r, length l and edges a, b, c
+//! (m). The length of a capsule is the length of its cylinder; mc is the mass of the cylinder and ms the mass of both half spheres.
 
 use crate::scene::robot::{Geometry, Surface};
 use nalgebra::Vector3;

@@ -127,7 +127,7 @@ pub struct SceneLink {
     pub shape: Option<usize>,
     /// What its collision meshes are taken for, if it says so.
     pub shapes: Option<LinkShapes>,
-    /// What it says of the surface of the whole link, instead of the URDF.
+    /// Its settings of the surface of the whole link, instead of the URDF's.
     pub surface: Surface,
     /// The line of its `name`.
     pub line: usize,

@@ -89,9 +89,9 @@ impl Scene {
 pub struct SceneRobot {
     /// Name, unique in the scene.
     pub name: String,
-    /// What comes before the names of its links and joints: its name and a slash where there are several robots.
+    /// Prefix of the names of its links and joints: its name and a slash if there are several robots.
     pub prefix: String,
-    /// What it is made from, of a `[[body]]`: its only link and the joint of its base have its name.
+    /// The description of a `[[body]]`: its only link and the joint of its base have its name.
     pub body: Option<SceneBody>,
     /// Whether it is made from the file of the robot before it, as another copy.
     pub copy: bool,

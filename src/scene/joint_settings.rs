@@ -20,12 +20,12 @@ pub struct SceneMotor {
     pub target: Target,
     /// Whether its target is the position of its joint at the start of the run.
     pub at_start: bool,
-    /// Natural frequency (rad/s) from which its gains follow at the start of the run, instead of those of its law: critically damped, with the
+    /// Natural frequency (rad/s) from which its gains follow at the start of the run, instead of the gains of its law: critically damped, with the
     /// inertia about its joint.
     pub frequency: Option<f64>,
     /// Whether it is left out where its joint is not simulated: it was not named for itself.
     pub lenient: bool,
-    /// The table that the target was read from; none of one that is a number.
+    /// The table that the target was read from; `None` if the target is a number.
     pub table: Option<TargetTable>,
     /// The bound of its effort, if given; infinite where the file says that there is no bound.
     pub max_effort: Option<f64>,

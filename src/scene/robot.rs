@@ -234,7 +234,7 @@ impl UrdfJoint {
         self.mimic.is_none() && matches!(self.kind, Revolute | Continuous | Prismatic)
     }
 
-    /// The limits [rad or m] between which the URDF keeps a joint of one freedom, if it says so; those of a continuous joint are not read.
+    /// The limits [rad or m] between which the URDF keeps a joint of one freedom, if it has them; limits of a continuous joint are not read.
     pub fn own_limits(&self) -> Option<(f64, f64)> {
         self.limit.filter(|_| self.kind != UrdfJointKind::Continuous).and_then(|limit| limit.range())
     }

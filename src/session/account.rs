@@ -292,7 +292,7 @@ fn complete(
     let written = recorder.finish(Ending { outcome, figures }).map_err(|error: LogError| Error::from(error));
     match ended.and(written) {
         Ok(()) => (Ok(()), Some(output.to_path_buf())),
-        // Of two errors the first is the cause, so it is the one reported.
+        // The first of two errors is the cause, so it is the one reported.
         Err(problem) => {
             let error = match &beside {
                 Some(beside) => {

@@ -45,7 +45,7 @@ pub struct Settled {
 }
 
 impl Asked {
-    /// Combines the requested settings with those of the file and the defaults.
+    /// Combines the requested settings with the settings of the file and the defaults.
     ///
     /// # Errors
     /// [`Error::Option`]: invalid numbers, which the command line and files refuse before.

@@ -198,7 +198,7 @@ impl Model {
             if record.kind != UrdfJointKind::Floating {
                 continue;
             }
-            // The child frame's origin turns about that of the body: ω × (ω × arm). A ball joint's Ṫ u is R (w × w) = 0.
+            // The child frame's origin turns about the body's frame origin: ω × (ω × arm). A ball joint's Ṫ u is R (w × w) = 0.
             let at = description.joint_coordinates(joint.record, &state.position, &state.velocity);
             let (q, v) = (at.position(), at.velocity());
             let spin = Vector3::new(v[3], v[4], v[5]);

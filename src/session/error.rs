@@ -240,7 +240,7 @@ impl Error {
         }
     }
 
-    /// Whether the input is wrong, so that nothing was run or written.
+    /// Whether the input is wrong, so that the run did not start and no file was written.
     pub fn is_input(&self) -> bool {
         match self {
             Error::Beside { .. } | Error::Run(_) | Error::Controller { .. } => false,

@@ -1,4 +1,4 @@
-//! From a file to a model: a URDF or a scene, with the user's options.
+//! A model from a file: a URDF or a scene, with the user's options.
 //!
 //! Options override the scene file, and the scene file overrides the defaults ([`World::load`]).
 
@@ -169,7 +169,7 @@ impl World {
         }
     }
 
-    /// The user's contact settings, or else those of the scene, with all parts that are left out of the simulation.
+    /// The user's contact settings, or else the settings of the scene, with all parts that are left out of the simulation.
     fn contact_settings(&self, mut settings: ContactSettings) -> Result<ContactSettings, Error> {
         let without = self.without.contains(&Left::Contact);
         if let Some(touching) = self.contact {

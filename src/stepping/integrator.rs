@@ -164,7 +164,7 @@ impl Lobatto {
         self.stepper.step_count()
     }
 
-    /// Makes one step exactly to `until` (s) if it is accepted at once: of steps that are chosen. Returns its outcome, and the iterations of a refused
+    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once. Returns its outcome, and the iterations of a refused
     /// attempt, which leaves the state as it is.
     pub(crate) fn span(
         &mut self,
@@ -215,7 +215,7 @@ pub enum StepPace {
 }
 
 impl Lobatto {
-    /// Takes what acts and the state where a step begins, which may be another one than the last step left.
+    /// Takes the forces and the state where a step begins, which may be another one than the last step left.
     fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> Result<(), StepError> {
         if !self.stepper.knows(mechanism, inputs) {
             self.renew(mechanism, inputs, state.time)?;

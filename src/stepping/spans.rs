@@ -1,7 +1,7 @@
 //! Steps of a motion that is interrupted at given instants: ticks of a controller, kinks of a table of targets.
 //!
-//! Instants bound the steps, and the truncation of a scheme with many stages is far below the rounding in so short a span. Three stages (order 4) are enough
-//! there, for a fraction of the work where contacts or loops couple the stages. A span is made in one step:
+//! Instants bound the steps, and the truncation of a scheme with many stages is far below the rounding in such a short span. Three stages (order 4)
+//! are enough there, for a fraction of the work where contacts or loops couple the stages. A span is made in one step:
 //!
 //! ```text
 //!     span τ = until − t < h      h: the step that many stages would make (s)
@@ -9,9 +9,9 @@
 //! ```
 //!
 //! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.34`
-//! ([`crate::length::stage_choice`]). The local error is less than E²/100, so that ten thousand spans leave 3 % of T. A span that is refused is made
-//! with many stages, and the next ones, too, twice as many after each refusal in a row. The order between events stays that of many stages, because spans
-//! are made with few stages only where both are below the tolerance.
+//! ([`crate::length::stage_choice`]). The local error is less than E²/100, so that ten thousand spans leave 3 % of T. A refused span is made with
+//! many stages. After each refusal in a row twice as many of the next spans are made with many stages. The order between events is the order of many
+//! stages, because spans are made with few stages only where both are below the tolerance.
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::length::companion::Companion;
@@ -154,7 +154,7 @@ impl SpanSteps {
         self.many.keep_pace(pace, time);
     }
 
-    /// From now on a step that is shorter than this (s) and does not converge is given up, where steps are chosen.
+    /// A step that is shorter than this (s) and does not converge is given up, now and later, if steps are chosen.
     pub fn give_up_below(&mut self, length: f64) {
         self.many.give_up_below(length);
     }
@@ -164,7 +164,7 @@ impl SpanSteps {
         self.many.was_held_by_stability()
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
     pub fn between(&self) -> Option<f64> {
         let few = self.few.as_ref().map_or(Some(0.0), |few| few.between());
         Some(self.many.between()?.max(few?))

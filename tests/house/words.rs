@@ -262,7 +262,6 @@ fn each_mannerism_is_in_at_most_one_sentence_in_a_hundred_of_the_documents() {
 }
 
 #[test]
-#[ignore = "comments of some rooms of src are still to be rewritten"]
 fn each_mannerism_is_in_at_most_one_sentence_in_a_hundred_of_the_comments() {
     let count = Count::of(&files("src", &["rs"]));
     assert!(count.sentences > 3000, "the sources were found: {} sentences", count.sentences);

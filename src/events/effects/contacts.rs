@@ -6,7 +6,7 @@
 //!     at rest:  closed, and |u_T| ≤ rest              friction may hold it
 //! ```
 //!
-//! What flat ends lack is added in `rim_points.rs`, and what slides and jams is stopped in `seizing.rs`.
+//! `rim_points.rs` adds the points that flat ends lack. `seizing.rs` stops contacts that slide and jam.
 
 use crate::events::effects::decision::{Candidate, Scene, Yielding};
 use crate::events::effects::impact::Meeting;
@@ -33,9 +33,9 @@ const CLOSED: f64 = 1e-15;
 const REST: f64 = 1e-10;
 /// So is this [m/s].
 const SLOWEST: f64 = 1e-13;
-/// The contacts of a pair are at rest if none of them is faster than this many times what is rest for one.
+/// The contacts of a pair are at rest if each of them is slower than this many times the rest of one contact.
 pub(super) const TOGETHER: f64 = 100.0;
-/// Slips that have been seen to stop may be faster by this factor: a step that ends at the stop leaves what lies across them.
+/// Slips whose stop was found may be faster by this factor: a step that ends at the stop leaves the component across the slip.
 pub(crate) const STOPPED: f64 = 1e4;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
@@ -51,11 +51,11 @@ pub(crate) struct Contacts {
     pub(super) gathered: usize,
     /// The numbers of those that slid there.
     slid: Vec<usize>,
-    /// What is left to be decided once impacts are over.
+    /// The contacts to be decided once impacts are over.
     pub candidates: Vec<Candidate>,
     /// Slower than this is rest [m/s].
     pub(super) rest: f64,
-    /// By how much slips may be faster than rest and are stopped even so; 1 unless contacts jam ([`Contacts::jams`]).
+    /// The factor by which slips may be faster than rest and are still stopped; 1 unless contacts jam ([`Contacts::jams`]).
     jam: f64,
 }
 
@@ -149,7 +149,7 @@ impl Contacts {
         self.all.iter().enumerate().map(meeting).collect()
     }
 
-    /// What is slower than this [m/s] is at rest, too: impulses leave no less.
+    /// Slower rates than this [m/s] count as rest, too, because impulses leave as much.
     pub fn rest_below(&mut self, rounding: f64) {
         self.rest = self.rest.max(rounding);
     }
@@ -163,7 +163,7 @@ impl Contacts {
         Block { of: Of::Contact(index), law, rows }
     }
 
-    /// Takes those that do not part as candidates, and what is left of rates that have ended out of the velocities; returns the energy that this
+    /// Takes the contacts that do not part as candidates, and removes the remainders of ended rates from the velocities; returns the energy that this
     /// takes (J).
     pub fn come_to_rest(&mut self, scene: &mut Scene, state: &mut State, yielding: &Yielding) -> f64 {
         self.candidates.clear();
@@ -185,7 +185,7 @@ impl Contacts {
                 *contact = point;
             }
         }
-        // The contacts of one pair that stop together do so but for what they know of each other's forces where those are not unique.
+        // The contacts of one pair stop together, up to the differences of forces that are not unique.
         let mut together = vec![(0.0_f64, TOGETHER); scene.touching.pairs.len()];
         for (contact, known) in self.all.iter().zip(&self.known) {
             let (slip, most) = &mut together[contact.pair];
@@ -216,7 +216,7 @@ impl Contacts {
         let mut lost = bring_rows_to_rest(scene, state, rows.clone());
         lost += self.close_gaps(scene, state, &bodies, &still);
         still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
-        // Slips that are next to nothing turn when others come to rest, and stop if those hold their points.
+        // Tiny slips turn when others come to rest, and stop if these contacts hold their points.
         let bodies = body_states(scene.whole, state);
         let held = rows.len();
         for candidate in self.candidates.iter_mut().filter(|candidate| candidate.slip != Vector3::zeros()) {
@@ -236,8 +236,8 @@ impl Contacts {
         lost
     }
 
-    /// Moves apart what overlaps, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that was found
-    /// late leaves such overlaps. What they would gain in height is taken from the velocities.
+    /// Moves overlapping contacts apart, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that
+    /// was found late leaves such overlaps. The energy of the gained height is taken from the velocities.
     pub fn move_apart(&self, scene: &mut Scene, state: &mut State) -> f64 {
         let bodies = body_states(scene.whole, state);
         let gap = |contact: &Contact| touch_motion(&contact.joint, &bodies).gap;
@@ -257,8 +257,8 @@ impl Contacts {
         keep_from_gaining(scene, state, before)
     }
 
-    /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step. What they gain in height
-    /// is taken from the velocities: small bounces would live on it. Returns the energy that this takes (J).
+    /// Moves the candidates onto each other to the last bit, because a remaining gap of 1e-12 m would be a velocity in a short step. The energy of
+    /// the gained height is taken from the velocities, because it would feed small bounces. Returns the energy that this takes (J).
     fn close_gaps(&self, scene: &mut Scene, state: &mut State, bodies: &[BodyState], still: &[usize]) -> f64 {
         let gap = |candidate: &Candidate| touch_motion(&candidate.contact.joint, bodies).gap;
         let mut gaps: Vec<f64> = self.candidates.iter().map(gap).collect();
@@ -296,7 +296,7 @@ impl Contacts {
         self.all.iter().filter(|contact| !stays(contact)).collect()
     }
 
-    /// Keeps all candidates closed, those that slip sliding: what is done where the law could not be solved.
+    /// Keeps all candidates closed, and sliding if they slip: the fallback if the law could not be solved.
     pub fn keep_closed(&self) -> Vec<Closed> {
         let closed = |candidate: &Candidate| Closed {
             contact: candidate.contact.clone(),
@@ -305,8 +305,8 @@ impl Contacts {
         self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()
     }
 
-    /// Whether more slips that are next to nothing are stopped from now on, because contacts that slide have no consistent accelerations together: a
-    /// slip that falls so fast stops within the next instant. The slowest are stopped first. False if none is slow enough.
+    /// Whether more tiny slips are stopped from now on, because contacts that slide have no consistent accelerations together: a slip that falls this
+    /// fast stops within the next instant. The slowest are stopped first. False if every slip is too fast.
     pub fn jams(&mut self) -> bool {
         let slips = self.candidates.iter().map(|candidate| candidate.slip.norm());
         let slowest = slips.filter(|slip| *slip > 0.0).fold(f64::INFINITY, f64::min);

@@ -1,8 +1,8 @@
-//! Decides what elements at rest do next: which joints are held (by friction or on a limit), which way the others move, which contacts stay closed, and
-//! which of these slide.
+//! Decides the next mode of elements at rest: which joints are held (by friction or on a limit), which way the others move, which contacts stay
+//! closed, and which of these slide.
 //!
-//! All joints whose rate is zero and that have friction or are on a limit, and all contacts that do not part, are decided together, at the
-//! level of accelerations:
+//! All joints whose rate is zero and that have friction or are on a limit, and all contacts that do not part, are decided together, at the level of
+//! accelerations:
 //!
 //! ```text
 //!     a = b + D λ,   b = W a_free + Ẇ v,  D = W Y Wᵀ      a_free under all efforts but λ; friction that slides in joints is among them
@@ -10,8 +10,8 @@
 //!     contacts:  Signorini's and Coulomb's law between λ and a; where one slides, λ_T = −μ λ_N t    (`crate::instant::cone`)
 //! ```
 //!
-//! A joint with `a_i = 0` is held; one with `a_i > 0` goes forward with friction `−τ_f = lo_i` against it, or leaves its lower limit. With closures
-//! whatever can then not move any more is held, too, so that what is left has no closure that says nothing.
+//! A joint with `a_i = 0` is held; one with `a_i > 0` goes forward with friction `−τ_f = lo_i` against it, or leaves its lower limit. In a mechanism
+//! with closures, joints that the held ones immobilise are held, too, so that the reduced mechanism has no redundant closure.
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
@@ -36,11 +36,11 @@ use nalgebra::Vector3;
 
 /// Accelerations below this part of their terms are zero.
 const ROUNDING: f64 = 1e-10;
-/// And so are those below this part of the largest of all, and of one unit.
+/// Accelerations below this part of the largest of all, and of one unit, are rounding as well.
 const DIFFERENCE: f64 = 1e-14;
-/// The part by which a joint that has been seen to reach the end of what holds it is held less.
+/// The part by which the bound of a joint is reduced if an event has found the joint at that bound.
 const LESS: f64 = 1e-9;
-/// A point of a flat end that tips over another carries nothing if it carries less than this part of what the other carries.
+/// A point of a flat end that tips over another is unloaded if it carries less than this part of the force of the other.
 const UNLOADED: f64 = 1e-9;
 
 /// A mechanism at an event.
@@ -51,7 +51,7 @@ pub(crate) struct Scene<'s> {
     pub response: &'s mut Response,
 }
 
-/// What has been seen to reach its end.
+/// Elements that an event has found at the end of their efforts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Yielding {
     /// Joints at an end of the efforts that can hold them, and the direction in which they go.
@@ -68,7 +68,7 @@ pub(crate) struct Yielding {
 }
 
 impl Yielding {
-    /// What the functions that are zero say.
+    /// The elements that the functions that are zero name.
     pub fn of(triggers: &[Watched]) -> Self {
         let mut yielding = Yielding::default();
         for trigger in triggers {
@@ -99,7 +99,7 @@ pub(crate) struct Candidate {
     pub opens: bool,
 }
 
-/// What cannot be decided at the level of accelerations.
+/// Reasons for which accelerations alone decide no mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Undecided {
     /// A candidate that slides, by its number, has no consistent acceleration: an impulse must follow.
@@ -111,11 +111,11 @@ pub(crate) enum Undecided {
 /// What the decided accelerations are of.
 #[derive(Clone, Debug)]
 pub(crate) struct Decided {
-    /// By how much the law is not met, as a part of the largest force: zero where it was solved to its accuracy; if not the best that was found is taken.
+    /// The residual of the law, as a part of the largest force: zero if it was solved to its accuracy; otherwise the best iterate is taken.
     pub off: f64,
     /// One entry a degree of freedom.
     pub accelerations: Vec<f64>,
-    /// λ_N of every candidate (N), and those that would hold all of them; zero where none is at the rim of a flat end.
+    /// λ_N of every candidate (N), and the normal forces that would hold all of them; zero if no candidate is at the rim of a flat end.
     pub pressures: Vec<f64>,
     pub holding: Vec<f64>,
 }
@@ -252,8 +252,8 @@ pub(crate) fn decide(
                 let slides = match block.law {
                     Law::Sliding { .. } => slip.try_normalize(0.0),
                     Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
-                    // What stays without pressing, as a ball that falls along a wall, is not held by friction either.
-                    // Friction is against the slip, and tells its direction better where next to nothing is left of the acceleration.
+                    // A contact that stays closed without pressing, as of a ball that falls along a wall, is not held by friction either. Friction is
+                    // against the slip. It gives the better direction where the acceleration nearly cancels.
                     Law::Contact { .. } if *is == BlockState::Slips => {
                         let mobility = rows.square[(row + 1, row + 1)].max(rows.square[(row + 2, row + 2)]);
                         let (begins, rubs) = (tangential(&found.rates), tangential(&found.forces));
@@ -314,7 +314,7 @@ fn tipping_ends(
     ends
 }
 
-/// The direction of a slip in the tangents of a contact; none where it does not slip.
+/// The direction of a slip in the tangents of a contact; `None` without a slip.
 fn direction_in(joint: &TouchJoint, bodies: &[BodyState], slip: &Vector3<f64>) -> Option<[f64; 2]> {
     let direction = slip.try_normalize(0.0)?;
     let [first, second] = tangents(&touch_motion(joint, bodies).normal);

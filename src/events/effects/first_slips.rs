@@ -3,12 +3,12 @@
 //! Friction opposes the slip, and a slip that begins goes where it is accelerated:
 //!
 //! ```text
-//!     a = b + D λ(t),    m_i · a_Ti = 0,  t_i · a_Ti > 0    of all contacts i that begin to slide       λ(t): [`crate::events::forces::closed_forces`]
+//!     a = b + D λ(t),    m_i · a_Ti = 0,  t_i · a_Ti > 0    of all contacts i that begin to slide    λ(t): [`crate::events::forces::closed_forces`]
 //! ```
 //!
-//! with `m_i` across `t_i`, is solved by Newton's method in the angles of the directions, whose derivatives are differences. (To repeat `t = a/|a|` goes
-//! to and fro between two directions wherever friction is more than what is left of the acceleration.) The law of the decision has many answers there,
-//! with a pressure for each, and its direction is that of another one than steps take: a slip that began in it would turn at once, or stop.
+//! with `m_i` across `t_i`, is solved by Newton's method in the angles of the directions, whose derivatives are differences. The fixed-point
+//! iteration `t = a/|a|` alternates between two directions if friction exceeds the remaining acceleration. The law of the decision has many answers
+//! there, with a pressure for each. Its direction belongs to another answer than the steps take: a slip that began in it would turn at once, or stop.
 
 use crate::events::forces::closed_forces::Chosen;
 use crate::instant::cone::problem::Law;
@@ -26,7 +26,7 @@ const LARGEST: f64 = 0.5;
 /// Pressures above this part of the largest, below zero, are rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// What a decision keeps closed or held.
+/// The blocks that a decision keeps closed or held.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
     blocks: Vec<Block>,
@@ -37,7 +37,8 @@ pub(crate) struct Kept {
     pushes: Vec<(usize, f64)>,
 }
 
-/// How a contact that begins to slide is accelerated (m/s²): along its direction, across it to the left, and the size of what that is the difference of.
+/// The acceleration of a contact that begins to slide (m/s²): along its direction, across it to the left, and the size of the terms that cancel in
+/// it.
 struct Seen {
     along: f64,
     across: f64,
@@ -63,8 +64,8 @@ impl Kept {
         self.pushes.push((row, effort));
     }
 
-    /// The directions, in the tangents of each kept contact, of those that begin to slide; none where the forces are unique, so that the directions are
-    /// right, or where no directions fit.
+    /// The directions, in the tangents of each kept contact, of the contacts that begin to slide; empty if the forces are unique, so that the
+    /// directions are right already, or if no directions fit.
     pub fn first_slips(mut self, mobility: &DMatrix<f64>, free: &[f64]) -> Vec<Option<[f64; 2]>> {
         if !self.begins.contains(&true) {
             return Vec::new();
@@ -83,7 +84,7 @@ impl Kept {
             .map_or_else(Vec::new, |_| self.directions())
     }
 
-    /// Turns the directions until no contact is accelerated across its own; nothing where that fails.
+    /// Turns the directions until no contact is accelerated across its own; `None` if that fails.
     fn solve(&mut self, own: &DMatrix<f64>, free: &[f64]) -> Option<Vec<Seen>> {
         for _ in 0..ITERATIONS {
             let seen = self.look(own, free)?;
@@ -97,7 +98,7 @@ impl Kept {
         None
     }
 
-    /// What the accelerations across the directions change by as each direction turns (m/s²).
+    /// The derivatives of the accelerations across the directions by the angle of each direction (m/s²).
     fn derivative(&mut self, own: &DMatrix<f64>, free: &[f64], seen: &[Seen]) -> Option<DMatrix<f64>> {
         let mut derivative = DMatrix::zeros(seen.len(), seen.len());
         for turned in 0..seen.len() {
@@ -111,7 +112,7 @@ impl Kept {
         Some(derivative)
     }
 
-    /// The accelerations of the contacts that begin to slide along and across their directions; nothing where a contact would pull.
+    /// The accelerations of the contacts that begin to slide along and across their directions; `None` if a contact would pull.
     fn look(&self, own: &DMatrix<f64>, free: &[f64]) -> Option<Vec<Seen>> {
         let forces = Chosen::new(&self.blocks).solve(own, free, false);
         let rates = own * DVector::from_column_slice(&forces) + DVector::from_column_slice(free);
@@ -138,7 +139,7 @@ impl Kept {
         Some(seen)
     }
 
-    /// Turns the directions of the contacts that begin to slide by so much each (rad).
+    /// Turns the directions of the contacts that begin to slide by these angles (rad).
     fn turn(&mut self, by: impl Fn(usize) -> f64) {
         let begins = self.blocks.iter_mut().zip(&self.begins).filter(|(_, begins)| **begins);
         let mut index = 0;
@@ -168,8 +169,8 @@ mod tests {
 
     #[test]
     fn directions_are_found_where_friction_is_much_more_than_what_is_left_of_the_acceleration() {
-        // One kilogram on two contacts at one place, pressed by 10 N and pulled by a thousandth more than friction holds. To repeat t = a/|a| from half a
-        // radian beside the pull would go to and fro.
+        // One kilogram on two contacts at one place, pressed by 10 N and pulled by a thousandth more than friction holds. The fixed-point iteration t
+        // = a/|a| would alternate if it began half a radian beside the pull.
         let (friction, pull) = (0.5, 5.0 * 1.001);
         let along: [f64; 2] = [0.6, 0.8];
         let mobility = DMatrix::from_fn(6, 6, |row, column| if row % 3 == column % 3 { 1.0 } else { 0.0 });

@@ -1,18 +1,19 @@
 //! Ends of cylinders that lie flat: the rim touches where it would go below its plane.
 //!
-//! A plane carries a disc with any force whose centre of pressure is in the disc, `|(M_x, M_y)| ≤ r N`: the wrenches of all points of its rim together. A few
-//! points of the rim stand for it. Rates and accelerations of the gaps of a flat rim are
+//! A plane carries a disc with any force whose centre of pressure is in the disc, `|(M_x, M_y)| ≤ r N`: the wrenches of all points of its rim
+//! together. A few points of the rim stand for it. Rates and accelerations of the gaps of a flat rim are
 //!
 //! ```text
 //!     φ̇(θ), φ̈(θ) = c + A cos(θ − θ₀)            θ along the rim; least at θ₀ + π:  c − |A|
 //! ```
 //!
-//! Where an impact, or a decision, leaves the least of them below zero, the answer for these points is not that for the disc: another point is added, and
-//! the problem solved anew. The point is the one towards the centre of pressure of what would hold the disc, because that is where it begins to tip, or, if
-//! there is one already, the one with the least value; what was added before and carries nothing is left out again. So the disc is exact, with as many
-//! points as it needs.
+//! If an impact or a decision leaves the least of them below zero, the answer for these points is not the answer for the disc: another point is
+//! added, and the problem solved anew. The point is the one towards the centre of pressure of the forces that would hold the disc, because it begins
+//! to tip there. If that point exists already, the point with the least value is added. Added points that carry no force are removed again. So the
+//! disc is exact, with as many points as it needs.
 //!
-//! Source: R. Hettich, K. O. Kortanek, Semi-infinite programming: theory, methods, and applications, SIAM Review 35 (1993), section 7 (exchange methods).
+//! Source: R. Hettich, K. O. Kortanek, Semi-infinite programming: theory, methods, and applications, SIAM Review 35 (1993), section 7 (exchange
+//! methods).
 
 use crate::instant::holding::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
@@ -28,23 +29,23 @@ const THERE: f64 = 1e-3;
 const FLAT: f64 = 2e-9;
 /// Rounds in which points towards centres of pressure are added: next to other contacts those depend on the points that there are.
 const TOWARDS_PRESSURE: usize = 2;
-/// Where the centre of pressure is nearer than this to the middle of the disc the disc is far from tipping, relative to the radius.
+/// If the centre of pressure is nearer than this to the middle of the disc, relative to the radius, the disc is far from tipping.
 const MIDDLE: f64 = 0.3;
 
 /// Contacts whose normals have at least this cosine are in one plane.
 const IN_PLANE: f64 = 1.0 - 1e-12;
 
-/// A flat end, and what is known of it.
+/// A flat end and its geometry.
 struct FlatEnd<'c> {
     /// Contacts at points of its rim.
     points: Vec<&'c Contact>,
-    /// Of the disc, in the world (m), and its radius (m).
+    /// Centre of the disc, in the world (m), and its radius (m).
     centre: Vector3<f64>,
     radius: f64,
     tangents: [Vector3<f64>; 2],
 }
 
-/// What the rims of a list of contacts are asked for.
+/// The question to the rims of a list of contacts.
 pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
     pub touching: &'s Touching,
     pub bodies: &'s [BodyState],
@@ -52,14 +53,14 @@ pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
     pub value: V,
     /// Values down to this are zero.
     pub least: f64,
-    /// How often points have been added before.
+    /// Number of rounds that have added points before.
     pub round: usize,
     /// Whether the point towards the centre of pressure is wanted in any case.
     pub pressed: bool,
 }
 
 impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
-    /// The points that the rims of these contacts lack, whose normal forces are known; none if the answer is that of the discs.
+    /// The points that the rims of these contacts lack, whose normal forces are known; empty if the answer is right for the discs.
     pub fn lacking(&self, contacts: &[&Contact], pressures: &[f64]) -> Vec<Contact> {
         let mut ends: Vec<RimOf> = Vec::new();
         for contact in contacts {
@@ -94,7 +95,7 @@ impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
         if end.has(&wanted, SAME, bodies) {
             return None;
         }
-        // Of a mesh another triangle may be below.
+        // Another triangle of a mesh may be below.
         let found = end.points.iter().filter_map(|known| touching.on_rim(known, &wanted, bodies));
         found.into_iter().find(|contact| touching.margin(contact, bodies) >= 0.0)
     }
@@ -110,7 +111,7 @@ impl<'c> FlatEnd<'c> {
         };
         let (one, other) = (at(&tangents[0])?, at(&-tangents[0])?);
         let (centre, radius) = (0.5 * (one + other), 0.5 * (one - other).norm());
-        // What stands on one point of its rim, tilted, lacks none.
+        // A tilted end that stands on one point of its rim lacks no points.
         let rises = normal.dot(&(one - other)).hypot(normal.dot(&(at(&tangents[1])? - centre)) * 2.0);
         (rises <= FLAT * radius).then_some(FlatEnd { points, centre, radius, tangents })
     }
@@ -129,8 +130,8 @@ impl<'c> FlatEnd<'c> {
         self.points.iter().any(near)
     }
 
-    /// The direction of the centre of pressure of all contacts of its pair that are in its plane, whichever feature has them: where a disc lies on another,
-    /// the points of both rims carry it. None if nothing presses, or near the middle.
+    /// The direction of the centre of pressure of all contacts of its pair that are in its plane, whichever feature has them: if a disc lies on
+    /// another, the points of both rims carry it. `None` if no contact presses, or if the centre is near the middle.
     fn towards_pressure(&self, of_pair: &[(&Contact, f64)], bodies: &[BodyState]) -> Option<Vector3<f64>> {
         let normal = self.tangents[0].cross(&self.tangents[1]);
         let mut sum = 0.0;

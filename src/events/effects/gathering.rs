@@ -1,4 +1,4 @@
-//! Everything that is met at an event, with the restitution that it has there: none where impacts accumulate and end, or crowd.
+//! All limits and contacts that meet at an event, with the restitution that they have there: zero if impacts accumulate and end, or crowd.
 //!
 //! ```text
 //!     left out in a crowd:   Σ ½ e² P |γ⁻|  (J)        P the plastic impulse (N s), γ⁻ the rate before [m/s]
@@ -17,9 +17,9 @@ use crate::mechanism::motion::state::State;
 pub(crate) struct Gathered {
     /// Limits, then contacts.
     pub meetings: Vec<Meeting>,
-    /// Of impacts that end here, when the last of infinitely many would be (s),
+    /// Impacts that end here, with the time of the last of infinitely many of them (s).
     pub ends: Vec<(Of, f64)>,
-    /// and how far what is left of them would have moved things (m or rad).
+    /// The distance by which the omitted impacts would have moved bodies or joints (m or rad).
     pub left: f64,
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn gather_meetings(
     for (index, joint) in scene.elements.joints.iter().enumerate() {
         let Some(side) = joint.side(joint.position(state)) else { continue };
         let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
-        // A locked joint can be pushed both ways, and gives nothing back.
+        // A locked joint can be pushed both ways, and does not rebound.
         let least = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
         let block = Block::of_joint(index, freedom, count, inward(side), [least, f64::INFINITY]);
         let restitution = if crowded || joint.is_locked() { 0.0 } else { joint.restitution };
@@ -72,7 +72,7 @@ pub(crate) fn gather_meetings(
     Gathered { meetings: all, ends, left }
 }
 
-/// How many rebounds are left out of an impact, in a crowd of impacts or of rounds of one, and what they would have given back (J): `½ e² P |γ⁻|` each.
+/// Number of rebounds left out of an impact, in a crowd of impacts or of rounds of one, and their energy (J): `½ e² P |γ⁻|` each.
 pub(crate) fn cut_in_crowd(
     scene: &Scene,
     memory: &mut Memory,

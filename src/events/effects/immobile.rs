@@ -1,12 +1,13 @@
-//! What cannot move by itself because joints and contacts are held: bodies, and pairs that touch without pressing.
+//! Elements that cannot move by themselves because joints and contacts are held: bodies, and pairs that touch without pressing.
 //!
 //! ```text
 //!     left of the answer of a freedom i, or of a normal i, beside held rows S:    Y_ii − Y_iS (Y_SS)⁺ Y_Si
 //! ```
 //!
-//! If the rest is at most 1e-10 of Y_ii, the held rows determine the freedom. Without held rows Y_ii is zero at a dead point of a loop, where the freedom
-//! turns round and moves on; there it is rounding of H⁻¹_ii, the answer without closures, and decides nothing. A pair whose gap they keep at zero, and that does not press, is idle: a wheel that
-//! touches a floor while its axle stands on the other wheel. Its gap has the roundings of theirs.
+//! If the rest is at most 1e-10 of Y_ii, the held rows determine the freedom. At a dead point of a loop the freedom turns round and moves on. Y_ii
+//! without held rows is zero there, a rounding of H⁻¹_ii, the answer without closures, and decides no freedom. A pair is idle if held rows keep its
+//! gap at zero and it does not press. An example is a wheel that touches a floor while its axle stands on the other wheel. Its gap has the roundings
+//! of the held gaps.
 
 use crate::events::effects::decision::{Candidate, Scene};
 use crate::events::modes::mode::{JointMode, Mode};
@@ -23,7 +24,7 @@ const IMMOBILE: f64 = 1e-10;
 /// An answer below this part of that without closures is rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// The pairs of candidates of which none is closed in a mode, and whose gaps its held joints and closed contacts keep as they are.
+/// The pairs of candidates without a closed contact in a mode, whose gaps its held joints and closed contacts keep as they are.
 pub(crate) fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[Candidate]) -> Vec<usize> {
     let Scene { whole, elements, response, .. } = scene;
     let closed = |pair: usize| mode.contacts.iter().any(|closed| closed.contact.pair == pair);
@@ -63,7 +64,7 @@ pub(crate) fn held_bodies(
 ) -> Vec<bool> {
     let mut held = mode.held_bodies(elements, whole.bodies.len());
     let sticks = mode.contacts.iter().any(|closed| closed.slides.is_none());
-    // What follows a joint is held with it; loops and contacts may hold more.
+    // Joints that follow a held joint are held with it; loops and contacts may hold more.
     if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
         return held;
     }
@@ -110,7 +111,7 @@ fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<us
     dead.map(|((freedom, _), _)| *freedom).collect()
 }
 
-/// Whether nothing is left of an answer Y_ii beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.
+/// Whether an answer Y_ii vanishes beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.
 fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bool {
     let taken = (row * inverse * row.transpose())[(0, 0)];
     answer - taken <= IMMOBILE * answer

@@ -1,6 +1,6 @@
 //! Impacts: the momentum of the whole mechanism, with all its closures, on all limits and contacts that are met at once.
 //!
-//! With the rows W of what is met ([`crate::instant::holding::blocks`]), their rates `u = W v` and `D = W Y Wᵀ`:
+//! The rows W of all meetings ([`crate::instant::holding::blocks`]) have the rates `u = W v`, and `D = W Y Wᵀ`:
 //!
 //! ```text
 //!     u⁺ = D P + u⁻,     limits:  0 ≤ P ⊥ u⁺ + e min(u⁻, 0) ≥ 0,     contacts: the same along the normal, within Coulomb's cone
@@ -28,10 +28,10 @@ const GAIN: f64 = 1e-6;
 /// Rates that are this part of the terms that they are the sum of are roundings.
 const ROUNDING: f64 = 1e-14;
 
-/// Something that is met.
+/// A limit or contact that is met.
 #[derive(Clone, Debug)]
 pub(crate) struct Meeting {
-    /// Its first row is positive into what is allowed.
+    /// Its first row is positive towards the allowed side.
     pub block: Block,
     /// e.
     pub restitution: f64,
@@ -46,14 +46,14 @@ impl Meeting {
     }
 }
 
-/// What impacts did.
+/// The results of impacts.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Impulses {
     /// Along the first row of everything that is met [N m s or N s].
     pub normal: Vec<f64>,
     /// Kinetic energy that was lost (J).
     pub lost: f64,
-    /// What rebounds have not given back (J).
+    /// The energy that omitted rebounds have not given back (J).
     pub cut: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
     pub rounding: f64,
@@ -85,7 +85,7 @@ fn gains(scene: &Scene, before: &[f64], state: &State) -> bool {
     after.is_nan() || after > (1.0 + GAIN) * before
 }
 
-/// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
+/// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
 pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
     let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, cut: 0.0, rounding: 0.0 };
     if meetings.is_empty() {
@@ -117,7 +117,7 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
             && done.normal[index] > 0.0
             && found.rates[row].abs() <= STOPPED * largest.max(meeting.rest)
         {
-            // What an impulse has stopped stands.
+            // A joint that an impulse has stopped is at rest.
             state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
         }
         row += meeting.block.rows.len();

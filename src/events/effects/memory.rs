@@ -1,19 +1,19 @@
 //! The state kept from event to event: impacts that follow each other ever faster, and crowds of events.
 //!
-//! Of infinitely many impacts with flights `T_k` and a ratio ρ of two speeds the last is at `t∞ = t_k + T_k ρ/(1 − ρ)`.
+//! Infinitely many impacts with flights `T_k` and a ratio ρ of two speeds end at `t∞ = t_k + T_k ρ/(1 − ρ)`.
 
 use crate::events::finding::watched::Watched;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::event::{Event, Side};
 
-/// So many impacts within [`CROWD_TIME`] end in one without restitution.
+/// Impacts within [`CROWD_TIME`] that end in one without restitution.
 const CROWD: usize = 100;
 /// s.
 const CROWD_TIME: f64 = 1e-4;
 /// Impacts of one limit in a row before they are taken for the beginning of infinitely many.
 const IN_A_ROW: usize = 3;
 
-/// What is remembered of a joint or a pair from event to event.
+/// The memory of a joint or a pair from event to event.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ImpactMemory {
     /// The largest rate of a joint at an end of a step [rad/s or m/s].
@@ -26,7 +26,7 @@ pub(crate) struct ImpactMemory {
     ends: Option<Ends>,
 }
 
-/// What impacts that become weaker say of when infinitely many of them end (s).
+/// Predicted end of an infinite sequence of weakening impacts (s).
 #[derive(Clone, Copy, Debug)]
 struct Ends {
     best: f64,
@@ -35,7 +35,7 @@ struct Ends {
     apart: f64,
 }
 
-/// What is remembered of the run.
+/// The memory of the run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     pub joints: Vec<ImpactMemory>,
@@ -58,28 +58,28 @@ pub(crate) struct Found<'f> {
     pub anew: bool,
 }
 
-/// What an event has done.
+/// The effects of an event.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Done {
     pub events: Vec<Event>,
     /// Energy lost in impacts (J).
     pub lost: f64,
-    /// How often rebounds were left out, and what they would have given back (J).
+    /// Number of rebounds that were left out, and the energy that they would have given back (J).
     pub cut: (usize, f64),
-    /// By how much that can move things where impacts accumulate (m or rad).
+    /// The distance by which that can move bodies or joints if impacts accumulate (m or rad).
     pub left: f64,
     /// Which joints, motors and pairs have changed or begin from zero.
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,
     pub pairs: Vec<bool>,
-    /// How often a law could not be solved to its accuracy.
+    /// Number of laws that could not be solved to their accuracy.
     pub unsolved: usize,
     /// Whether the contacts that touch could not be decided at all: no mode follows in which the scheme can go on.
     pub undecided: bool,
 }
 
 impl Memory {
-    /// Nothing has happened to so many joints and pairs.
+    /// The memory at the start of a run with these numbers of joints and pairs.
     pub fn new(joints: usize, pairs: usize) -> Self {
         Memory {
             joints: vec![ImpactMemory::default(); joints],
@@ -112,8 +112,9 @@ impl Memory {
 }
 
 impl ImpactMemory {
-    /// When infinitely many impacts end, of which the last is at this time (s) with this rate: the best of what they have said so far, and the last. Early
-    /// ones know less of what comes, and late ones less of how long they fly; where two in a row agree most is the best.
+    /// Predicted end of an infinite sequence of impacts, the last one at this time (s) with this rate: the best prediction so far, and the last.
+    /// Early impacts know less of the later ratios, and late ones less of their flight times; two consecutive predictions that agree most are the
+    /// best.
     fn predicted(&self, time: f64, rate: f64) -> Option<Ends> {
         let (_, last, faster) = self.last?;
         let ratio = rate / faster;
@@ -125,8 +126,8 @@ impl ImpactMemory {
         })
     }
 
-    /// When infinitely many impacts of which this is one would end (s), if too little is left of them to matter, and how far all of them would have moved
-    /// things (m or rad): each flight as high as `γ⁺²/(2 g)`, less by ρ² than the one before.
+    /// The end of an infinite sequence of impacts that includes this one (s), if the remaining flights are too low to matter, and the distance that
+    /// they would cover together (m or rad): each flight as high as `γ⁺²/(2 g)`, less by ρ² than the one before.
     pub(crate) fn accumulates(
         &self,
         side: Side,

@@ -1,4 +1,4 @@
-//! What an event does: impulses, the contacts that stay closed, and the mode that comes next.
+//! The effects of an event: impulses, the contacts that stay closed, and the next mode.
 
 pub(crate) mod contacts;
 pub(crate) mod decision;

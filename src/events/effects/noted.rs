@@ -11,14 +11,14 @@ use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::{Event, EventKind, Side};
 
-/// What has happened along the first rows of what is met.
+/// Rates and impulses along the first rows of the meetings.
 pub(crate) struct Met<'m> {
     pub meetings: &'m [Meeting],
     /// Rates before [rad/s or m/s].
     pub rates: &'m [f64],
     /// N m s or N s.
     pub impulses: &'m [f64],
-    /// Where infinitely many impacts end here: when the last of them would be (s). A contact is named by its pair.
+    /// Infinite sequences of impacts that end here, each with the time of its last impact (s). A contact is named by its pair.
     pub ends: &'m [(Of, f64)],
     /// The functions that are zero.
     pub stopped: &'m [Watched],
@@ -80,7 +80,7 @@ pub(crate) fn note_impacts(
     }
     for (pair, &(sum, rate)) in pairs.iter().enumerate().filter(|(_, (sum, _))| *sum > 0.0) {
         done.pairs[pair] = true;
-        // What rests passes on the impulses of others.
+        // A pair at rest passes on the impulses of others.
         if rate > 0.0 {
             memory.remember(Of::Contact(pair), Side::Lower, time, rate);
             done.events.push(of_pair(scene, pair, time, EventKind::ContactImpact, Some(sum)));
@@ -119,7 +119,7 @@ pub(crate) fn note_joints(elements: &Elements, time: f64, [before, after]: [&Mod
     }
 }
 
-/// What a pair does.
+/// The mode of a pair.
 #[derive(Clone, Copy, PartialEq)]
 enum PairMode {
     Open,

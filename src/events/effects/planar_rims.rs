@@ -7,11 +7,12 @@
 //!     ṁ = ν − (ν·k) k,  ν = n × ω        in the frame of the rim, with its angular velocity ω relative to the plane
 //! ```
 //!
-//! While ṁ is along m the lowest point is the same point of the material. It stands for the rim then: the gap of a point is smooth where
-//! the rim comes down flat, m = 0, and that of the rim is not. The opposite point is open, and meets the plane there with an impact. Where the tilt leaves
-//! the plane of k and m, the rim itself touches again ([`crate::geometry::PairGeometry::margin`]).
+//! While ṁ is along m the lowest point is the same point of the material. It stands for the rim then, because its gap is smooth where the rim comes
+//! down flat, m = 0, and the gap of the rim is not. The opposite point is open, and meets the plane there with an impact. If the tilt leaves the
+//! plane of k and m, the rim itself touches again ([`crate::geometry::PairGeometry::margin`]).
 //!
-//! Source: G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bulletin of the Seismological Society of America 53 (1963).
+//! Source: G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bulletin of the Seismological Society of America 53
+//! (1963).
 
 use crate::geometry::FeatureId;
 use crate::instant::holding::touching::{Contact, Touching};
@@ -41,8 +42,8 @@ pub(crate) fn touching_point(
     if planar { touching.on_rim(contact, &-towards, bodies) } else { None }
 }
 
-/// Where a rim comes down flat of which a point has touched alone: of what touches, the points of the rim are left for that one, the opposite one, which
-/// meets the plane, and those between. Points beside them would not rest and part in pairs.
+/// If a rim comes down flat and one of its points has touched alone, the found points of the rim are replaced: by that point, by the opposite one,
+/// which meets the plane, and by the points between. Points beside them would not rest and part in pairs.
 pub(crate) fn land_opposite(touching: &Touching, before: &[&Contact], found: &mut Vec<Contact>, bodies: &[BodyState]) {
     let [pivot] = before else { return };
     let end = pivot.flat_end();
@@ -50,7 +51,7 @@ pub(crate) fn land_opposite(touching: &Touching, before: &[&Contact], found: &mu
         return;
     }
     let Some(from) = turn(pivot) else { return };
-    // Of a face with borders some may be beside it; of a mesh another triangle may be below, which has one of the points that were found.
+    // Some points may be beside a bordered face. On a mesh, another triangle may be below, which has one of the points that were found.
     let at = |part: f64| {
         let known = || std::iter::once(*pivot).chain(found.iter().filter(|contact| contact.flat_end() == end));
         let same = |known: &Contact| touching.turned(known, (from + part - turn(known)?).rem_euclid(1.0), bodies);
@@ -62,7 +63,7 @@ pub(crate) fn land_opposite(touching: &Touching, before: &[&Contact], found: &mu
     found.extend(others);
 }
 
-/// Where on its rim the point of a contact is, in turns; none if it has no such point.
+/// Position of the point of a contact on its rim, in turns; `None` if it has no such point.
 fn turn(contact: &Contact) -> Option<f64> {
     match (contact.features.a, contact.features.b) {
         (FeatureId::RimPoint { turn, .. }, _) | (_, FeatureId::RimPoint { turn, .. }) => Some(f64::from_bits(turn)),

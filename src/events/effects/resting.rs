@@ -6,8 +6,8 @@
 //!     of joints S in a tree, F the other freedoms:               dv_S = −v_S,   H_FF dv_F = −H_FS dv_S
 //! ```
 //!
-//! Near gimbal lock D is a difference of large numbers, and the second form is taken, which has no such difference. It is needed if the first one leaves
-//! rates or gains energy.
+//! Near gimbal lock D is a difference of large numbers, and the second form is taken, which has no such difference. It is needed if the first one
+//! leaves rates or gains energy.
 
 use crate::events::effects::decision::Scene;
 use crate::instant::cone::bounded::minimise;
@@ -60,7 +60,7 @@ pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec
     impulses.iter().zip(&rates).map(|(impulse, rate)| -0.5 * rate * impulse).sum()
 }
 
-/// The freedoms that rows are of, if each of them is of one joint of a tree; none otherwise.
+/// The freedoms of the rows, if each row belongs to one joint of a tree; otherwise `None`.
 fn joints_of_tree(whole: &Mechanism, rows: &[Vec<f64>]) -> Option<Vec<usize>> {
     if whole.has_closures() {
         return None;

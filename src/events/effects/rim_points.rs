@@ -1,4 +1,4 @@
-//! Points that flat ends lack in an impact or a decision, round after round until the answer is that of the discs (`flat_ends.rs`).
+//! Points that flat ends lack in an impact or a decision, round after round until the answer is right for the discs (`flat_ends.rs`).
 //!
 //! ```text
 //!     points ─▶ law ─▶ the disc goes below its plane at θ ─▶ points + θ − what was added before and carries nothing ─▶ law ─▶ …
@@ -20,8 +20,8 @@ use nalgebra::Vector3;
 const LOWEST: f64 = 1e-9;
 
 impl Contacts {
-    /// Adds the points that flat ends lack after an impact, in a round; `holding` are the normal impulses that would hold all, `found` those of the impact.
-    /// Whether there are any.
+    /// Adds the points that flat ends lack after an impact, in a round; `holding` are the normal impulses that would hold all, `found` the normal
+    /// impulses of the impact. Returns whether points were added.
     pub fn complete_impact(
         &mut self,
         scene: &Scene,
@@ -43,8 +43,8 @@ impl Contacts {
         true
     }
 
-    /// Adds the points that flat ends lack that have been decided to stay, in a round; the first one asks for those towards the centres of pressure in any
-    /// case. Whether there are any.
+    /// Adds the points that flat ends lack that have been decided to stay, in a round; the first round asks for the points towards the centres of
+    /// pressure in any case. Returns whether points were added.
     pub fn complete_decision(&mut self, scene: &Scene, state: &State, decided: &Decided, round: usize) -> bool {
         if !self.candidates.iter().any(|candidate| candidate.contact.flat_end().is_some()) {
             return false;
@@ -53,7 +53,7 @@ impl Contacts {
         let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
         body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
         let largest = decided.accelerations.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        // What has begun to tilt touches at one point, whatever its accelerations.
+        // A flat end that has begun to tilt touches at one point, whatever its accelerations.
         let value = |joint: &TouchJoint| {
             let touch = touch_motion(joint, &bodies);
             let tilts = touch.rate.abs() > TOGETHER * self.rest;
@@ -63,7 +63,7 @@ impl Contacts {
         let asked = Asked { touching: scene.touching, bodies: &bodies, value, least, round, pressed: round == 0 };
         let contacts: Vec<&Contact> = self.candidates.iter().map(|candidate| &candidate.contact).collect();
         let mut lacking = asked.lacking(&contacts, &decided.holding);
-        // What parts is no candidate, here as little as in [`Contacts::come_to_rest`].
+        // Points that part are no candidates, as in [`Contacts::come_to_rest`].
         lacking.retain(|contact| touch_motion(&contact.joint, &bodies).rate <= self.rest);
         if lacking.is_empty() {
             return false;
@@ -80,7 +80,7 @@ impl Contacts {
         true
     }
 
-    /// Those with no normal force that have been added to the ends that lack points now.
+    /// The added points without a normal force, on ends that lack points now.
     fn idle<'c>(&self, lacking: &[Contact], forces: impl Iterator<Item = (&'c Contact, &'c f64)>) -> Vec<Contact> {
         let added = |contact: &Contact| self.all[self.gathered..].contains(contact);
         let lacks = |contact: &Contact| lacking.iter().any(|new| new.flat_end() == contact.flat_end());
@@ -88,7 +88,7 @@ impl Contacts {
         idle.map(|(contact, _)| contact.clone()).collect()
     }
 
-    /// Leaves out points that have been added before, and adds others; the mode before knows none of them.
+    /// Removes points that have been added before, and adds others; the mode before has no numbers for the added points.
     fn exchange(&mut self, idle: &[Contact], lacking: Vec<Contact>) {
         let added = self.all.split_off(self.gathered);
         self.all.extend(added.into_iter().filter(|contact| !idle.contains(contact)).chain(lacking));

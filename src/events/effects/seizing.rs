@@ -17,8 +17,8 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 impl Contacts {
-    /// The impulse where no acceleration of a candidate fits the law, at which joints on their limits bear; returns the energy that it takes (J), nothing if
-    /// it is not found.
+    /// The impulse of a candidate whose accelerations all violate the law, at which joints on their limits bear; returns the energy that it takes
+    /// (J), or `None` if it is not found.
     pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<f64> {
         let bodies = body_states(scene.whole, state);
         let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
@@ -68,8 +68,8 @@ mod tests {
     use crate::mechanism::motion::touches::touch_motion;
     use nalgebra::{Rotation3, Translation3, Vector3};
 
-    /// A rod of 1 m and 1 kg that leans on a floor with one end and slides so that it jams; at its other end an arm of 0.2 m hangs on a hinge that is on one of
-    /// its limits, which are these (rad).
+    /// A rod of 1 m and 1 kg that leans on a floor with one end and slides so that it jams. At its other end an arm of 0.2 m hangs on a hinge that is
+    /// on one of these limits (rad).
     fn jamming_rod(limits: [f64; 2]) -> (Mechanism, State) {
         let joint = Joint::new("rod", JointKind::Floating, Pose::identity(), Pose::identity());
         let about = Vector3::new(0.25 / 3.0, 0.25 / 3.0, 1e-3);

@@ -1,14 +1,15 @@
-//! Decisions in which something begins to slide, with pressures as steps share them.
+//! Decisions in which contacts begin to slide, with pressures as steps share them.
 //!
-//! Where the normals of closed contacts imply each other, `zᵀ W_N = 0`, the law has an answer for each way in which they can share what presses them,
-//! and friction one for each of these. Steps have equal springs under all contacts, as stiff as one likes ([`crate::events::forces::closed_forces`]).
-//! So does
+//! If the normals of closed contacts imply each other, `zᵀ W_N = 0`, they can share the load in many ways. The law has one answer for each of them,
+//! and each gives another friction. A step distributes the normal forces as if equal springs, as stiff as one likes, supported all contacts
+//! ([`crate::events::forces::closed_forces`]). The decision reproduces this with
 //!
 //! ```text
 //!     D' = D + ε d Σ_z z zᵀ / zᵀz        on the rows of the normals; d: the mean of their D_ii
 //! ```
 //!
-//! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` costs nothing. Where some open, ε says how little the others give way.
+//! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` and the added term vanishes. If some open, a small ε means that the others give way
+//! little.
 
 use crate::events::forces::closed_forces::implied;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
@@ -31,7 +32,7 @@ pub(crate) fn solve_as_steps_share(blocks: &[Block], problem: &Problem) -> Resul
     Ok(again.unwrap_or(solved))
 }
 
-/// D' for the blocks of a decision; nothing where no normals imply others.
+/// D' for the blocks of a decision; `None` if no normals imply others.
 fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (mut normals, mut row) = (Vec::new(), 0);
     for block in blocks {

@@ -1,4 +1,4 @@
-//! What an event does: the state is put on it to the last bit, limits and contacts that are met give their impulses, and what is at rest is
+//! Carries out an event: the state is put on it to the last bit, limits and contacts that are met give their impulses, and the elements at rest are
 //! decided anew.
 //!
 //! ```text
@@ -8,8 +8,8 @@
 //!     3. joints and contacts at rest: held or let go, all together              decision.rs
 //! ```
 //!
-//! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the ratio ρ
-//! of two impacts. Where the greatest height that is left, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter, the impact is plastic.
+//! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the
+//! ratio ρ of two impacts. The impact is plastic if the greatest remaining height, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter.
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
@@ -35,7 +35,7 @@ const SLOWEST: f64 = 1e-14;
 const BEYOND: f64 = 1e-12;
 /// Rounds in which limits that kick each other open are brought to rest.
 const CALMING: usize = 8;
-/// The best that was found of a law decides nothing if it is off by more than this part of the largest force.
+/// The best iterate of a law is rejected if its residual exceeds this part of the largest force.
 const FAR_OFF: f64 = 1e-6;
 
 /// Points that are added to flat ends, at most.
@@ -59,7 +59,7 @@ pub(crate) fn transit(
     };
     let before = mode.clone();
     let yielding = Yielding::of(found.triggers);
-    // Where contacts press, steps that do not look at a limit may go beyond it.
+    // In scenes with contacts, steps that do not look at a limit may go beyond it.
     let beyond =
         !scene.touching.pairs.is_empty() && found.triggers.iter().any(|trigger| is_beyond(elements, state, trigger));
     let before_it = if beyond { energy(scene.whole, state).total() } else { 0.0 };
@@ -120,7 +120,7 @@ pub(crate) fn transit(
     if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
         jump_to_bounds(elements, mode, state, &mut done);
     }
-    // What is seized each time has not been decided.
+    // A contact that is seized in every round is undecided.
     let mut unsolved = true;
     for _ in 0..CALMING {
         done.lost += contacts.come_to_rest(scene, state, &yielding);
@@ -128,7 +128,7 @@ pub(crate) fn transit(
         let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
         for round in 0..COMPLETING {
             let Ok(found) = &decided else { break };
-            // What is not exact is off at every point.
+            // An inexact answer has errors at every point.
             if found.off > 0.0 || !contacts.complete_decision(scene, state, found, round) {
                 break;
             }
@@ -169,7 +169,7 @@ fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
     joint.gap(side, joint.position(state)) < -BEYOND
 }
 
-/// Puts rates that are next to nothing to zero, and those of joints whose bounds leave no room if `locked`.
+/// Sets tiny rates to zero, and the rates of joints whose bounds leave no room if `locked`.
 fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locked: bool) {
     for (joint, &rest) in elements.joints.iter().zip(rests) {
         let rate = &mut state.velocity[joint.coordinate.freedom];
@@ -179,9 +179,9 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
     }
 }
 
-/// What is met leaves so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that it has while the limits and
-/// contacts at rest push. If it is pulled back it would be back before it is higher than that, and if not it leaves as well from rest. Where elements
-/// kick each other open without end, that is how they come to rest. With the sum of their heights (m or rad).
+/// Meetings that leave too slowly to matter, with the sum of their heights (m or rad): `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
+/// while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that; any other leaves as well from
+/// rest. Elements that kick each other open without end come to rest in this way.
 fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> (Vec<usize>, f64) {
     if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
         return (Vec::new(), 0.0);
@@ -221,7 +221,7 @@ fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize
     lost
 }
 
-/// Everything that is met comes to rest along its first row: what is done where the law of impact could not be solved.
+/// All meetings come to rest along their first rows: the fallback if the law of impact could not be solved.
 fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Impulses {
     let mut rests: Vec<usize> = Vec::new();
     let mut lost = 0.0;
@@ -267,7 +267,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
                 done.motors[index] = true;
                 note_bound(&elements.motors[index], [0, is], time, &mut done.events);
             }
-            // What contacts do is found again, from where the bodies are.
+            // The modes of contacts are found again, from the places of the bodies.
             Watched::Approach(_)
             | Watched::Presses(_)
             | Watched::Grips(_)
@@ -277,7 +277,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             Watched::Excess(index) => {
                 mode.motors[index] = MotorMode::Unbounded;
                 done.motors[index] = true;
-                // From either of its bounds.
+                // The motor leaves either of its bounds.
                 note_bound(&elements.motors[index], [1, 0], time, &mut done.events);
             }
         }

@@ -3,17 +3,18 @@
 //! Seen from body b, no point of body a moves faster than
 //!
 //! ```text
-//!     V = |u| + |ω| R_a,    u = v_a − v_b − ω_b × (c_a − c_b),   ω = ω_a − ω_b        R_a: reach of a shape from the centre of mass c_a of its body (m)
+//!     V = |u| + |ω| R_a,    u = v_a − v_b − ω_b × (c_a − c_b),   ω = ω_a − ω_b     R_a: reach of a shape from the centre of mass c_a of its body (m)
 //! ```
 //!
-//! and the same holds with a and b exchanged: what falls together does not approach, however fast it falls. A gap φ cannot close between two instants of
-//! distance τ while `φ₁ + φ₂ ≥ V τ`. If it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution. There a minimum
-//! that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose distances from the start
-//! are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch ([`crate::events::finding::cover`]).
+//! and the same holds with a and b exchanged: bodies that fall together do not approach, however fast they fall. A gap φ cannot close between two
+//! instants of distance τ while `φ₁ + φ₂ ≥ V τ`. If it might, the middle is looked at, first the earlier half, until `V τ` is less than a resolution.
+//! There a minimum that lies between is searched. A gap that is closed at the start and open later is looked at from both sides: at instants whose
+//! distances from the start are powers of a quarter, the first of which is nearer than the resolution. So every instant belongs to a stretch
+//! ([`crate::events::finding::cover`]).
 //!
-//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter more, and half
-//! of what it changes by from one to the next. For a stretch the speeds at its ends are enough, with half of the
-//! change that is possible in that time, and a quarter more, if that is less.
+//! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter
+//! more, and half of its change from one sample to the next. For a stretch the speeds at its ends are enough, with half of the change that is
+//! possible in that time, and a quarter more, if that is less.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
@@ -24,22 +25,22 @@ use nalgebra::Vector3;
 
 /// Halvings of each interval between samples, at most: the resolution is reached before, unless bodies are as fast as light.
 const DEPTH: usize = 44;
-/// A gap that was closed at the start is looked at at instants that are nearer to it by this factor each,
+/// A gap that was closed at the start is looked at at instants that are nearer to it by this factor each.
 const NEARER: f64 = 0.25;
-/// at so many at most.
+/// The most such instants.
 const NEAREST: i32 = 24;
-/// A parabola that is least beyond the ends of a stretch by this part of its half has no minimum in it;
+/// A parabola that is least beyond the ends of a stretch by this part of its half has no minimum in it.
 const AT_END: f64 = 1.2;
-/// one that is least near an end is looked at this far inside.
+/// A parabola that is least near an end is looked at this far inside.
 const INSIDE: f64 = 0.98;
-/// Bodies may be faster between the samples of a step than at them by this factor,
+/// Bodies may be faster between the samples of a step than at them by this factor.
 const FASTER: f64 = 1.25;
-/// and by this part of what their velocity changes by from a sample to the next.
+/// They may also be faster by this part of the change of their velocity from a sample to the next.
 const CHANGING: f64 = 0.5;
 /// Speeds are steady while the least of them is this part of the largest.
 const STEADY: f64 = 0.9;
 
-/// What limits the speed of a gap over a step.
+/// The speeds of bodies that bound the rate of a gap over a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Speeds {
     /// Number of bodies, and where they are at each sample of the step, sample after sample.
@@ -59,7 +60,7 @@ pub(crate) enum Closing {
 }
 
 impl Speeds {
-    /// Nothing has moved.
+    /// The speeds of bodies at rest.
     pub fn reset(&mut self, bodies: usize) {
         self.count = bodies;
         self.bodies.resize(bodies * (SAMPLES + 1), WORLD);
@@ -82,7 +83,7 @@ impl Speeds {
         body.map_or(&WORLD, |body| &self.bodies[sample * self.count + body])
     }
 
-    /// Whether no body has changed its speeds by more than a tenth, so that more samples would tell nothing.
+    /// Whether every body has kept its speeds to a tenth, so that more samples would add no information.
     pub fn are_steady(&self) -> bool {
         let steady = |body: usize, speed: fn(&BodyState) -> f64| {
             let speeds = self.samples().map(|sample| speed(self.at(sample, Some(body))));
@@ -104,7 +105,8 @@ impl Speeds {
         }
     }
 
-    /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is that of the step (s).
+    /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is the length of the step
+    /// (s).
     pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
         let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
             let later = self.samples().skip(1);
@@ -200,12 +202,12 @@ impl Seen {
     }
 }
 
-/// What a gap is looked at with.
+/// The bounds and resolution for the search of a gap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
     /// It counts as closed at the start if it is at most this (m).
     pub closed: f64,
-    /// What is zero elsewhere (m).
+    /// At other instants it counts as closed if it is below minus this (m).
     pub zero: f64,
     /// V over the whole step [m/s].
     pub speed: f64,
@@ -225,7 +227,7 @@ pub(crate) fn first_closing(
 ) -> Option<Closing> {
     let time = |j: usize| if j == samples { end } else { start + (end - start) * j as f64 / samples as f64 };
     let mut low = pair.look(start);
-    // One look at the end is enough for what is far away.
+    // One look at the end is enough for distant bodies.
     let last = pair.look(end);
     if low.gap > measure.closed && last.gap > 0.0 && low.gap + last.gap >= measure.speed * (end - start) {
         cover.take([start, end], low.gap.min(last.gap));
@@ -417,8 +419,8 @@ mod tests {
 
     #[test]
     fn what_falls_and_turns_together_does_not_approach() {
-        // Two bodies on one rigid motion, 0.3 m apart, 5 m/s and 7 rad/s: nothing of one moves as seen from the other. The second is then 0.1 m/s faster,
-        // and turns by 0.2 rad/s more, so that with a reach of 0.5 m its points are faster by at most 0.2 m/s.
+        // Two bodies on one rigid motion, 0.3 m apart, 5 m/s and 7 rad/s: every point of one is at rest as seen from the other. The second is then
+        // 0.1 m/s faster, and turns by 0.2 rad/s more, so that with a reach of 0.5 m its points are faster by at most 0.2 m/s.
         let spin = Vector3::new(3.0, -2.0, 6.0);
         let fall = Vector3::new(0.0, 0.0, -5.0);
         let apart = Vector3::new(0.1, 0.2, -0.2);
@@ -468,7 +470,8 @@ mod tests {
 
     #[test]
     fn what_leaves_at_the_start_is_covered_from_there_on_and_found_when_it_comes_back_through_a_thin_wall() {
-        // A ball leaves a wall of 1 cm at v, comes back at 2 v/g, and is beyond the wall at the first of six samples whenever the step is long enough.
+        // A ball leaves a wall of 1 cm at v, comes back at 2 v/g, and is beyond the wall at the first of six samples whenever the step is long
+        // enough.
         let (radius, wall) = (2e-3, 1e-2);
         for long in [0.3, 1.0, 2.5, 10.0] {
             for leaves in [1e-3, 0.03, 0.5, 2.0] {
@@ -511,7 +514,7 @@ mod tests {
         }
     }
 
-    /// The first closing of a gap (m) at a speed of at most V, and what is covered.
+    /// The first closing of a gap (m) at a speed of at most V, and the covered stretches.
     fn look(
         gap: impl FnMut(f64) -> f64,
         speed: f64,

@@ -4,8 +4,8 @@
 //!     [t₀, t₁] ∪ [t₁, t₂] ∪ … = the step,      on each   φ₁ + φ₂ ≥ V τ,   or the least φ of a stretch shorter than a resolution was searched
 //! ```
 //!
-//! φ is the gap of the pair at the ends of a stretch of length τ (s), V the most by which it can close (m/s). A stretch that is missing is a hole, through
-//! which a body could pass unseen. The step is not accepted then.
+//! φ is the gap of the pair at the ends of a stretch of length τ (s), V the most by which it can close (m/s). A stretch that is missing is a hole,
+//! through which a body could pass unseen. The step is not accepted then.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,17 +22,17 @@ pub(crate) fn are_checked() -> bool {
     CHECKED.load(Ordering::Relaxed)
 }
 
-/// What is covered of a step, from its start on.
+/// The covered part of a step, from its start on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cover {
     /// Covered up to this time (s).
     pub until: f64,
-    /// The least gap that was seen in what is covered (m).
+    /// The least gap that was seen in the covered part (m).
     pub least: f64,
 }
 
 impl Cover {
-    /// Nothing is covered yet of a step from this time on (s).
+    /// The empty cover of a step from this time on (s).
     pub fn from(start: f64) -> Self {
         Cover { until: start, least: f64::INFINITY }
     }

@@ -1,13 +1,13 @@
-//! Events that repeat at one instant: what opens a contact closes it, and the other way round.
+//! Events that repeat at one instant: one opens a contact that the next closes, and the other way round.
 //!
-//! An event is decided from the mode and the state alone. Where both come back at one instant, with nothing but roundings between, everything that follows
-//! would come back as well:
+//! An event is decided from the mode and the state alone. If both come back at one instant, up to roundings, all later events would come back as
+//! well:
 //!
 //! ```text
 //!     mode, (q, v)  ─event at the start of the step─▶  another mode  ─ … ─▶  the same mode, |Δv| ≤ 1e-12 of the fastest
 //! ```
 //!
-//! That is so where a contact presses by less than the roundings of its force, and its gap closes by less than its own.
+//! This happens if a contact presses by less than the roundings of its force, and its gap closes by less than the roundings of the gap.
 
 use crate::events::modes::mode::Mode;
 use crate::mechanism::motion::state::State;

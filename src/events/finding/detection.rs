@@ -1,10 +1,10 @@
-//! Where a watched function changes its sign first within a step, on dense output.
+//! The first sign change of a watched function within a step, on dense output.
 //!
-//! Samples at `x_j = j/6`, of which those at 0, 1/3 and 1 come first: a function whose least value there is more than twice what it changes by is not
-//! looked at any further. A sign that changes between two of them is a bracket. Two roots between samples are found by the least value: where
-//! the middle one of three samples is the least, the parabola through them tells whether a minimum may be below zero, and the
-//! minimum is looked for; so is one before the first of them, of a function that falls where the step begins. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
-//! first sample is negative an earlier one that is positive is looked for.
+//! Samples are at `x_j = j/6`; the samples at 0, 1/3 and 1 come first. A function whose least value there is more than twice its change is not looked
+//! at any further. A sign that changes between two samples is a bracket. Two roots between samples are found by the least value: if the middle one of
+//! three samples is the least, the parabola through them tells whether a minimum may be below zero, and the minimum is looked for. A function that
+//! falls at the start of the step has its minimum looked for before the first sample as well. The start of a step may be a root itself, of an element
+//! that has just changed its state. It counts as positive, and if the first sample is negative, an earlier positive one is looked for.
 //!
 //! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
 
@@ -12,19 +12,19 @@ use std::ops::Range;
 
 /// Samples of a step besides its start.
 pub(crate) const SAMPLES: usize = 6;
-/// Those of a span that is short beside the steps of the motion, in which forces change in proportion to time.
+/// The samples of a span that is short beside the steps of the motion, in which forces change in proportion to time.
 pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
-/// The samples that are looked at first,
+/// The samples that are looked at first.
 pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
-/// and the least value of a function there over all that it changes by, above which it is not looked at any more.
+/// A function is not looked at any more if its least value there exceeds this many times its change.
 const CALM: f64 = 2.0;
-/// So soon after the start, in parts of the first interval, a function that falls there is less than at the start.
+/// A function that falls at the start is smaller after this part of the first interval.
 const SOON: f64 = 1e-3;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
 const WIDTH: f64 = 1e-10;
-/// and, in short steps late in a run, to the roundings of times.
+/// In short steps late in a run, the root is bracketed to the roundings of times.
 const SAME_INSTANT: f64 = 2.0 * f64::EPSILON;
 
 /// A bracket in time (s) of the first root of a function: positive at `low`, negative at `high`.
@@ -43,7 +43,7 @@ pub(crate) struct Bracket {
 }
 
 impl Bracket {
-    /// Of a function that is negative from the start (s) on.
+    /// The bracket of a function that is negative from the start (s) on.
     pub fn at_start(watched: usize, start: f64) -> Self {
         Bracket { watched, low: start, high: start, root: start, slope: 0.0, at_start: true }
     }
@@ -55,7 +55,7 @@ pub(crate) const ONE_INSTANT: f64 = 1e-12;
 /// Room for a look at a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Looking {
-    /// The functions that are looked at, and what is zero for each at the start.
+    /// The functions that are looked at, and the value that counts as zero for each at the start.
     pub which: Vec<usize>,
     pub noise: Vec<f64>,
     pub room: Room,
@@ -115,7 +115,7 @@ pub(crate) fn first_sign_change(
             continue;
         }
         let found = close_in(watched, low, high, at_start, length, &mut value);
-        // Nothing is earlier.
+        // No root is earlier than the start.
         if at_start {
             return Some(found);
         }
@@ -179,8 +179,8 @@ fn bracket(
     None
 }
 
-/// A point before the first sample where the function is negative, although it is not at the samples around: it falls from the start on, and the parabola
-/// through the first three samples is least between the first two.
+/// A point before the first sample at which the function is negative, although it is not at the samples around: it falls from the start on, and the
+/// parabola through the first three samples is least between the first two.
 fn dips_at_start(of: &[f64], time: &impl Fn(usize) -> f64, value: &mut impl FnMut(f64) -> f64) -> Option<f64> {
     let (&[first, second, third], length) = (of.first_chunk()?, time(1) - time(0));
     let (slope, bend) = (2.0 * second - 1.5 * first - 0.5 * third, first - 2.0 * second + third);
@@ -192,8 +192,8 @@ fn dips_at_start(of: &[f64], time: &impl Fn(usize) -> f64, value: &mut impl FnMu
     if least < 0.0 { Some(middle) } else { least_below_zero(time(0), time(1), middle, least, value) }
 }
 
-/// Where a function that is negative at the end of an interval is positive soon after its start: the longest halved interval at whose end it is, and
-/// the one before. What is positive there is so from the start on, so that every fourth is asked first.
+/// An interval soon after the start in which a function that is negative at the end changes its sign: the longest halved interval at whose end it is
+/// positive, and the one before. Such a function is positive from the start on, so that every fourth halving is asked first.
 pub(crate) fn soon_positive(start: f64, end: f64, value: &mut impl FnMut(f64) -> f64) -> Option<(f64, f64)> {
     let at = |halvings: i32| start + (end - start) * 0.5_f64.powi(halvings);
     let found = (1..=HALVINGS / 4).map(|four| 4 * four).find(|&halvings| value(at(halvings)) > 0.0)?;
@@ -230,7 +230,7 @@ pub(crate) fn least_below_zero(
         } else {
             high = trial;
         }
-        // What is left of a parabola below its least sample, seen from the sides: a part of 1e-12 of what it changes by.
+        // The remainder of a parabola below its least sample, seen from the sides: a part of 1e-12 of its change.
         if high - low < (1e-6 * width).max(SAME_INSTANT * high.abs()) {
             break;
         }
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn two_roots_between_samples_are_found_by_the_minimum() {
-        // Of 400 parabolas that dip below zero for less than a sixth of the step, the ends of the samples see hardly any.
+        // The ends of the samples miss almost all of these 400 parabolas, which dip below zero for less than a sixth of the step.
         for place in 0..40 {
             for depth in 1..=10 {
                 let (at, depth) = (0.2 + 0.6 * f64::from(place) / 40.0, f64::from(depth) * 1e-3);
@@ -329,7 +329,7 @@ mod tests {
         // It changes by 0.4, and is 0.8 at least; the other is 0.79.
         assert_eq!(looks(&|time| 1.21 - 0.4 * time), (FIRST_SAMPLES.len(), false));
         assert_eq!(looks(&|time| 1.19 - 0.4 * time), (SAMPLES + 1, false));
-        // What is not looked at: infinite, as of an element without bound.
+        // A function that is not looked at: infinite, as of an element without bound.
         assert_eq!(looks(&|_| f64::INFINITY), (FIRST_SAMPLES.len(), false));
         // Negative from the start on, however little it changes.
         assert!(looks(&|_| -1.0).1);

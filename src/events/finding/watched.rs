@@ -32,19 +32,19 @@ pub(crate) enum Watched {
     Gap(usize, Side),
     /// Rate of a joint that slides.
     Slide(usize),
-    /// What a held joint can bear towards the lower or upper end of its efforts.
+    /// Remaining effort of a held joint towards the lower or upper end of its efforts.
     Bears(usize, Side),
-    /// What all held joints can bear together.
+    /// Remaining effort of all held joints together.
     Margin,
-    /// What a motor can do more, upwards or downwards.
+    /// Remaining effort of a motor, upwards or downwards.
     Motor(usize, Side),
-    /// What a motor at its bound has too much.
+    /// Effort of a motor's law beyond its bound.
     Excess(usize),
-    /// The distance of a pair, or the least gap of what is open of it.
+    /// The distance of a pair, or the least gap of its open features.
     Approach(usize),
     /// The pressure of a closed contact.
     Presses(usize),
-    /// What a contact that sticks can bear.
+    /// Remaining friction of a contact that sticks.
     Grips(usize),
     /// The slip of a closed contact that slides.
     Slips(usize),
@@ -54,7 +54,7 @@ pub(crate) enum Watched {
     Feature(usize),
 }
 
-/// What the functions are of, at an instant.
+/// The inputs of the functions at an instant.
 pub(crate) struct Seen<'s> {
     pub elements: &'s Elements,
     pub touching: &'s Touching,
@@ -64,18 +64,19 @@ pub(crate) struct Seen<'s> {
     pub since: f64,
     pub time: f64,
     pub state: &'s State,
-    /// Where the bodies are, if contacts are among the functions.
+    /// The states of the bodies, if contacts are among the functions.
     pub bodies: &'s [BodyState],
     /// t₀ of every closed contact.
     pub slips: &'s [Vector3<f64>],
 }
 
-/// What is closed counts as open down to this part of the size of a pair: its other features may lie in the same plane.
+/// Closed features count as open down to this part of the size of a pair, because its other features may lie in the same plane.
 const COPLANAR: f64 = 1e-13;
-/// A closed contact leaves its features this far beyond their borders, as a part of the size of the pair: what touches is looked for with those up to
-/// 1.1e-11 beyond ([`crate::instant::holding::touching::TOUCHED`]), and would be the same features again before.
+/// A closed contact leaves its features this far beyond their borders, as a part of the size of the pair. The search for touching features includes
+/// borders up to 1.1e-11 beyond ([`crate::instant::holding::touching::TOUCHED`]), and at a nearer border would find the same features again.
 pub(crate) const BORDER: f64 = 1.2e-11;
-/// The other features of a closed pair are looked at within this part of its size; those of a half space, which has no borders, everywhere.
+/// The other features of a closed pair are looked at within this part of its size. Features of a half space, which has no borders, are looked at
+/// everywhere.
 const NEARBY: f64 = 0.02;
 
 impl Watched {
@@ -96,7 +97,8 @@ impl Watched {
         for (index, closed) in mode.contacts.iter().enumerate() {
             let pair = closed.contact.pair;
             let rubs = touching.pairs[pair].friction > 0.0;
-            // Where forces are not unique, friction follows the pressures of what slides even so. Flat ends have points where they press.
+            // If forces are not unique, friction still follows the pressures of the sliding contacts. Flat ends have points at the places where they
+            // press.
             let shares = rubs && closed.slides.is_some() && closed.contact.flat_end().is_none();
             let own = [
                 (unique || shares, Watched::Presses(index)),
@@ -106,7 +108,7 @@ impl Watched {
             ];
             all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
         }
-        // Those of one pair stop together but for what is not known of their forces; one of them alone where the bodies turn about it.
+        // The slips of one pair stop together, up to the unknown part of their forces; one of them stops alone if the bodies turn about it.
         let slides = |pair: &usize| touching.pairs[*pair].friction > 0.0 && slide(*pair) > 0;
         if !unique {
             all.extend((0..touching.pairs.len()).filter(slides).map(Watched::SlipsTogether));
@@ -163,10 +165,10 @@ impl Watched {
                 let (low, high) = mode.joints[index].holding(&elements.joints[index]);
                 let effort = holding.of(index);
                 let left = if side == Side::Lower { effort - low } else { high - effort };
-                // What rests unloaded is not let go by roundings.
+                // Roundings must not release an unloaded joint at rest.
                 left + holding.rounding(index)
             }
-            // What falls freely beside each other presses with roundings.
+            // Bodies that fall freely beside each other press with roundings.
             Watched::Margin => holding.margin() + holding.rounding_of_contacts(),
             Watched::Motor(index, side) => {
                 let bound = elements.motors[index].max_effort;
@@ -212,7 +214,7 @@ impl Watched {
         }
     }
 
-    /// What its roundings are relative to.
+    /// The scale of its roundings.
     pub fn scale(self, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
         let size = |pair: usize| touching.pairs[pair].extents.larger.max(touching.pairs[pair].extents.farthest);
         match self {
@@ -226,7 +228,7 @@ impl Watched {
         }
     }
 
-    /// How near to zero it is zero, if that is this part of what it is of.
+    /// The distance from zero that counts as zero, for this part of the scale of the function.
     pub fn nearly(self, part: f64, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
         match self {
             Watched::Approach(pair) => touching.pairs[pair].within(part),
@@ -235,7 +237,7 @@ impl Watched {
         }
     }
 
-    /// What is rounding of its value, where that is known.
+    /// Rounding of its value, if it is known.
     pub fn rounding(self, holding: &Holding) -> f64 {
         match self {
             Watched::Bears(index, _) => holding.rounding(index),

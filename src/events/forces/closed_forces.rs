@@ -6,9 +6,10 @@
 //!     W̃: the same, but n − μ t of a contact that slides along t, t at that instant
 //! ```
 //!
-//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where some rows imply others, `zᵀ W = 0`, and
-//! something slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for all contacts ([`crate::lobatto::coupled::dependent`]). Where nothing
-//! slides λ moves nothing; it is the least-norm one, and the question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
+//! They are worked out at the level of accelerations, from the state alone, and have the order of the ends of steps. If some rows imply others, `zᵀ W
+//! = 0`, and a contact slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for all contacts
+//! ([`crate::lobatto::coupled::dependent`]). If every contact sticks, the choice of λ does not change the motion. It is the least-norm one, and the
+//! question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
 
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::present::Present;
@@ -24,10 +25,11 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::{DMatrix, DVector};
 
-/// What is held whose response is singular to this part is held more than once.
+/// Held rows whose response is singular to this part are redundant.
 const SINGULAR: f64 = 1e-10;
 
-/// What is accelerated apart by this part of its fall falls together, and nothing presses. Tilts of 1e-13 that an impact has left make that much of a spin.
+/// Bodies whose relative acceleration is below this part of their fall are in common free fall and do not press. Tilts of 1e-13 that an impact has
+/// left make this much of a spin.
 const FALLS: f64 = 1e-10;
 
 /// The forces of one instant.
@@ -37,11 +39,11 @@ pub(crate) struct ClosedForces {
     pub joints: Vec<(usize, f64)>,
     /// λ of the contacts (N): normal, and along both tangents of [`tangents`].
     pub contacts: Vec<[f64; 3]>,
-    /// What each contact would press with if the bodies beside it fell on each other (N).
+    /// The force with which each contact would press if the bodies beside it fell on each other (N).
     pub weights: Vec<f64>,
-    /// The size of what they are the difference of.
+    /// The size of the terms that cancel in them.
     pub size: f64,
-    /// What they hold.
+    /// The held blocks.
     pub load: Load,
 }
 
@@ -75,7 +77,7 @@ fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     held.chain(contacts).collect()
 }
 
-/// The direction in which a contact slides now, in its tangents; none if it sticks.
+/// The direction in which a contact slides now, in its tangents; `None` if it sticks.
 fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
     let begins = closed.slides?;
     let touch = touch_motion(&closed.contact.joint, bodies);
@@ -89,7 +91,7 @@ fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
 /// Slower slips have the direction in which they began [m/s].
 const SLOWEST: f64 = 1e-12;
 
-/// Whether what is held is held by unique forces.
+/// Whether the forces on held blocks are unique.
 pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -> bool {
     let bodies = body_states(at.whole, state);
     let blocks = blocks(at, &bodies);
@@ -103,7 +105,7 @@ pub(crate) struct Closing {
     bodies: Vec<BodyState>,
     pub blocks: Vec<Block>,
     rows: Rows,
-    /// The accelerations without what is held, one entry a degree of freedom.
+    /// The accelerations without the forces of held blocks, one entry a degree of freedom.
     free: Vec<f64>,
     /// b: what the rows of the blocks are accelerated by then.
     offset: Vec<f64>,
@@ -128,8 +130,8 @@ impl Closing {
         self.blocks.iter().flat_map(|block| &block.rows).map(|row| fall(row, &self.free)).collect()
     }
 
-    /// Whether everything falls together. Rows across the fall of a contact have the roundings of those along it; what slides is accelerated along its plane as
-    /// well, but only its normal is an equation.
+    /// Whether all blocks fall together. Rows across the fall of a contact have the roundings of the rows along it; a sliding contact is accelerated
+    /// along its plane as well, but only its normal is an equation.
     fn falls_together(&self, falls: &[f64]) -> bool {
         let mut first = 0;
         self.blocks.iter().all(|block| {
@@ -191,7 +193,7 @@ pub(crate) fn closed_forces(
     ClosedForces { joints, contacts, weights, size, load: Load { held, together } }
 }
 
-/// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of what it is the difference of.
+/// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of the terms that cancel in it.
 pub(crate) fn accelerations(
     at: &Present,
     response: &mut Response,
@@ -202,7 +204,7 @@ pub(crate) fn accelerations(
     let held = Closing::at(at, response, state, efforts);
     let forces = DVector::from_vec(held.forces(unique));
     let columns = held.rows.columns();
-    // All forces are the solution of one system: those that are next to nothing are rounded by the largest.
+    // All forces are the solution of one system, so that the rounding of tiny forces is relative to the largest.
     let largest = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     let sizes = columns.row_iter().map(|row| largest * row.abs().sum());
     let pushed = columns * forces;
@@ -213,7 +215,7 @@ pub(crate) fn accelerations(
 /// How slips go on from a state, if their rates stay as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slipping {
-    /// The contact that slides, or those of a pair together, that would stop first.
+    /// The sliding contact, or the sliding contacts of a pair together, that would stop first.
     pub first: Option<Stop>,
     /// When the first slip that is faster than rest would have turned by half a right angle (s).
     pub turns: f64,
@@ -231,7 +233,7 @@ pub(crate) fn slipping(
     let held = Closing::at(at, response, state, efforts);
     let Closing { bodies, blocks, rows, offset, .. } = &held;
     let rates = &rows.square * DVector::from_vec(held.forces(unique)) + DVector::from_column_slice(offset);
-    // Where forces are not unique those of one pair stop together.
+    // If forces are not unique, the slips of one pair stop together.
     let mut stops: Vec<Stop> = Vec::new();
     let mut turns = f64::INFINITY;
     let mut row = 0;
@@ -319,7 +321,7 @@ impl Chosen {
         })
     }
 
-    /// To a unit diagonal of the symmetric part, so that what is singular does not depend on units.
+    /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units.
     fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
         let own = self.equations.iter().map(|&(row, _)| mobility[(row, row)]);
         own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
@@ -332,7 +334,7 @@ impl Chosen {
         DMatrix::from_fn(square.nrows(), square.ncols(), entry)
     }
 
-    /// The combinations z of scaled rows that are nothing, and `C z` for the same compliance of all contacts, both in columns of length one.
+    /// The combinations z of scaled rows that vanish, and `C z` for the same compliance of all contacts, both in columns of length one.
     fn spread(&self, mobility: &DMatrix<f64>, scales: &[f64]) -> Option<[DMatrix<f64>; 2]> {
         let count = self.equations.len();
         let columns = implied(self.scaled(mobility, false, scales))?;
@@ -387,7 +389,7 @@ impl Chosen {
     }
 }
 
-/// The combinations of rows that are nothing, of length one, of a symmetric response with a unit diagonal; none if a number is not finite.
+/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal; `None` if a number is not finite.
 pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
     if !scaled.iter().all(|value| value.is_finite()) {
         return None;

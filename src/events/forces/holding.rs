@@ -1,13 +1,14 @@
 //! The efforts λ that hold joints at an instant, at the level of accelerations.
 //!
-//! With the accelerations `a` of what moves (zero for what is held), Newton and Euler on the whole tree give the effort that each joint needs;
-//! what is not from its forces is what holds it:
+//! Newton and Euler on the whole tree give the effort that each joint needs, with the accelerations `a` of the moving bodies (zero for held ones).
+//! The part that its own forces do not supply is the holding effort:
 //!
 //! ```text
 //!     λ_i = Σ_j m_j (z_j · (reaction of joint j for a) − τ_j)    z_j its axis, τ_j springs, loads and efforts
 //! ```
 //!
-//! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
+//! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of
+//! the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
 use crate::events::forces::closed_forces::{ClosedForces, Load, are_unique, closed_forces};
 use crate::events::modes::mode::JointMode;
@@ -22,14 +23,14 @@ use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations,
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, reactions_under};
 
-/// Roundings of an effort, relative to what it is the difference of.
+/// Roundings of an effort, relative to the terms that cancel in it.
 const ROUNDING: f64 = 2e-15;
 
 /// The same of a contact, whose force is the solution of a system with others; and where some of these imply others, to a part of 1e-10.
 const CONTACT_ROUNDING: f64 = 1e-13;
 const SHARED_ROUNDING: f64 = 1e-9;
-/// A contact that presses by less than this part of what the bodies beside it would fall on each other with carries nothing: of bodies that hang side by
-/// side and touch, roundings of their places are left of that.
+/// A contact is unloaded if it presses by less than this part of the force with which the bodies beside it would fall on each other. If bodies hang
+/// side by side and touch, roundings of their places leave such forces.
 const UNLOADED: f64 = 1e-15;
 
 /// Works out what holds the joints of one mode.
@@ -41,10 +42,10 @@ pub(crate) struct Holding {
     efforts: Vec<f64>,
     /// The size of what each of them is the difference of.
     sizes: Vec<f64>,
-    /// λ of the closed contacts (N): normal and tangents; and the size of what they are the difference of.
+    /// λ of the closed contacts (N): normal and tangents; and the size of the terms that cancel in it.
     contacts: Vec<[f64; 3]>,
     contact_size: f64,
-    /// What each would press with if the bodies beside it fell on each other (N).
+    /// The force with which each contact would press if the bodies beside it fell on each other (N).
     weights: Vec<f64>,
     /// m.
     margin: f64,
@@ -55,18 +56,18 @@ pub(crate) struct Holding {
 
 #[derive(Clone)]
 enum How {
-    /// Nothing is held.
+    /// A mode without held joints and closed contacts.
     Nothing,
     /// In a tree.
     Tree(Box<Tree>),
-    /// With closures; whether λ is unique, and what is held at the last instant.
+    /// A mechanism with closures; whether λ is unique, and the load at the last instant.
     Closed { unique: bool, last: Option<Box<Load>> },
 }
 
 /// The workspace for a tree.
 #[derive(Clone)]
 struct Tree {
-    /// Of what moves.
+    /// The response of the reduced mechanism.
     response: Response,
     small: State,
     small_efforts: Vec<f64>,
@@ -77,13 +78,13 @@ struct Tree {
     applied: Vec<BodyWrench>,
     reactions: Vec<Reaction>,
     own: Vec<f64>,
-    /// The sum of m (|a| + |g|) over the bodies (N), and of their moments about the first body (N m): what falls freely carries nothing, but by the
-    /// difference of these.
+    /// The sum of m (|a| + |g|) over the bodies (N), and of their moments about the first body (N m). The load of a freely falling body is the
+    /// difference of these terms.
     inertial: (f64, f64),
 }
 
 impl Holding {
-    /// For a mode in a state, and what moves in it.
+    /// The workspace for a mode in a state, and its reduced mechanism.
     pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
         let Present { whole, elements, mode, moving, .. } = *at;
         let joints: Vec<(usize, usize)> = (elements.joints.iter().zip(&mode.joints).enumerate())
@@ -95,7 +96,7 @@ impl Holding {
         } else if !(whole.loops.is_empty() && mode.contacts.is_empty()) {
             How::Closed { unique: are_unique(at, response, state), last: None }
         } else {
-            // Motors act through the efforts that are handed over, not as forces of what moves.
+            // Motors act through the efforts that are handed over, not as forces of the reduced mechanism.
             let mut bare = moving.mechanism.clone();
             bare.forces.joint_springs.truncate(count_springs(whole, moving));
             bare.forces.joint_dampers.truncate(count_dampers(whole, moving));
@@ -140,7 +141,7 @@ impl Holding {
         self.efforts[joint]
     }
 
-    /// What its roundings may be [N m or N].
+    /// Bound of the roundings of a joint's effort [N m or N].
     pub fn rounding(&self, joint: usize) -> f64 {
         ROUNDING * self.sizes[joint].max(1.0)
     }
@@ -150,18 +151,18 @@ impl Holding {
         self.contacts[contact]
     }
 
-    /// Whether a contact carries nothing but roundings of its weights.
+    /// Whether a contact carries only roundings of its weights.
     pub fn is_unloaded(&self, contact: usize) -> bool {
         let [pressure, ..] = self.contacts[contact];
         self.weights.get(contact).is_some_and(|weight| pressure.abs() <= UNLOADED * weight)
     }
 
-    /// What the roundings of the contacts may be (N).
+    /// Bound of the roundings of contact forces (N).
     pub fn rounding_of_contacts(&self) -> f64 {
         CONTACT_ROUNDING * self.contact_size
     }
 
-    /// What the roundings of their pressures may be (N).
+    /// Bound of the roundings of contact pressures (N).
     pub fn rounding_of_pressures(&self) -> f64 {
         if self.is_unique() { self.rounding_of_contacts() } else { SHARED_ROUNDING * self.contact_size }
     }
@@ -198,7 +199,7 @@ impl Holding {
             How::Tree(tree) => {
                 tree.evaluate(whole, moving, state, efforts);
                 for &(joint, _) in joints.iter() {
-                    // What follows a joint hands on what it needs by their ratio.
+                    // A follower adds its needed effort to its leader, by their ratio.
                     (found[joint], sizes[joint]) = (0.0, 0.0);
                     for member in &elements.joints[joint].members {
                         let at = member.coordinate;
@@ -228,7 +229,7 @@ impl Holding {
     }
 }
 
-/// The springs and dampers of what moves that were forces of the whole: those of motors come after them.
+/// The springs and dampers of the reduced mechanism that were forces of the whole; springs and dampers of motors come after them.
 fn count_springs(whole: &Mechanism, moving: &Moving) -> usize {
     whole.forces.joint_springs.iter().filter(|spring| moving.coordinate(whole, spring.coordinate).is_some()).count()
 }
@@ -268,7 +269,7 @@ impl Tree {
         }
     }
 
-    /// What the joint of a body has to carry along its axis besides its own springs and loads, and the size of all that it carries.
+    /// The effort that the joint of a body has to carry along its axis besides its own springs and loads, and the size of its whole load.
     fn needed(&self, whole: &Mechanism, body: usize) -> (f64, f64) {
         let joint = &whole.bodies[body].joint;
         let axis = self.bodies[body].rotation * joint.on_child.rotation.matrix().column(2);

@@ -1,4 +1,4 @@
-//! What holds joints and presses on closed contacts at an instant.
+//! The forces that hold joints and press on closed contacts at an instant.
 
 pub(crate) mod closed_forces;
 pub(crate) mod holding;

@@ -1,7 +1,7 @@
 //! The contacts that are reported: where bodies touch, and the forces between them.
 //!
-//! Where several forces fit the law those of least compliance are told ([`crate::instant::cone`]), which are unique and do not pinch; where something slides,
-//! those of the steps ([`crate::events::forces::closed_forces`]), because each pressure moves it in another way.
+//! If several forces fit the law, the report has the forces of least compliance ([`crate::instant::cone`]), which are unique and do not pinch. If a
+//! contact slides, it has the forces of the steps ([`crate::events::forces::closed_forces`]), because each pressure gives another motion.
 
 use crate::events::forces::closed_forces::Closing;
 use crate::events::modes::mode::Mode;
@@ -33,7 +33,7 @@ impl Reporting {
         Reporting { response: Response::new(mechanism), state: None, forces: Vec::new(), found: Vec::new() }
     }
 
-    /// The forces at the closed contacts of a mode (N), along normals and tangents. Where several fit the law those of least compliance.
+    /// The forces at the closed contacts of a mode (N), along normals and tangents. If several fit the law, the ones of least compliance are taken.
     pub fn forces(&mut self, at: &Present, state: &State, efforts: &[f64], unique: bool) -> &[[f64; 3]] {
         // What is held stays where it is.
         let same = |(known, before, mode): &(State, Vec<f64>, Mode)| {
@@ -48,7 +48,7 @@ impl Reporting {
         let held = Closing::at(at, &mut self.response, state, efforts);
         let laws = held.laws();
         let slides = laws.iter().any(|law| matches!(law, Law::Sliding { .. }));
-        // What slides moves as those of the steps say.
+        // Sliding contacts move under the forces of the steps.
         let of_steps = (unique || slides).then(|| held.forces(unique));
         self.forces = if let Some(forces) = of_steps.filter(|forces| unique || fit(&laws, forces)) {
             forces

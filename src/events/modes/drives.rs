@@ -1,4 +1,4 @@
-//! Motors within steps: both gains in the equations of the step, and what they do to the energy.
+//! Motors within steps: both gains in the equations of the step, and their effect on the energy.
 //!
 //! A motor that follows its law `τ = kp (r − q) + kd (ṙ − q̇)` is, within a step, three things that the scheme has:
 //!
@@ -8,8 +8,8 @@
 //!     an effort       e(t) = kp (r(t) − r₀) + kd ṙ(t)                                       at each stage
 //! ```
 //!
-//! so that stiff gains cost iterations, not steps. Its work is that of the three: of the spring `−½ kp [(q − r₀)²]`, of the damper
-//! `−h Σ b_k kd q̇_k²` and of the effort `h Σ b_k e_k q̇_k`, with the rates of the scheme.
+//! so that stiff gains cost iterations, not steps. Its work is the sum of the three: of the spring `−½ kp [(q − r₀)²]`, of the damper `−h Σ b_k kd
+//! q̇_k²` and of the effort `h Σ b_k e_k q̇_k`, with the rates of the scheme.
 
 use crate::events::modes::mode::{Mode, MotorMode};
 use crate::events::modes::piece_steps::PieceSteps;
@@ -38,7 +38,7 @@ pub(crate) enum Commands {
 #[derive(Clone)]
 pub(crate) struct Drives {
     entries: Vec<Drive>,
-    /// Those of them whose efforts change in time, and the freedoms along which they act.
+    /// The motors whose efforts change in time, and the freedoms along which they act.
     changing: Vec<usize>,
     freedoms: Vec<usize>,
     /// Their targets are of the piece that begins at or before this time (s).
@@ -58,7 +58,7 @@ struct Drive {
 }
 
 impl Drives {
-    /// Adds the motors of a mode to what moves.
+    /// Adds the motors of a mode to the reduced mechanism.
     pub fn add(elements: &Elements, mode: &Mode, whole: &Mechanism, held: &mut Held) -> Self {
         let mut drives =
             Drives { entries: Vec::new(), changing: Vec::new(), freedoms: Vec::new(), since: 0.0, rates: Vec::new() };
@@ -109,7 +109,7 @@ impl Drives {
         !self.changing.is_empty()
     }
 
-    /// What the springs have given and what the dampers have taken in the last step of what moves, from `start` to `end` (J).
+    /// The energy that springs gave and dampers took in the last step of the reduced mechanism, from `start` to `end` (J).
     pub fn exchanged(&mut self, steps: &dyn PieceSteps, start: &State, end: &State) -> (f64, f64) {
         let (mut given, mut taken) = (0.0, 0.0);
         let length = end.time - start.time;

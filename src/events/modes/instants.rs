@@ -1,9 +1,9 @@
 //! States inside the last step of a piece, kept by their times.
 //!
-//! Every function that is watched is looked at at the same samples of a step. On closed contacts each state of the dense output is a projection on the
-//! closures, which takes longer than all that is evaluated in it.
+//! Every watched function is looked at at the same samples of a step. On closed contacts each state of the dense output is a projection on the
+//! closures, which takes longer than all evaluations in it.
 
-/// States that are kept at most: the samples of a step, and those in which one root is looked for.
+/// States that are kept at most: the samples of a step, and the states in which one root is looked for.
 const KEPT: usize = 32;
 
 /// An instant of the last step.
@@ -16,27 +16,27 @@ pub(crate) struct Inside {
 }
 
 impl Inside {
-    /// With a state on all closures.
+    /// An instant with a state on all closures.
     pub fn at(time: f64) -> Self {
         Inside { time, roughly: false }
     }
 
-    /// With a state as interpolated.
+    /// An instant with a state as interpolated.
     pub fn roughly(time: f64) -> Self {
         Inside { time, roughly: true }
     }
 }
 
-/// What is known of the sample of a step.
+/// The evaluated functions of the sample of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Evaluated {
-    /// Where it is, in which making of the step; `None` if nothing is known.
+    /// The instant, and the number of the attempt at the step; `None` if it is not evaluated.
     pub at: Option<(Inside, u64)>,
-    /// Whether the bodies are placed there,
+    /// Whether the bodies are placed there.
     pub bodies: bool,
-    /// the forces are those of this instant,
+    /// Whether the forces belong to this instant.
     pub efforts: bool,
-    /// and their margin is.
+    /// Whether the margin belongs to this instant.
     pub margin: bool,
 }
 
@@ -47,9 +47,9 @@ pub(crate) struct Instants {
     /// One state after the other.
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    /// Where the next state is kept when there is no more room.
+    /// Place of the next state once all places are used.
     oldest: usize,
-    /// How often the step was another.
+    /// Number of steps so far, repeated attempts included.
     makings: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What joints, motors and contacts do between two events, and what is left to move while they do it.
+//! The states of joints, motors and contacts between two events, and the reduced mechanism that moves in them.
 
 pub(crate) mod drives;
 pub(crate) mod instants;

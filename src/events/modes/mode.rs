@@ -25,7 +25,7 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
-/// What a joint does.
+/// The mode of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum JointMode {
     /// It moves; its friction, if it has any, against this direction.
@@ -40,7 +40,7 @@ pub(crate) enum JointMode {
     },
 }
 
-/// What a motor does.
+/// The mode of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum MotorMode {
     /// Its law without bound.
@@ -55,11 +55,11 @@ pub(crate) enum MotorMode {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Closed {
     pub contact: Contact,
-    /// The direction in which it begins to slide, in the world; none while it sticks or rolls.
+    /// The direction in which it begins to slide, in the world; `None` while it sticks or rolls.
     pub slides: Option<Vector3<f64>>,
 }
 
-/// What all do.
+/// The modes of all elements.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mode {
     pub joints: Vec<JointMode>,
@@ -89,7 +89,7 @@ impl Mode {
         self.add_given_efforts(elements, efforts);
     }
 
-    /// Those of friction that slides.
+    /// Adds the efforts of sliding friction.
     fn add_friction(&self, elements: &Elements, efforts: &mut [f64]) {
         for (joint, mode) in elements.joints.iter().zip(&self.joints) {
             if let JointMode::Free { sliding } = mode {
@@ -98,7 +98,7 @@ impl Mode {
         }
     }
 
-    /// Those of motors at their bounds or between ticks.
+    /// Adds the efforts of motors at their bounds or between ticks.
     fn add_given_efforts(&self, elements: &Elements, efforts: &mut [f64]) {
         for (motor, mode) in elements.motors.iter().zip(&self.motors) {
             let freedom = motor.coordinate.freedom;
@@ -118,7 +118,7 @@ impl Mode {
         self.add_motor_efforts(elements, since, state.time, state, efforts);
     }
 
-    /// The same without friction: what is decided anew begins with these.
+    /// The same without friction: a new decision begins with these efforts.
     pub fn driving_efforts(&self, elements: &Elements, inputs: Inputs, state: &State) -> Vec<f64> {
         let mut efforts = vec![0.0; state.velocity.len()];
         inputs.write_constant(&mut efforts);
@@ -128,8 +128,8 @@ impl Mode {
         efforts
     }
 
-    /// The efforts of motors that follow their laws, at a time (s) and state, added to `efforts`; their targets are those of the piece that
-    /// begins at or before `since` (s).
+    /// The efforts of motors that follow their laws, at a time (s) and state, added to `efforts`; their targets belong to the piece that begins at or
+    /// before `since` (s).
     pub fn add_motor_efforts(&self, elements: &Elements, since: f64, time: f64, state: &State, efforts: &mut [f64]) {
         for (motor, mode) in elements.motors.iter().zip(&self.motors) {
             if *mode == MotorMode::Unbounded {

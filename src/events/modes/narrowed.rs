@@ -1,13 +1,14 @@
 //! Efforts of a controller that reads the whole state, restricted to the degrees of freedom that move in a mode.
 //!
-//! With the injection `S` of the rates of what moves into those of the whole (what is held has none), a law `f` of the whole and its derivatives:
+//! The injection `S` takes the rates of the reduced mechanism to the rates of the whole (held joints have zero). A law `f` of the whole and its
+//! derivatives become
 //!
 //! ```text
 //!     f̃(t, q̃, ṽ) = Eᵀ f(t, q, S ṽ) + e(t)         q: what is held stays where it is; E: the entries of f that act on what moves
 //!     f̃_q = Eᵀ f_q S,   f̃_v = Eᵀ f_v S            e: motors whose efforts change in time, one entry a freedom with those of f
 //! ```
 //!
-//! What acts on held joints moves nothing: it changes what holds them.
+//! Efforts on held joints only change the constraint forces.
 
 use crate::events::modes::drives::Drives;
 use crate::instant::dynamics::response::Response;
@@ -21,9 +22,9 @@ use nalgebra::DMatrix;
 /// What a piece keeps for a law: where its entries act, and room.
 #[derive(Clone)]
 pub(crate) struct Room {
-    /// Degrees of freedom of what moves, each once.
+    /// Degrees of freedom of the reduced mechanism, each once.
     freedoms: Vec<usize>,
-    /// Entries of the law that act on what moves, with their places among the freedoms; those of the motors that change in time.
+    /// Entries of the law that act on the reduced mechanism, with their places among the freedoms, and the entries of the motors that change in time.
     of_law: Vec<(usize, usize)>,
     of_drives: Vec<usize>,
     within: Guarded<Within>,
@@ -31,16 +32,16 @@ pub(crate) struct Room {
 
 #[derive(Clone)]
 struct Within {
-    /// Of the whole.
+    /// The state of the whole.
     state: State,
-    /// Of the law, one entry after the other.
+    /// The efforts of the law, one entry after the other.
     efforts: Vec<f64>,
-    /// Of what moves.
+    /// The response of the reduced mechanism.
     response: Response,
 }
 
 impl Room {
-    /// For a law of the whole, and the motors that act on what moves.
+    /// The workspace for a law of the whole, and for the motors that act on the reduced mechanism.
     pub fn new(law: &dyn Feedback, whole: &Mechanism, moving: &Held, drives: &Drives) -> Self {
         let mut freedoms: Vec<usize> = Vec::new();
         let mut place = |freedom: usize| {
@@ -61,13 +62,13 @@ impl Room {
         Room { freedoms, of_law, of_drives, within: Guarded::new(within) }
     }
 
-    /// A step begins in a state of the whole: what is held stays there.
+    /// A step begins in a state of the whole: held joints stay there.
     pub fn begin(&mut self, start: &State) {
         self.within.get_mut().state.copy_from(start);
     }
 }
 
-/// The law of what moves.
+/// The law of the reduced mechanism.
 pub(crate) struct Narrowed<'n> {
     law: &'n dyn Feedback,
     whole: &'n Mechanism,
@@ -77,7 +78,7 @@ pub(crate) struct Narrowed<'n> {
 }
 
 impl<'n> Narrowed<'n> {
-    /// None where no law acts on what moves.
+    /// `None` if no law acts on the reduced mechanism.
     pub fn of(
         law: Option<&'n dyn Feedback>,
         whole: &'n Mechanism,

@@ -1,6 +1,7 @@
 //! The mechanism that moves in a mode, and its steps.
 //!
-//! A piece is kept with its workspace while it may be needed again: what it depends on is what is held and where, and which motors follow their laws.
+//! A piece is kept with its workspace while it may be needed again. It depends on the held joints and their places, and on the motors that follow
+//! their laws.
 
 use crate::events::modes::drives::Drives;
 use crate::events::modes::instants::Instants;
@@ -20,7 +21,7 @@ pub(crate) struct Piece {
     pub(crate) key: Key,
     pub(crate) moving: Arc<Held>,
     pub(crate) drives: Drives,
-    /// None if nothing moves.
+    /// `None` if every joint is held.
     pub(crate) steps: Option<Box<dyn PieceSteps>>,
     /// For efforts that follow the state, once there are any.
     pub(crate) law: Option<Box<Room>>,
@@ -34,7 +35,7 @@ pub(crate) struct Piece {
     pub(crate) used: usize,
 }
 
-/// What the workspace of a mode depends on: what is held and where, which motors follow their laws, which contacts are closed.
+/// The key of the workspace of a mode: the held joints and their places, the motors that follow their laws, the closed contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Key {
     pub(crate) held: Vec<bool>,
@@ -45,7 +46,7 @@ pub(crate) struct Key {
 }
 
 impl Piece {
-    /// A step of what moves begins in a state of the whole, under these efforts on it and those that follow its state.
+    /// A step of the reduced mechanism begins in a state of the whole, under these efforts on it and the efforts that follow its state.
     pub(crate) fn begin(&mut self, whole: &Mechanism, inputs: Inputs, efforts: &[f64], start: &State) {
         self.instants.forget();
         self.drives.begin(start.time);
@@ -77,7 +78,7 @@ impl Piece {
         self.attempt(whole, inputs, since + length, attempt)
     }
 
-    /// Attempts it under what acts on what moves; where nothing moves the time alone goes on to `end`.
+    /// Attempts it under the efforts on the reduced mechanism; if every joint is held, only the time goes on to `end`.
     fn attempt(
         &mut self,
         whole: &Mechanism,
@@ -107,7 +108,7 @@ impl Piece {
         }
     }
 
-    /// Puts what moves where it was at a time of the last step (s); roughly is as interpolated, but for closures.
+    /// Puts the moving bodies where they were at a time of the last step (s); `roughly` means as interpolated, with errors in closures.
     pub(crate) fn place(&mut self, whole: &Mechanism, time: f64, roughly: bool, state: &mut State) {
         let Piece { moving, steps, small, small_start, small_position, small_velocity, instants, .. } = self;
         state.time = time;

@@ -1,7 +1,7 @@
 //! The integrator of a piece: the scheme, or DOP853 in joint coordinates for comparison.
 //!
-//! An event asks three things of a step besides those of every integrator: to be made again with another length, the mean square of a rate over it
-//! (for the heat of the dampers that motors are), and the pace at which the next piece goes on.
+//! An event asks three more things of a step than every integrator has: to be made again with another length, the mean square of a rate over it (for
+//! the heat of the dampers that motors are), and the pace at which the next piece goes on.
 
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -25,10 +25,10 @@ pub(crate) enum PieceRecipe {
 }
 
 impl PieceRecipe {
-    /// The integrator of what moves, with efforts from outside in the joints of these bodies.
+    /// The integrator of the reduced mechanism, with efforts from outside in the joints of these bodies.
     ///
     /// # Errors
-    /// [`MethodError`] for stages and steps that cannot be.
+    /// [`MethodError`] for impossible stages and steps.
     pub fn make(&self, mechanism: &Mechanism, driven: &[usize]) -> Result<Box<dyn PieceSteps>, MethodError> {
         Ok(match self {
             PieceRecipe::Lobatto(recipe) => match OnOtherTree::new(mechanism, driven, recipe)? {
@@ -39,7 +39,7 @@ impl PieceRecipe {
         })
     }
 
-    /// What describes the steps where nothing moves.
+    /// The method description used while every joint is held.
     ///
     /// # Errors
     /// As of [`PieceRecipe::make`].
@@ -56,7 +56,7 @@ impl PieceRecipe {
         Ok(self.make(&nothing, &[])?.description())
     }
 
-    /// The tolerance that steps are chosen from (m); `None` where they are given.
+    /// The tolerance from which steps are chosen (m); `None` for given steps.
     pub fn tolerance(&self) -> Option<f64> {
         match self {
             PieceRecipe::Lobatto(Recipe { steps: Steps::Fixed { .. }, .. }) => None,
@@ -83,8 +83,8 @@ pub(crate) trait PieceSteps: Integrator + Send + Sync {
         length: f64,
     ) -> Result<StepOutcome, StepError>;
 
-    /// Positions and velocities at a time inside the last step (s), which closures may be off from by as much as interpolation errs: for a fraction of
-    /// the time of [`Integrator::dense`].
+    /// Positions and velocities at a time inside the last step (s), which closures may be off from by as much as interpolation errs: for a fraction
+    /// of the time of [`Integrator::dense`].
     fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.dense(mechanism, time, position, velocity);
     }
@@ -106,13 +106,13 @@ pub(crate) trait PieceSteps: Integrator + Send + Sync {
         false
     }
 
-    /// From now on a step that is shorter than this (s) and cannot be solved is given up.
+    /// A step that is shorter than this (s) and cannot be solved is given up, now and later.
     fn give_up_below(&mut self, _length: f64) {}
 
     /// Whether stability, and not accuracy, has limited a step.
     fn was_held_by_stability(&self) -> bool;
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
     fn between(&self) -> Option<f64>;
 
     /// The largest error of samples inside steps that were too long for a damper (m), where it is looked at.

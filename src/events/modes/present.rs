@@ -6,7 +6,7 @@ use crate::instant::holding::held::Held as Moving;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::mechanism::Mechanism;
 
-/// A mechanism, its elements, what they do, and what moves while they do it.
+/// A mechanism, its elements, their mode, and the reduced mechanism that moves in it.
 #[derive(Clone, Copy)]
 pub(crate) struct Present<'p> {
     pub whole: &'p Mechanism,

@@ -70,8 +70,8 @@ impl HalfSpace {
         contact_features(&b.core, &down, near - gap).filter_map(place).collect()
     }
 
-    /// The least height of the vertices of a polytope that are not among these (m); `None` for other cores. Because the vertices below any height are connected, the
-    /// lowest of the others is the lowest of all or a neighbour of one of these.
+    /// The least height of the vertices of a polytope that are not among these (m); `None` for other cores. Because the vertices below any height are
+    /// connected, the lowest of the others is the lowest of all or a neighbour of one of these.
     pub fn lowest_but(
         &self,
         b: &Convex,

@@ -1,11 +1,12 @@
 //! The support vertex of a polytope with many vertices, found along its edges.
 //!
-//! A linear function `n · v` has no local maximum on the vertices and edges of a convex polytope but the global one: from any vertex a neighbour that is higher
-//! leads on until there is none. The walk starts from the best of the support vertices of 26 directions. Facets that a hull has merged are flat to
-//! [`SLACK`] of the size only, so that all vertices within it of the top are compared at the end. The cost grows like the square root of the number of vertices.
+//! A linear function `n · v` has no local maximum on the vertices and edges of a convex polytope but the global one: from any vertex, higher
+//! neighbours lead on to the top. The walk starts from the best of the support vertices of 26 directions. Facets that a hull has merged are flat to
+//! [`SLACK`] of the size only, so that all vertices within it of the top are compared at the end. The cost grows like the square root of the number
+//! of vertices.
 //!
-//! Source: C. J. Ong and E. G. Gilbert, Fast versions of the Gilbert–Johnson–Keerthi distance algorithm, IEEE Transactions on Robotics and Automation 17,
-//! 2001 (hill climbing along edges).
+//! Source: C. J. Ong and E. G. Gilbert, Fast versions of the Gilbert–Johnson–Keerthi distance algorithm, IEEE Transactions on Robotics and Automation
+//! 17, 2001 (hill climbing along edges).
 
 use nalgebra::Vector3;
 
@@ -17,7 +18,7 @@ const SLACK: f64 = 1e-9;
 /// The neighbours of each vertex, and where walks begin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Neighbours {
-    /// Where the neighbours of each vertex begin in `all`, and where the last ones end; empty for small polytopes.
+    /// First indices of the neighbours of each vertex in `all`, and the end of the last ones; empty for small polytopes.
     starts: Vec<u32>,
     all: Vec<u32>,
     /// Support vertices of some directions.

@@ -116,7 +116,7 @@ fn points_in_one_plane_make_a_plate_that_touches_with_its_corners_and_is_touched
         let found = plate.distance(&Pose::identity(), &over(0.2, 0.3));
         assert!((found.distance - 0.1).abs() <= 1e-15 && found.certificate <= 1e-15, "{found:?}");
         assert!((found.normal - turn.rotation * Vector3::z() * side).norm() <= 1e-15, "{found:?}");
-        // Beyond its edge, the distance is the hypotenuse of 0.3 and 0.4.
+        // Outside its edge, the distance is the hypotenuse of 0.3 and 0.4.
         let found = plate.distance(&Pose::identity(), &over(0.8, 0.4));
         assert!((found.distance - 0.3).abs() <= 1e-15 && found.certificate <= 1e-15, "{found:?}");
         assert_eq!(plate.touches(&Pose::identity(), &over(0.2, 0.2), 1e-9).len(), 1);

@@ -5,9 +5,10 @@
 //!     ⇔   a = D λ + b:   a_i = 0 inside,   a_i ≥ 0 at the lower bound,   a_i ≤ 0 at the upper bound
 //! ```
 //!
-//! with D (m × m) symmetric and positive semidefinite: rates or accelerations `a` that efforts or impulses `λ` leave. Where D is singular λ is not
-//! unique, and `a` is. The primal active-set method: from a point inside go to the least on the face of the coordinates that are free, stop at
-//! the first bound that is in the way, and leave the bound that pulls most where there is none. On each face the step is the one of least norm.
+//! with D (m × m) symmetric and positive semidefinite: rates or accelerations `a` that efforts or impulses `λ` leave. If D is singular, λ is not
+//! unique, and `a` is. The method is the primal active-set method. It goes from a point inside to the least on the face of the free coordinates, and
+//! stops at the first bound that is in the way. If no bound is in the way, it leaves the bound that pulls most. On each face the step is the one of
+//! least norm.
 //!
 //! Source: J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, section 16.5.
 
@@ -81,7 +82,7 @@ fn least_on_face(matrix: &DMatrix<f64>, rest: &[f64], free: &[usize]) -> Vec<f64
     if free.is_empty() {
         return Vec::new();
     }
-    // Scaled to a unit diagonal, so that what is singular does not depend on units.
+    // Scaled to a unit diagonal, so that singularity does not depend on units.
     let size = |index: usize| matrix[(index, index)].max(0.0).sqrt();
     let inverse: Vec<f64> = free.iter().map(|&index| if size(index) > 0.0 { 1.0 / size(index) } else { 0.0 }).collect();
     let face = DMatrix::from_fn(free.len(), free.len(), |row, column| {

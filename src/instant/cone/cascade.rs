@@ -9,8 +9,8 @@
 //! | compliant | zero, with a compliance in each block that is 1e-2, 1e-4, 1e-6 and 0 in turn | both | 1e-8 |
 //! | rounds | rounds of convex problems, by clarabel, from zero and from the best so far | both | 1e-8 |
 //!
-//! Where contacts pinch a body and the law has no solution, forces grow without end, and what they are off by is small beside them. The soft way finds such
-//! forces more often than others; what it finds is off by no more than 1e-10 of the free rates.
+//! If contacts pinch a body the problem may be infeasible: forces diverge, so that their relative residual looks small. The soft way finds such
+//! forces more often than others; the residual of its answers is at most 1e-10 of the free rates.
 //!
 //! The same problem and start give the same answer, bit for bit.
 
@@ -28,7 +28,7 @@ use nalgebra::{DMatrix, DVector};
 const ACCEPTED: f64 = 1e-10;
 /// Residuals up to this end the cascade: less, because settling the states may add some times the residual.
 const SOLVED: f64 = 1e-11;
-/// And up to this where that is enough.
+/// A residual up to this is enough for steps of first order.
 const ROUGH: f64 = 1e-6;
 /// Proximal compliance, in units of the mobility of a block.
 const COMPLIANCE: f64 = 1e-8;
@@ -36,11 +36,11 @@ const COMPLIANCE: f64 = 1e-8;
 const COMPLIANCES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 /// Sweeps before Newton's method.
 const SWEEPS: usize = 10;
-/// A free rate below this part of the terms that it is the sum of is none.
+/// A free rate below this part of the terms of its sum is zero.
 const IMPLIED: f64 = 1e-9;
 /// How far inside the cones interior points start.
 const SPREADS: [f64; 6] = [10.0, 100.0, 1.0, 30.0, 3.0, 0.3];
-/// And where those fail: each is one more chance, at a fiftieth of what a convex programme costs.
+/// Depths that are tried if those fail: each is one more chance, at a fiftieth of the cost of a convex programme.
 const MORE_SPREADS: [f64; 5] = [300.0, 0.1, 20.0, 1000.0, 50.0];
 /// Scaled forces above this many times the largest free rate pinch a body.
 const LARGE: f64 = 1e4;
@@ -97,7 +97,7 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
     let solved = start.is_some_and(|start| best.take(&scaled, from(scaled.scale(start), EVERYDAY)))
         || best.take(&scaled, from(swept(&scaled), EVERYDAY));
     let solved = solved || soft(&scaled).is_some_and(|forces| best.take(&scaled, forces));
-    // Where Newton's method has stopped short of an answer what it holds closed may be a paradox of its own.
+    // If Newton's method has stopped short of an answer, the blocks that it holds closed may be a paradox of their own.
     if !solved && let Some((block, mobility)) = paradox(problem, &settle(problem, &scaled, &best.forces)) {
         return Err(Unsolved::Inconsistent { block, mobility });
     }
@@ -109,18 +109,18 @@ pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, 
         let softened = std::iter::once_with(|| compliant(&scaled)).flat_map(both);
         let starts = [None, Some(best.forces.clone())];
         let rounds = starts.iter().filter_map(|start| convex_rounds(&scaled, start.as_deref())).flat_map(both);
-        // Of the last ways such forces that grow without end are no answers.
+        // Forces of the last ways that grow without end are no answers.
         let last = more.chain(softened).chain(rounds).filter(|forces| is_small(&scaled, forces));
         interiors.chain(last).any(|forces| best.take(&scaled, forces))
     };
     let answer = settle(problem, &scaled, &best.forces);
-    // What large forces are off by is a small part of them, and may be large beside the free rates.
+    // The residual of large forces is a small part of them, and may be large beside the free rates.
     let accepted = answer.residual <= ACCEPTED && (solved || is_small(&scaled, &best.forces));
     if accepted { Ok(answer) } else { Err(Unsolved::Stopped { best: Box::new(answer) }) }
 }
 
-/// Forces that solve a problem to a residual of [`ROUGH`] if the quick ways and an interior point find such, or the best of what they find: what a step of
-/// first order needs. None if the problem is malformed.
+/// Forces for a step of first order: the quick ways and an interior point look for a residual of [`ROUGH`], otherwise the best iterate is taken.
+/// `None` if the problem is malformed.
 pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
     problem.check().ok()?;
     let scaled = Scaled::new(problem);
@@ -143,13 +143,13 @@ pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
     Some(settle(problem, &scaled, &best.forces).forces)
 }
 
-/// What Newton's method makes of forces.
+/// Forces after Newton's method.
 fn improved(scaled: &Scaled, mut forces: Vec<f64>, settings: Settings) -> Vec<f64> {
     improve(scaled, &mut forces, settings);
     forces
 }
 
-/// Newton's method with a compliance that follows the map, from zero; none if the law is off by more than a part of the free rates.
+/// Newton's method with a compliance that follows the map, from zero; `None` if the residual of the law exceeds a part of the free rates.
 pub(super) fn soft(scaled: &Scaled) -> Option<Vec<f64>> {
     let forces = improved(scaled, vec![0.0; scaled.free.len()], SOFT);
     let mut rates = vec![0.0; forces.len()];
@@ -162,7 +162,7 @@ fn fastest(scaled: &Scaled) -> f64 {
     scaled.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()))
 }
 
-/// Whether forces are none of those that grow without end.
+/// Whether forces have not begun to grow without end.
 fn is_small(scaled: &Scaled, forces: &[f64]) -> bool {
     let large = LARGE * fastest(scaled);
     forces.iter().all(|force| force.abs() <= large)
@@ -187,7 +187,7 @@ fn compliant(scaled: &Scaled) -> Vec<f64> {
 /// A contact that slides, must be pushed and cannot: `p = n D (n − μ t) ≤ 0` and a free rate below zero, all other closed blocks holding their rows.
 fn paradox(problem: &Problem, answer: &Answer) -> Option<(usize, f64)> {
     let starts = problem.starts();
-    // What a unit of force of each block that holds its row does: (row, direction of the force).
+    // The effect of a unit force of each block that holds its row: (row, direction of the force).
     let direction = |block: usize, row: usize| {
         let mut direction = DVector::zeros(problem.free.len());
         direction[starts[block] + row] = 1.0;

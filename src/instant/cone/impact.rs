@@ -1,14 +1,15 @@
-//! The law of impact: rounds of Newton's law among what approaches, none of which gains energy.
+//! The law of impact: rounds of Newton's law among the approaching blocks; no round gains energy.
 //!
 //! ```text
 //!     v_C: u = D P + b, all laws (plastic)         v_N: the same with b_N + e min(γ⁻, 0)
 //!     P = P_C + σ (P_N − P_C),     σ the largest in [0, 1] with    ΔE = ½ (u⁻ + u⁺) · P ≤ 0
 //! ```
 //!
-//! b = u⁻ are the rates before, γ⁻ those of normals and limits, e the restitution of each block, P impulses, energies in J. If any e > 0 a round is
-//! made of the blocks that approach, and rounds follow until none does. If all are 0 there is one plastic impact of all. A light body between heavy ones
-//! takes about as many rounds as its mass is less: where the last 50 have lost more than a twentieth of what a plastic impact of all would take, that impact
-//! ends them, because it is where such rounds tend to. Elastic ones go on. Where v_N does not exist, because contacts that pinch a body cannot all rebound, σ = 0.
+//! b = u⁻ are the rates before, γ⁻ the rates of normals and limits, e the restitution of each block, P impulses, energies in J. If any e > 0 a round
+//! is made of the approaching blocks, and rounds follow until every block parts. If all are 0 there is one plastic impact of all. A light body
+//! between heavy ones takes about as many rounds as its mass is less. If the last 50 rounds have lost more than a twentieth of the loss of a plastic
+//! impact of all, that impact ends them, because such rounds tend to it. Elastic ones go on. If v_N does not exist, because contacts that pinch a
+//! body cannot all rebound, σ = 0.
 //!
 //! Source: B. Smith, D. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, Reflections on simultaneous impact, ACM Transactions on Graphics 31 (2012).
 
@@ -16,9 +17,9 @@ use crate::instant::cone::cascade::solve;
 use crate::instant::cone::problem::{Answer, Law, Problem, Unsolved};
 use nalgebra::DMatrix;
 
-/// Rounds after which it is asked whether a plastic impact is where they tend to,
+/// Rounds after which a plastic impact may end them, if they tend to it.
 const ROUNDS: usize = 50;
-/// because they have lost this part of what it takes.
+/// Rounds tend to a plastic impact if they have lost this part of its loss.
 const TENDS: f64 = 0.05;
 /// Most rounds, times the rows of the problem.
 const MOST: usize = 30_000;
@@ -29,7 +30,7 @@ const APPROACH: f64 = 1e-6;
 /// Rates below this part of the terms that they are the sum of are rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// What an impact leaves.
+/// The result of an impact.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Impact {
     /// P (m), of all rounds together.
@@ -40,16 +41,16 @@ pub(crate) struct Impact {
     pub lost: f64,
     /// Number of rounds.
     pub rounds: usize,
-    /// What rebounds have not given back because there were too many rounds.
+    /// The energy that rebounds have not given back because there were too many rounds.
     pub cut: f64,
     /// Rounds that were plastic because v_N does not exist.
     pub without_rebound: usize,
 }
 
-/// The impact of a problem whose free rates are those before, with a restitution for each block.
+/// The impact of a problem whose free rates are the rates before, with a restitution for each block.
 ///
 /// # Errors
-/// Those of [`solve`], and if there is not one restitution between 0 and 1 for each block.
+/// The errors of [`solve`], and if there is not one restitution between 0 and 1 for each block.
 pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, Unsolved> {
     problem.check()?;
     let sound = |block: usize| restitution.get(block).is_some_and(|e| (0.0..=1.0).contains(e));
@@ -87,7 +88,7 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, U
             if !all.iter().any(approach) {
                 return Ok(state);
             }
-            // What holds both ways takes part whenever something approaches.
+            // Blocks that hold both ways take part whenever another block approaches.
             let takes_part = |block: &usize| approach(block) || holds_both_ways(&problem.laws[*block]);
             let part: Vec<usize> = all.iter().copied().filter(takes_part).collect();
             round(problem, &starts, &part, Some(restitution), &mut state)?;
@@ -99,10 +100,10 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, U
 
 /// The impulse of a contact that slides and has no consistent acceleration (Painlevé), without a collision: b_N of its block is 0.
 ///
-/// No impulse at all fits the law as well. This is the answer next to that for a small rate of approach, which has to stop.
+/// No impulse at all fits the law as well. This is the limit of the answers for small rates of approach, which have to stop.
 ///
 /// # Errors
-/// Those of [`solve`].
+/// The errors of [`solve`].
 pub(crate) fn impulse_without_collision(problem: &Problem, block: usize) -> Result<Answer, Unsolved> {
     problem.check()?;
     let Some(&row) = problem.starts().get(block) else { return Err(Unsolved::Numbers { block }) };
@@ -112,7 +113,7 @@ pub(crate) fn impulse_without_collision(problem: &Problem, block: usize) -> Resu
     solve(problem, Some(&near.forces))
 }
 
-/// The rate with which a block comes together; 0 for what holds both ways.
+/// The rate with which a block comes together; 0 for a block that holds both ways.
 fn approach_rate(law: &Law, rate: f64) -> f64 {
     match *law {
         Law::Contact { .. } | Law::Sliding { .. } => rate,
@@ -138,7 +139,7 @@ fn round(
         part.iter().flat_map(|&block| starts[block]..starts[block] + problem.laws[block].rows()).collect();
     let mobility = DMatrix::from_fn(rows.len(), rows.len(), |row, column| problem.mobility[(rows[row], rows[column])]);
     let free: Vec<f64> = rows.iter().map(|&row| state.rates[row]).collect();
-    // What earlier rounds have used of a bound is gone.
+    // The part of a bound that earlier rounds have used is gone.
     let laws: Vec<Law> = part
         .iter()
         .map(|&block| match problem.laws[block] {
@@ -339,7 +340,7 @@ mod tests {
             problem.starts().iter().for_each(|&start| target[start] += target[start].min(0.0));
             let plastic = solve(&problem, None).expect("a plastic impact").forces;
             let Ok(newton) = solve(&Problem { free: &target, ..problem }, None) else { continue };
-            // Contacts that pinch the body have forces whose rounding is as large as the energy: those gain nothing, but the root is rough.
+            // Contacts that pinch the body have forces whose rounding is as large as the energy: they gain no energy, but the root is rough.
             let pinched = newton.forces.iter().any(|force| force.abs() > 1e6);
             let share = largest_share(&problem, &plastic, &newton.forces);
             // ΔE at a share, and the size of its terms.

@@ -51,7 +51,7 @@ struct Linear {
     by_product: Vector3<f64>,
 }
 
-/// Scaled forces near a solution; none if it fails. Spread says how far inside the cones it starts, in units of the largest b.
+/// Scaled forces near a solution; `None` if it fails. Spread says how far inside the cones it starts, in units of the largest b.
 pub(super) fn interior(problem: &Scaled, spread: f64) -> Option<Vec<f64>> {
     let mut point = start(problem, spread)?;
     let count = problem.free.len();
@@ -160,7 +160,7 @@ fn start(problem: &Scaled, spread: f64) -> Option<Point> {
     Some(point)
 }
 
-/// Friction with a known direction; none where there is no friction.
+/// Friction with a known direction; zero without friction.
 fn known_friction(law: &Law) -> (f64, [f64; 2]) {
     match *law {
         Law::Sliding { friction, direction } => (friction, direction),
@@ -261,7 +261,7 @@ fn matrix(problem: &Scaled, blocks: &[Linear]) -> DMatrix<f64> {
     matrix
 }
 
-/// The step of all variables for those of forces and rates, with the products of an earlier step.
+/// The step of all variables for the steps of forces and rates, with the products of an earlier step.
 fn step(problem: &Scaled, point: &Point, forces: &[f64], rates: &[f64], target: f64, earlier: Option<&Point>) -> Point {
     let mut pushes = Vec::with_capacity(point.pushes.len());
     for (block, (start, law)) in problem.blocks().enumerate() {

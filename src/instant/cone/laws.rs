@@ -7,9 +7,10 @@
 //!                   F = r − P_K(r − û),                û = u + μ |u_T| e_N                       (natural map)
 //! ```
 //!
-//! Both forms of the contact have the same solutions. A = ∂F/∂u and B = ∂F/∂r are 3 × 3; where F has a kink one of its derivatives is taken.
+//! Both forms of the contact have the same solutions. A = ∂F/∂u and B = ∂F/∂r are 3 × 3; at a kink of F one of its derivatives is taken.
 //!
-//! Source: P. Alart, A. Curnier, A mixed formulation for frictional contact problems, Computer Methods in Applied Mechanics and Engineering 92 (1991).
+//! Source: P. Alart, A. Curnier, A mixed formulation for frictional contact problems, Computer Methods in Applied Mechanics and Engineering 92
+//! (1991).
 
 use crate::instant::cone::problem::Law;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -17,7 +18,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 /// Which equations stand for the law of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
-    /// Those of Alart and Curnier.
+    /// The equations of Alart and Curnier.
     AlartCurnier,
     /// The natural map of De Saxcé's complementarity.
     Natural,
@@ -46,7 +47,7 @@ impl Equations {
     }
 }
 
-/// The equations of a law at rates and forces, of which the first rows are those of the block.
+/// The equations of a law at rates and forces; their first rows are the rows of the block.
 pub(super) fn equations(law: &Law, form: Form, rates: &[f64], forces: &[f64]) -> Equations {
     match *law {
         Law::Interval { lower, upper } => {
@@ -126,7 +127,7 @@ fn alart_curnier(friction: f64, rate: &Vector3<f64>, force: &Vector3<f64>) -> Eq
     }
     let along = Vector2::new(moved.y, moved.z) / tangential;
     let radius = friction * moved.x;
-    // Derivative of the point of the disc by what is projected and, along the radius, by the normal force.
+    // Derivative of the point of the disc by the projected vector and, along the radius, by the normal force.
     let turned = (Matrix2::identity() - along * along.transpose()) * (radius / tangential);
     let mut found = Equations::without_rate(*rate);
     found.by_rate.fixed_view_mut::<2, 2>(1, 1).copy_from(&turned);

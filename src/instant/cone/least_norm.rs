@@ -1,4 +1,4 @@
-//! The solution of least norm of a square system that may be singular, and the vectors that do nothing in it.
+//! The solution of least norm of a square system that may be singular, and its null vectors.
 //!
 //! ```text
 //!     A P = Q R      R₁₁ (r × r) regular, what is below it rounding        columns by their size: Householder with pivoting
@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 /// Pivots below this part of the largest are zero.
 const SINGULAR: f64 = 1e-11;
 
-/// x, and N; x solves the system as far as it can be solved. None if a number is not finite.
+/// x, and N; x solves the system as far as it can be solved. `None` if a number is not finite.
 pub(crate) fn least_norm(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let count = right.len();
     if count == 0 {

@@ -4,12 +4,12 @@
 //!     largest m with    D r = −b,    r_c − m e_N in K_c for every contact,    lower + m ≤ r ≤ upper − m for every interval
 //! ```
 //!
-//! All blocks hold their rows (u = 0; of a contact that slides u_N = 0, and r_T = −μ r_N t). If m ≥ 0 admissible forces exist and nothing opens or
-//! slips; if m < 0 something must. m is continuous in the load, in N (N m of joints). It is at most the largest force of the solution of least norm,
-//! which bounds it where contacts can pinch a body as hard as they like.
+//! All blocks hold their rows (u = 0; of a contact that slides u_N = 0, and r_T = −μ r_N t). If m ≥ 0, admissible forces exist and all contacts keep
+//! their states; if m < 0, one must open or slip. m is continuous in the load, in N (N m of joints). It is at most the largest force of the solution
+//! of least norm, which bounds it where contacts can pinch a body as hard as they like.
 //!
 //! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
-//! clarabel, and where N is empty m is read off r₀.
+//! clarabel. If N is empty, m is read off r₀.
 
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::problem::{Law, Problem};
@@ -20,9 +20,9 @@ use nalgebra::{DMatrix, DVector};
 
 /// A solution of least norm with this part of its largest force to spare is margin enough.
 const CLEAR: f64 = 0.02;
-/// Rows are held to this part of what they are accelerated by,
+/// Rows are held to this part of their accelerations.
 const HELD: f64 = 1e-8;
-/// and to this part of what they are the difference of: under a heavy body a light one is held by forces that are large against its weight.
+/// Rounding as a part of the terms that cancel: under a heavy body a light one is held by forces that are large against its weight.
 const ROUNDING: f64 = 1e-13;
 
 /// m; −∞ if no forces hold all rows, or the problem is malformed.
@@ -61,7 +61,7 @@ fn margin_beyond(problem: &Problem, clear: f64) -> f64 {
         .iter()
         .zip(&scaled.starts)
         .fold(largest, |least, (law, &start)| least.min(own_margin(law, &particular.as_slice()[start..])));
-    // Far from the end of what can be held its sign is all that is asked.
+    // Far from the limit of the contacts only its sign is needed.
     if null.ncols() == 0 || own > clear * largest {
         return own;
     }
@@ -77,7 +77,7 @@ fn own_margin(law: &Law, forces: &[f64]) -> f64 {
     }
 }
 
-/// What the unknown forces of blocks are in rows: one column for each, in scaled units.
+/// The rows of the unknown forces of blocks: one column for each force, in scaled units.
 fn force_directions(scaled: &Scaled) -> DMatrix<f64> {
     let count = scaled.free.len();
     let mut columns: Vec<DVector<f64>> = Vec::with_capacity(count);
@@ -97,9 +97,9 @@ fn force_directions(scaled: &Scaled) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(count, 0) } else { DMatrix::from_columns(&columns) }
 }
 
-/// The least-norm unknowns that hold all rows, and a basis of those that do nothing; none if nothing holds them.
+/// The least-norm unknowns that hold all rows, and a basis of their null space; `None` if no forces hold the rows.
 fn holding_forces(scaled: &Scaled, directions: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    // The rows that are held: those of which a unit force is an unknown.
+    // The rows that are held: each row whose unit force is an unknown.
     let held: Vec<usize> = scaled
         .blocks()
         .flat_map(|(start, law)| match law {
@@ -119,7 +119,7 @@ fn holding_forces(scaled: &Scaled, directions: &DMatrix<f64>) -> Option<(DVector
 /// `forces = rows r + offset − margin · m` in cones.
 struct Conditions {
     cones: Vec<SupportedConeT<f64>>,
-    /// Of each condition: row of r, its factor, the offset, and the factor of m.
+    /// For each condition: row of r, its factor, the offset, and the factor of m.
     lines: Vec<(usize, f64, f64, f64)>,
 }
 
@@ -153,7 +153,7 @@ impl Conditions {
         Conditions { cones, lines }
     }
 
-    /// The largest m, at most the largest force; none if clarabel fails.
+    /// The largest m, at most the largest force; `None` if clarabel fails.
     fn largest_margin(mut self, particular: &DVector<f64>, null: &DMatrix<f64>, largest: f64) -> Option<f64> {
         let unknowns = null.ncols() + 1;
         // In units of the largest force; rows of A x + s = limit with s in the cones.

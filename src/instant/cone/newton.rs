@@ -4,9 +4,9 @@
 //!     (A (D + ε) + B) δr = −F(u, r),     u = D r + b
 //! ```
 //!
-//! F, A and B are those of `laws.rs` (block diagonal), D is scaled, and ε is a compliance about the last iterate: it makes redundant contacts
-//! solvable and changes the path, not the answer. Forces that the laws give at once (open contacts, intervals at a bound) are eliminated before the
-//! matrix is formed. The step is halved until the natural map is smaller; the best iterate is kept.
+//! `laws.rs` defines F, A and B (block diagonal). D is scaled, and ε is a compliance about the last iterate: it makes redundant contacts solvable and
+//! changes the path, not the answer. Forces that the laws give at once (open contacts, intervals at a bound) are eliminated before the matrix is
+//! formed. The step is halved until the natural map is smaller; the best iterate is kept.
 //!
 //! Source: P. Alart, A. Curnier 1991; semismooth Newton: L. Qi, J. Sun, A nonsmooth version of Newton's method, Mathematical Programming 58 (1993).
 
@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Most halvings of a step.
 const HALVINGS: usize = 5;
-/// So many steps may gain less than a tenth; where ε follows the map, more.
+/// The most steps in a row that gain less than a tenth, and the most of them if ε follows the map.
 const PATIENCE: usize = 3;
 const PATIENCE_SOFT: usize = 40;
 /// The largest ε that follows the map.
@@ -99,7 +99,7 @@ fn advance(problem: &Scaled, forces: &[f64], step: &DVector<f64>, length: f64, t
     problem.rates(to, rates);
 }
 
-/// δr; none if the matrix is singular.
+/// δr; `None` if the matrix is singular.
 fn step(problem: &Scaled, forces: &[f64], rates: &[f64], settings: Settings) -> Option<DVector<f64>> {
     let count = forces.len();
     let mut step = DVector::zeros(count);
@@ -121,7 +121,7 @@ fn step(problem: &Scaled, forces: &[f64], rates: &[f64], settings: Settings) -> 
     if unknown.is_empty() {
         return Some(step);
     }
-    // What the known changes do to the rates.
+    // The changes of the rates by the known changes of forces.
     let mut known = vec![0.0; count];
     for (column, &change) in step.iter().enumerate().filter(|(_, change)| **change != 0.0) {
         problem.add_column(column, change, &mut known);

@@ -17,10 +17,10 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT}
 
 /// Most rounds of the fixed point.
 const ROUNDS: usize = 25;
-/// So many rounds may pass in which the residual is not halved.
+/// Rounds that may pass without halving the residual.
 const PATIENCE: usize = 6;
 
-/// Scaled forces near a solution, from those of a start or from none; none if clarabel fails.
+/// Scaled forces near a solution, from the forces of a start or from zero; `None` if clarabel fails.
 pub(super) fn convex_rounds(problem: &Scaled, start: Option<&[f64]>) -> Option<Vec<f64>> {
     let count = problem.free.len();
     let mut forces = start.map_or_else(|| vec![0.0; count], <[f64]>::to_vec);
@@ -69,7 +69,7 @@ pub(super) fn convex_rounds(problem: &Scaled, start: Option<&[f64]>) -> Option<V
     nearest.map(|(_, forces)| forces)
 }
 
-/// Of each block μ |u_T|, and the normal force that known friction follows.
+/// For each block μ |u_T|, and the normal force that known friction follows.
 fn shifts(problem: &Scaled, forces: &[f64], rates: &[f64]) -> Vec<f64> {
     let of_block = |(start, law): (usize, Law)| match law {
         Law::Contact { friction } => [friction * rates[start + 1].hypot(rates[start + 2]), 0.0],
@@ -79,7 +79,7 @@ fn shifts(problem: &Scaled, forces: &[f64], rates: &[f64]) -> Vec<f64> {
     problem.blocks().flat_map(of_block).collect()
 }
 
-/// What stays the same in all rounds.
+/// The parts of the programme that are the same in all rounds.
 struct Programme {
     quadratic: CscMatrix<f64>,
     rows: CscMatrix<f64>,

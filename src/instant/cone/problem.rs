@@ -5,7 +5,7 @@
 //! ```
 //!
 //! D (m × m) is the mobility (Delassus matrix), symmetric and positive semidefinite; it is singular where contacts are redundant. r (m) are forces
-//! or impulses, u (m) rates or accelerations, b (m) those without r. Units are those of the rows: N, N m, N s, with m/s, rad/s, m/s².
+//! or impulses, u (m) rates or accelerations, b (m) the rates without r. Units follow the rows: N, N m, N s, with m/s, rad/s, m/s².
 //!
 //! Source: G. De Saxcé, Z.-Q. Feng, The bipotential method, Mathematical and Computer Modelling 28 (1998), for Coulomb's law as complementarity.
 
@@ -37,7 +37,7 @@ pub(crate) enum Law {
 }
 
 impl Law {
-    /// That of a contact that sticks, or slides in this direction of its tangents; without friction only its normal has a row.
+    /// The law of a contact that sticks, or slides in this direction of its tangents; without friction only its normal has a row.
     pub fn of_contact(friction: f64, slides: Option<[f64; 2]>) -> Self {
         match slides {
             _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
@@ -91,7 +91,7 @@ impl Problem<'_> {
     /// Checks lengths and numbers.
     ///
     /// # Errors
-    /// If lengths differ, a number is not finite, or a law is none.
+    /// If lengths differ, a number is not finite, or a law is malformed.
     pub fn check(&self) -> Result<(), Unsolved> {
         let rows: usize = self.laws.iter().map(Law::rows).sum();
         let (height, width) = self.mobility.shape();
@@ -146,8 +146,8 @@ pub(crate) struct Answer {
     pub rates: Vec<f64>,
     /// The state of each block.
     pub states: Vec<BlockState>,
-    /// By how much the law is not met, max |r − P_K(r − û / w)| over the blocks, relative to the largest force: the larger of the residuals in
-    /// forces and in forces times √w, which does not forgive light bodies beside heavy ones.
+    /// The residual of the law, max |r − P_K(r − û / w)| over the blocks, relative to the largest force: the larger of the residuals in forces and in
+    /// forces times √w, which does not forgive light bodies beside heavy ones.
     pub residual: f64,
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Scaled {
 }
 
 impl Scaled {
-    /// Of a problem.
+    /// The scaled form of a problem.
     pub fn new(problem: &Problem) -> Self {
         let starts = problem.starts();
         let means: Vec<f64> = problem

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 pub struct Random(u64);
 
 impl Random {
-    /// From a seed.
+    /// A generator with a seed.
     pub fn new(seed: u64) -> Self {
         Random(seed.wrapping_mul(2).wrapping_add(1))
     }
@@ -68,12 +68,12 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Of bodies.
+    /// A scene of bodies.
     pub fn new(bodies: Vec<Body>) -> Self {
         Scene { bodies, laws: Vec::new(), rows: Vec::new(), mobility: DMatrix::zeros(0, 0), free: Vec::new() }
     }
 
-    /// A row: the velocity of a point of a body along a direction, less that of the other body (none: the world).
+    /// A row: the velocity of a point of a body along a direction, less the velocity of the other body there (`None`: the world).
     pub fn row(&self, a: usize, b: Option<usize>, point: Vector3<f64>, along: Vector3<f64>) -> DVector<f64> {
         let mut row = DVector::zeros(6 * self.bodies.len());
         for (body, sign) in [(Some(a), 1.0), (b, -1.0)] {
@@ -184,7 +184,7 @@ pub fn arch(blocks: usize, thickness: f64, friction: f64, gravity: f64) -> Scene
     let mut scene = Scene::new(bodies.collect());
     for joint in 0..=blocks {
         let at = angle(joint);
-        // From the block on the left to that on the right.
+        // The normal points from the left block to the right one.
         let along = Vector3::new(at.sin(), 0.0, -at.cos());
         for (radius, y) in [(-0.5, -0.15), (-0.5, 0.15), (0.5, -0.15), (0.5, 0.15)] {
             let point = radial(at) * (1.0 + radius * thickness) + Vector3::new(0.0, y, 0.0);

@@ -1,11 +1,11 @@
-//! The states that follow from a solution, and what is exactly zero or at a bound in each of them.
+//! The states that follow from a solution, and the rates and forces that are exactly zero or at a bound in each of them.
 //!
 //! ```text
 //!     z = r − u:    contact   z_N ≤ 0: open, r = 0       |z_T| ≤ μ z_N: sticks, u = 0       else slips, u_N = 0, r_T = μ r_N z_T/|z_T|
 //!                   interval  z at or beyond a bound: r is that bound, else u = 0
 //! ```
 //!
-//! All of it in scaled units, in which r and u compare. What is within rounding of a border is open, or sticks.
+//! All of it is in scaled units, in which r and u compare. A contact within rounding of a border is open, or sticks.
 
 use crate::instant::cone::laws::natural_map;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem};
@@ -49,7 +49,7 @@ fn sizes_of_terms(scaled: &Scaled, forces: &[f64]) -> Vec<f64> {
     sizes
 }
 
-/// The state of a block; sets what is exact in its forces.
+/// The state of a block; sets the exact entries of its forces.
 fn settle_block(law: &Law, rates: &[f64], forces: &mut [f64], rounding: f64) -> BlockState {
     let moved = block_of(law, forces) - block_of(law, rates);
     match *law {
@@ -90,13 +90,13 @@ fn settle_block(law: &Law, rates: &[f64], forces: &mut [f64], rounding: f64) -> 
     }
 }
 
-/// Sets what is exact in the rates of a block.
+/// Sets the exact entries of the rates of a block.
 fn clear(law: &Law, state: BlockState, rates: &mut [f64]) {
     match state {
         BlockState::Sticks | BlockState::Inside => rates.fill(0.0),
         BlockState::Slips => rates[0] = 0.0,
         BlockState::Open => rates[0] = rates[0].max(0.0),
-        // An interval without room holds nothing.
+        // An interval without room does not hold its rate.
         BlockState::AtLower if matches!(*law, Law::Interval { lower, upper } if lower == upper) => {}
         BlockState::AtLower => rates[0] = rates[0].max(0.0),
         BlockState::AtUpper => rates[0] = rates[0].min(0.0),

@@ -40,7 +40,7 @@ pub(super) fn single_contact(mobility: &Matrix3<f64>, free: &Vector3<f64>, frict
         let tangential = axes[0] * (-parts[0] / (own[0] + s)) + axes[1] * (-parts[1] / (own[1] + s));
         Vector3::new(without_friction - coupling.dot(&tangential), tangential.x, tangential.y)
     };
-    // Beyond the cone where positive.
+    // The force is outside the cone if this is positive.
     let beyond = |force: &Vector3<f64>| force.y.hypot(force.z) - friction * force.x;
     let sticks = force(0.0);
     let (mut low, mut at_low) = (0.0, beyond(&sticks));

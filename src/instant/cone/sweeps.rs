@@ -29,7 +29,7 @@ pub(super) fn sweep(problem: &Scaled, forces: &mut [f64], sweeps: usize) {
                     let before = Vector3::from_column_slice(&forces[start..start + 3]);
                     let free = rates[start] - (normal_row * before).x;
                     let coupled = (normal_row * along).x;
-                    // Where friction overcomes the normal mobility (Painlevé) the frictionless force is a start as good as any.
+                    // If friction overcomes the normal mobility (Painlevé), the frictionless force is a start as good as any.
                     let mobility = if coupled > 0.0 { coupled } else { own };
                     let normal = if mobility > 0.0 { (-free / mobility).max(0.0) } else { 0.0 };
                     along * normal

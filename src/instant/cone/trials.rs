@@ -91,7 +91,8 @@ fn limits_friction_of_joints_and_known_slips_are_solved_together() {
 
 #[test]
 fn nothing_is_called_a_paradox_that_has_an_answer() {
-    // Boxes on each other, each of which slides another way: where Newton's method stops short, what it holds closed may be a paradox of its own.
+    // Boxes on each other, each of which slides another way: if Newton's method stops short, the blocks that it holds closed may be a paradox of
+    // their own.
     let (mut solved, mut paradoxes) = (0, Vec::new());
     for seed in 0..300 {
         let numbers = &mut Random::new(seed);
@@ -176,7 +177,7 @@ fn painleves_rod_has_no_acceleration_and_takes_the_impulse_of_the_reference() {
 
 #[test]
 fn velocities_agree_with_rounds_of_convex_problems() {
-    // With little friction the answer is one; clarabel and Newton go another way to it.
+    // For little friction the answer is unique; clarabel and Newton go different ways to it.
     let (mut compared, mut worst) = (0, 0.0_f64);
     for seed in 0..40 {
         let scene = random(1 + seed as usize % 8, 1 + seed as usize % 3, 2.0, (0.05, 0.3), seed);
@@ -312,7 +313,7 @@ fn the_same_problem_has_the_same_answer_to_the_last_bit() {
     let bits = |forces: &[f64]| forces.iter().map(|force| force.to_bits()).collect::<Vec<u64>>();
     let (one, other) = (solve(&scene.problem(), None).expect("one"), solve(&scene.problem(), None).expect("other"));
     assert_eq!(bits(&one.forces), bits(&other.forces));
-    // From its own answer it stays there.
+    // Started at its own answer, it stays there.
     let warm = solve(&scene.problem(), Some(&one.forces)).expect("warm");
     let size = one.forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     assert!(one.forces.iter().zip(&warm.forces).all(|(one, warm)| (one - warm).abs() <= 1e-10 * size));
@@ -336,7 +337,7 @@ fn bad_numbers_are_errors() {
     }
     let crossing = Law::Interval { lower: 1.0, upper: 0.0 };
     assert!(matches!(solve(&DMatrix::identity(1, 1), &[0.0], crossing), Err(Unsolved::Numbers { block: 0 })));
-    // What nothing can move, and must: no answer, and the error has the best there is.
+    // A block that must move and that no force can move: no answer, and the error has the best iterate.
     match solve(&DMatrix::zeros(3, 3), &free, contact) {
         Err(Unsolved::Stopped { best }) => assert!(best.residual > 0.1),
         other => panic!("{other:?}"),
@@ -344,7 +345,8 @@ fn bad_numbers_are_errors() {
     assert!(super::solve(&Problem { mobility: &DMatrix::zeros(0, 0), free: &[], laws: &[] }, None).is_ok());
 }
 
-/// A column of flat ends on each other, each of which touches the one below with this many points round its rim, that slides with some of them and is hit.
+/// A column of flat ends on each other, each of which touches the one below with this many points round its rim, that slides with some of them and is
+/// hit.
 fn pillar(seed: usize) -> Scene {
     let mut random = Random::new(seed as u64);
     let levels = 2 + random.below(3);
@@ -393,7 +395,7 @@ fn a_compliance_that_follows_the_map_solves_redundant_impacts_that_a_constant_on
 
 #[test]
 fn what_the_soft_way_finds_is_off_by_next_to_nothing_of_the_free_rates() {
-    // Rebounds of contacts that pinch a body have no solution in many of these; forces without end are none.
+    // Rebounds of contacts that pinch a body have no solution in many of these; forces without end do not count as solutions.
     let (mut found, mut none) = (0, 0);
     for seed in 0..300 {
         let scene = random(1 + seed as usize % 3, 1, 0.0, (0.5, 1.5), seed);

@@ -28,12 +28,12 @@ pub(crate) struct Closing {
     decided: bool,
     /// Whether velocities were projected in the state that was taken last.
     projected: bool,
-    /// What was counted in the first state.
+    /// The count of the closures in the first state.
     counted: Option<Arc<Counted>>,
 }
 
 impl Closing {
-    /// For a mechanism; none if it has no closures.
+    /// The workspace for a mechanism; `None` if it has no closures.
     pub fn new(mechanism: &Mechanism) -> Option<Self> {
         mechanism.has_closures().then(|| {
             let projection = Projection::new(mechanism);
@@ -49,7 +49,7 @@ impl Closing {
         })
     }
 
-    /// Takes what was counted in the first state that will be asked for.
+    /// Takes the count of the closures in the first state that will be asked for.
     pub fn expect_at(&mut self, counted: Option<Arc<Counted>>) {
         self.counted = counted;
     }
@@ -83,8 +83,8 @@ impl Closing {
         });
     }
 
-    /// Makes velocities fit the closures in the state that was taken last, with the least change in the metric of H. Those that follow in the same state
-    /// have the factors of the first.
+    /// Makes velocities fit the closures in the state that was taken last, with the least change in the metric of H. Later velocities in the same
+    /// state use the factors of the first.
     pub fn velocities(&mut self, mechanism: &Mechanism, velocity: &mut [f64]) {
         if std::mem::replace(&mut self.projected, true) {
             self.projection.velocities_again(mechanism, &self.start, velocity);
@@ -93,7 +93,7 @@ impl Closing {
         }
     }
 
-    /// What a loop joint carries at the accelerations that were asked for last: force (N), and torque about the point of its second end [N m].
+    /// The load of a loop joint at the accelerations that were asked for last: force (N), and torque about the point of its second end [N m].
     pub fn loop_wrench(&self, index: usize) -> (Vector3<f64>, Vector3<f64>) {
         self.projection.loop_wrench(index, &self.multipliers)
     }

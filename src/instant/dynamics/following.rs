@@ -2,11 +2,11 @@
 //!
 //! ```text
 //!     J v = 0,   one row v_f − m v_l for each follower f of a leader l           X = H⁻¹ Jᵀ  (n × k),   A = J X  (k × k)
-//!     x − X A⁻¹ J x:   of x = H⁻¹ τ the answer Y τ; of accelerations of the tree those that fit J a = 0; of velocities the nearest in the metric of H
+//!     x − X A⁻¹ J x:  of x = H⁻¹ τ the answer Y τ; of accelerations of the tree those that fit J a = 0; of velocities the nearest in the metric of H
 //! ```
 //!
-//! H (n × n) is the mass matrix, J (k × n). J is constant, so that X is worked out once in a state, and an effort costs one solve with H and k products. A
-//! is symmetric and positive definite where each joint follows in one way only.
+//! H (n × n) is the mass matrix, J (k × n). J is constant, so that X is worked out once in a state, and an effort costs one solve with H and k
+//! products. A is symmetric and positive definite if each joint follows in one way only.
 
 use crate::mechanism::description::closure::Mimic;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -22,12 +22,12 @@ pub(crate) struct Following {
     rows: Vec<(usize, usize, f64)>,
     /// X.
     columns: DMatrix<f64>,
-    /// Of A.
+    /// The factor of A.
     factor: Cholesky<f64, Dyn>,
 }
 
 impl Following {
-    /// In the state for which `respond` makes H⁻¹ τ of efforts τ; none where loops close, or where the rows are not independent.
+    /// The projection in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, or if the rows are not independent.
     pub fn at(mechanism: &Mechanism, mut respond: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
         if !mechanism.loops.is_empty() || mechanism.mimics.is_empty() {
             return None;

@@ -65,7 +65,7 @@ pub(crate) mod tests {
     use crate::mechanism::motion::kinematics::body_states;
     use nalgebra::{Rotation3, Translation3};
 
-    /// A tree of bodies, each by its parent, its joint and a size (m, kg) by which all of its numbers differ from those of others.
+    /// A tree of bodies, each by its parent, its joint and a size (m, kg) that makes all of its numbers differ from the numbers of others.
     pub(crate) fn tree(bodies: &[(Option<usize>, JointKind, f64)]) -> Mechanism {
         let pose = |x: f64, turn: f64| {
             Pose::from_parts(Translation3::new(x, 0.2, -x), Rotation3::from_euler_angles(turn, 0.4, -turn))

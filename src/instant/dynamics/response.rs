@@ -1,12 +1,12 @@
-//! How a mechanism answers to efforts and impulses at one instant, with its closures, computed on the spanning tree with the least work.
+//! The response of a mechanism to efforts and impulses at one instant, with its closures, computed on the spanning tree with the least work.
 //!
 //! ```text
 //!     a = a_free + Y τ          accelerations under efforts τ            a_free: without them
 //!     v⁺ = v⁻ + Y P             velocities after impulses P
 //! ```
 //!
-//! Y (n × n) is symmetric and positive semidefinite ([`crate::instant::dynamics::response_on_tree`]). On another tree with the rates `v = S v'` of motions that the
-//! closures allow, efforts act as `τ' = Sᵀ τ`, so that `Y τ = S Y' Sᵀ τ` ([`crate::mechanism::structure::other_efforts`]).
+//! Y (n × n) is symmetric and positive semidefinite ([`crate::instant::dynamics::response_on_tree`]). On another tree with the rates `v = S v'` of
+//! motions that the closures allow, efforts act as `τ' = Sᵀ τ`, so that `Y τ = S Y' Sᵀ τ` ([`crate::mechanism::structure::other_efforts`]).
 
 use crate::instant::dynamics::response_on_tree::ResponseOnTree;
 use crate::mechanism::description::mechanism::Mechanism;

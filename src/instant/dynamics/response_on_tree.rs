@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 #[derive(Clone)]
 pub(crate) struct ResponseOnTree {
     mechanism: Mechanism,
-    /// With all forces, and efforts from outside.
+    /// The equations with all forces, and efforts from outside.
     ode: ReducedOde,
     /// The masses alone: without gravity and forces.
     bare: ReducedOde,

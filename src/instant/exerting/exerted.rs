@@ -10,7 +10,7 @@
 //! ```
 //!
 //! [N m or N]; a_free are the accelerations without λ, with all forces and closures. The set is `[−τ_f, τ_f]` where friction alone holds, without
-//! bound into the allowed range on a limit. Where several λ fit, those of least compliance are taken.
+//! bound into the allowed range on a limit. If several λ fit, the ones of least compliance are taken.
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
@@ -32,7 +32,7 @@ use nalgebra::Vector3;
 
 /// Gaps up to this part of the size of a pair touch: states between ends of steps have the error of the dense output.
 const TOUCHED: f64 = 1e-7;
-/// Gaps that open no faster than this stay closed, and slips that are no faster are none [m/s].
+/// Gaps that open no faster than this stay closed, and slips that are no faster count as rest [m/s].
 const AT_REST: f64 = 1e-7;
 
 /// Works out the efforts of one state after another.
@@ -46,7 +46,7 @@ pub(crate) struct Exerted {
     efforts: Vec<f64>,
     /// The same of motors, friction and limits alone.
     in_joints: Vec<f64>,
-    /// Of the contacts on the bodies.
+    /// The wrenches of the contacts on the bodies.
     wrenches: Vec<BodyWrench>,
     /// The contacts at which there is no impact, as reports name them.
     points: Vec<ContactPoint>,
@@ -59,7 +59,7 @@ pub(crate) struct Exerted {
 }
 
 impl Exerted {
-    /// For a mechanism; none if it has neither motors nor friction nor limits nor anything that may touch.
+    /// The workspace for a mechanism; `None` if it has neither motors nor friction nor limits nor anything that may touch.
     pub fn new(mechanism: &Mechanism) -> Option<Self> {
         (!mechanism.nonsmooth.is_empty()).then(|| {
             let elements = Elements::new(mechanism);
@@ -81,11 +81,11 @@ impl Exerted {
         })
     }
 
-    /// The efforts at these positions and velocities, with those of the motors: one entry a motor, or none if no motor drives; and the wrenches of the
-    /// contacts on the bodies. Does not allocate while no joint is held and nothing may touch.
+    /// The efforts at these positions and velocities, with the efforts of the motors: one entry a motor, or an empty slice if no motor drives; and
+    /// the wrenches of the contacts on the bodies. Does not allocate while no joint is held and no bodies may touch.
     pub fn at(&mut self, position: &[f64], velocity: &[f64], motors: &[f64]) -> (&[f64], &[BodyWrench]) {
         let Exerted { elements, state, efforts, motors: before, known, blocks, .. } = self;
-        // What is held stays where it is.
+        // The efforts of the same state are kept.
         let same = state.position == position && state.velocity == velocity && before == motors;
         if std::mem::replace(known, true) && same {
             return (&self.efforts, &self.wrenches);
@@ -120,7 +120,7 @@ impl Exerted {
         (&self.efforts, &self.wrenches)
     }
 
-    /// The contacts of a state in which motors alone drive, in the order of their pairs; none where there is an impact.
+    /// The contacts of a state in which motors alone drive, in the order of their pairs; empty at an impact.
     pub fn contacts(mechanism: &Mechanism, state: &State) -> Vec<ContactPoint> {
         if mechanism.nonsmooth.pairs.is_empty() {
             return Vec::new();
@@ -140,7 +140,7 @@ impl Exerted {
         &self.in_joints
     }
 
-    /// The contacts that touch and do not part, as blocks after those of the joints.
+    /// The contacts that touch and do not part, as blocks after the blocks of the joints.
     fn take_contacts(&mut self, bodies: &[BodyState]) -> Vec<(Contact, TouchMotion)> {
         let mut contacts = Vec::new();
         for (pair, of) in self.touching.pairs.iter().enumerate() {
@@ -162,7 +162,7 @@ impl Exerted {
         contacts
     }
 
-    /// Shares among the blocks what holds them, and adds it to the efforts and wrenches.
+    /// Shares the holding forces among the blocks, and adds them to the efforts and wrenches.
     fn share(&mut self, bodies: &[BodyState], contacts: &[(Contact, TouchMotion)]) {
         let Exerted { elements, touching, mechanism, response, state, efforts, in_joints, .. } = self;
         let Exerted { wrenches, points, free, blocks, .. } = self;

@@ -1,4 +1,4 @@
-//! What joints and contacts exert in a state: reactions, rest, snapshots for logs.
+//! The forces that joints and contacts exert in a state: reactions, rest, snapshots for logs.
 
 pub(crate) mod exerted;
 pub mod reactions;

@@ -1,6 +1,7 @@
-//! The wrenches of joints and loops at an instant ([`crate::instant::exerting::reactions_on_tree`]), computed on the spanning tree with the least work.
+//! The wrenches of joints and loops at an instant ([`crate::instant::exerting::reactions_on_tree`]), computed on the spanning tree with the least
+//! work.
 //!
-//! Where equations are redundant what a joint of a loop carries is not unique. It then depends on which equations have multipliers, that is on which
+//! If equations are redundant, the load of a joint of a loop is not unique. It then depends on which equations have multipliers, that is on which
 //! joints are cut, as it does on nature's choice.
 
 use crate::instant::exerting::reactions_elsewhere::ReactionsElsewhere;
@@ -43,7 +44,7 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         Reactions { way: Way::OfMechanism(Box::new(ReactionsOnTree::new(of))), bodies }
     }
 
-    /// Takes what was counted of the closures in the first state that will be asked for.
+    /// Takes the count of the closures in the first state that will be asked for.
     pub fn expect_at(&mut self, counted: Option<Arc<Counted>>) {
         if let Way::OfMechanism(reactions) = &mut self.way {
             reactions.expect_at(counted);
@@ -67,8 +68,8 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         }
     }
 
-    /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
-    /// loop carries. Motors, dry friction, limits and contacts take part. Does not allocate while no joint is held and nothing may touch.
+    /// The load of each joint at these positions and velocities, which place the bodies: one entry a body, and the load of each loop. Motors, dry
+    /// friction, limits and contacts take part. Does not allocate while no joint is held and no bodies may touch.
     pub fn of_placed(
         &mut self,
         position: &[f64],

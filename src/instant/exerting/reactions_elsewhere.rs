@@ -1,14 +1,14 @@
 //! Reactions computed on another spanning tree than the file's ([`crate::stepping::trees::other_tree`]), and assigned to the joints of the file.
 //!
 //! A joint that closes a loop on one tree and carries a body on the other exerts the same: force F on its second end, and torque T about that end's
-//! point `P_b`. Of a joint that turns round in the tree what comes out is exerted on its first end, about `P_a`:
+//! point `P_b`. If a joint turns round in the tree, the computed wrench acts on its first end, about `P_a`:
 //!
 //! ```text
 //!     F_b = −F_a        T_b = −(T_a + (P_a − P_b) × F_a)
 //! ```
 //!
-//! What motors, friction, limits and contacts exert is that of the file's tree ([`crate::instant::exerting::exerted`]). Along the axis of a joint that is cut it acts
-//! as a pair of wrenches, and is part of what the joint carries.
+//! Motors, friction, limits and contacts exert the efforts of the file's tree ([`crate::instant::exerting::exerted`]). Along the axis of a joint that
+//! is cut the effort acts as a pair of wrenches, and is part of the load of the joint.
 
 use crate::instant::exerting::exerted::Exerted;
 use crate::instant::exerting::reactions_on_tree::{LoopReaction, ReactionsOnTree};
@@ -43,7 +43,7 @@ pub(crate) struct ReactionsElsewhere<M> {
     exerted: Option<Exerted>,
     /// The efforts of motors.
     motors: Vec<f64>,
-    /// Efforts and wrenches on the other tree, and what is exerted along the axes of joints that are cut.
+    /// Efforts and wrenches on the other tree, and the wrenches along the axes of joints that are cut.
     efforts: Vec<f64>,
     wrenches: Vec<BodyWrench>,
     along: Vec<BodyWrench>,
@@ -62,7 +62,7 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
     /// For a mechanism; gives it back if its own tree is as good.
     pub fn new(of: M) -> Result<Self, M> {
         let mechanism = of.borrow();
-        // In space, because what is carried across a plane is asked for, too.
+        // In space, because loads across a plane are asked for, too.
         let found = other_tree(mechanism, &[], &[Rule::Planar]);
         let other = found.and_then(|(tree, _)| {
             let other = OtherTree::new(mechanism, &tree, None, &State::zero(mechanism)).ok()?;
@@ -130,7 +130,7 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
         }
         let in_joints = exerted.in_joints();
         other.take_efforts(mechanism, own, in_joints, efforts);
-        // What the efforts of contacts are on the file's tree would make loops carry what they do not.
+        // The efforts of contacts on the file's tree would give loops wrong loads.
         if wrenches.iter().any(|wrench| *wrench != BodyWrench::default()) {
             let (mut on_subtrees, mut of_contacts) = (wrenches.clone(), vec![0.0; efforts.len()]);
             efforts_of_wrenches(&other.mechanism, bodies, &mut on_subtrees, &mut of_contacts);

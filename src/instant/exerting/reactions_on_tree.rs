@@ -6,10 +6,9 @@
 //!     H a = τ − c + Jᵀ μ,    J a + J̇ v = 0
 //! ```
 //!
-//! with the efforts τ of forces in joints, of motors, dry friction, limits and contacts ([`crate::instant::exerting::exerted`]);
-//! then Newton and Euler for every subtree with the multipliers' wrenches on the bodies. Where equations are redundant μ is not
-//! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
-//! then depends on that choice as it does on nature's.
+//! with the efforts τ of forces in joints, of motors, dry friction, limits and contacts ([`crate::instant::exerting::exerted`]); then Newton and
+//! Euler for every subtree with the multipliers' wrenches on the bodies. If equations are redundant μ is not unique; the one with the least `Σ s μ²`
+//! is taken, s the mobility of each equation, and the load of a joint of a loop then depends on that choice as it does on nature's.
 
 use crate::instant::dynamics::closing::Closing;
 use crate::instant::exerting::exerted::Exerted;
@@ -34,14 +33,14 @@ pub struct ReactionsOnTree<M> {
     applied: Vec<BodyWrench>,
     reactions: Vec<Reaction>,
     loops: Vec<LoopReaction>,
-    /// Where there are closures, with the state that was asked for last.
+    /// The closures, if there are any, with the state that was asked for last.
     closing: Option<(Closing, State)>,
     exerted: Option<Exerted>,
     /// The efforts of motors.
     motors: Vec<f64>,
 }
 
-/// What a loop joint carries.
+/// The load of a loop joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoopReaction {
     /// Force of the first end on the second, in the world (N).
@@ -82,7 +81,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         self.mechanism.borrow()
     }
 
-    /// Takes what was counted of the closures in the first state that will be asked for.
+    /// Takes the count of the closures in the first state that will be asked for.
     pub fn expect_at(&mut self, counted: Option<Arc<Counted>>) {
         if let Some((closing, _)) = &mut self.closing {
             closing.expect_at(counted);
@@ -138,8 +137,8 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         (&self.reactions, &self.loops)
     }
 
-    /// The same of a mechanism whose forces are driven, under efforts along its degrees of freedom and wrenches on its bodies which do the work of some of
-    /// them.
+    /// The same of a mechanism whose forces are driven, under efforts along its degrees of freedom and wrenches on its bodies which do the work of
+    /// some of them.
     pub fn of_placed_under(
         &mut self,
         position: &[f64],

@@ -6,14 +6,12 @@
 //!     |a|, k |α| ≤ ε (|g| + |F|/m)        k = (½ tr J / m)^½
 //! ```
 //!
-//! with its acceleration `a` [m/s²], angular acceleration `α` [rad/s²], the force `F` (N) of springs and loads on it, its mass
-//! `m` (kg), and radius of gyration `k` (m). Whoever is held up by rounding alone to within that is at rest for this
-//! purpose. Of each vector the largest entry counts, which is finite and not zero where its square need not be. A body with
-//! inertia but no mass has no `k`: it must not turn at all.
+//! with its acceleration `a` [m/s²], angular acceleration `α` [rad/s²], the force `F` (N) of springs and loads on it, its mass `m` (kg), and radius
+//! of gyration `k` (m). A body whose accelerations are within that rounding is at rest for this purpose. The largest entry of each vector counts,
+//! which is finite, and which is not zero although its square may be. A body with inertia but no mass has no `k`: it must not turn at all.
 //!
-//! An unstable equilibrium is one: a pendulum that stands exactly upright stays there in the exact solution. What a computation
-//! would make of it is the growth of its own roundings, which fell it after some 37 of its time constants, at a time that
-//! means nothing. Whoever wants it to fall has to push it.
+//! An unstable equilibrium is one: a pendulum that stands exactly upright stays there in the exact solution. A computed motion would be the growth of
+//! its own roundings. They make it fall after some 37 of its time constants, at a meaningless time. A user who wants it to fall has to push it.
 
 use crate::instant::exerting::reactions::Reactions;
 use crate::instant::exerting::unbalanced::moves_for_certain;
@@ -30,7 +28,7 @@ const ROUNDING: f64 = 1e-15;
 /// ε for each body where there are closures, which are met to some roundings themselves.
 const ROUNDING_OF_CLOSURES: f64 = 1e-13;
 
-/// Whether the mechanism stays in this state for ever: it does not move, and nothing makes it.
+/// Whether the mechanism stays in this state for ever: it does not move, and no force moves it.
 pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
     is_at_rest_counted(mechanism, state, None)
 }
@@ -66,7 +64,7 @@ pub(crate) fn nothing_accelerates(
             return false;
         }
         if body.mass == 0.0 {
-            // Where it goes, what hangs on it shows; and without inertia, how it turns.
+            // The bodies attached to a massless body show its linear acceleration, and without inertia also its angular acceleration.
             return body.inertia.amax() == 0.0 || angular.amax() == 0.0;
         }
         let gyration = (0.5 * body.inertia.sum() / body.mass).sqrt();

@@ -1,8 +1,8 @@
 //! Poses of links and wrenches of joints and loops at a few instants of a motion, for the samples of a log.
 //!
-//! Trees with nothing but gravity and forces in joints are looked at in lanes (`lobatto::instants::instants`); mechanisms with
-//! closures, forces on bodies, motors, dry friction or limits one instant after the other, by [`crate::instant::exerting::reactions`], which is also
-//! what the lanes are held against in the tests.
+//! Trees with only gravity and forces in joints are computed in lanes (`lobatto::instants::instants`). Mechanisms with closures, forces on bodies,
+//! motors, dry friction or limits are computed one instant after the other, by [`crate::instant::exerting::reactions`]. The tests compare the lanes
+//! with it.
 
 use crate::instant::exerting::reactions::Reactions;
 use crate::kernels::instants_for;
@@ -36,7 +36,7 @@ impl View {
     /// Takes the efforts of the motors at the instants that are looked at next [N m or N]: one entry a motor, instant after instant.
     pub fn drive(&mut self, motors: &[f64]) {
         match self {
-            // It has none.
+            // These mechanisms have no motors.
             View::Lanes(_) => {}
             View::Serial(serial) => serial.drive(motors),
         }

@@ -1,5 +1,5 @@
-//! Joints of a tree at rest that gravity alone moves for certain: a sum over the bodies, where the accelerations of [`crate::instant::exerting::rest`] take the
-//! elimination of all joints.
+//! Joints of a tree at rest that gravity alone moves for certain: a sum over the bodies, where the accelerations of
+//! [`crate::instant::exerting::rest`] take the elimination of all joints.
 //!
 //! Gravity does this along the axis `s` of a hinge at `p`, or of a slide, for the bodies `b` beyond the joint,
 //!
@@ -7,13 +7,14 @@
 //!     τ = s · Σ (x_b − p) × m_b ĝ,     f = s · Σ m_b ĝ                                       [kg m, kg]      ĝ = g/|g|
 //! ```
 //!
-//! and with accelerations `a_b` and `α_b` it is what these bodies resist with. If all of them are roundings, `|a_b|, k_b |α_b| ≤ ε |g|`, then
+//! and with accelerations `a_b` and `α_b` it equals the inertial resistance of these bodies. If all of them are roundings, `|a_b|, k_b |α_b| ≤ ε
+//! |g|`, then
 //!
 //! ```text
 //!     |τ| ≤ ε Σ m_b (|x_b| + |p| + 2 k_b),     |f| ≤ ε Σ m_b                                 k = (½ tr J / m)^½
 //! ```
 //!
-//! because the largest moment of inertia is at most `tr J = 2 m k²`. What is beyond that a million times moves for certain.
+//! because the largest moment of inertia is at most `tr J = 2 m k²`. A joint that exceeds this bound a million times moves for certain.
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::joint::JointKind;
@@ -33,8 +34,8 @@ struct Beyond {
     reach: f64,
 }
 
-/// Whether a joint of a tree under gravity alone that is at rest, with its bodies in these places, moves for certain. What this denies may move all the
-/// same.
+/// Whether a joint of a tree under gravity alone that is at rest, with its bodies in these places, moves for certain. If this is false it may still
+/// move.
 pub(crate) fn moves_for_certain(mechanism: &Mechanism, bodies: &[BodyState]) -> bool {
     let strength = mechanism.gravity.amax();
     if !mechanism.is_plain_tree() || strength == 0.0 {

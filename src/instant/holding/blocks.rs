@@ -8,8 +8,8 @@
 //!     W  (m × n)  all rows: rates u = W v;     Y Wᵀ  (n × m)  their response;     D = W Y Wᵀ  (m × m)
 //! ```
 //!
-//! A row is the efforts along the freedoms that a unit force along it does the work of ([`efforts_of_wrenches`]). Impulses and forces `r` along the rows change velocities and
-//! accelerations by `Y Wᵀ r`.
+//! A row is the vector of efforts along the freedoms that do the work of a unit force along the row ([`efforts_of_wrenches`]). Impulses and forces
+//! `r` along the rows change velocities and accelerations by `Y Wᵀ r`.
 
 use crate::instant::cone::problem::Law;
 use crate::instant::dynamics::response::Response;
@@ -23,10 +23,10 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// An acceleration that is this part of what it is the difference of is rounding.
+/// An acceleration that is this part of the terms that cancel in it is rounding.
 const ROUNDING: f64 = 1e-14;
-/// Two bodies that are accelerated apart by this part of how both are fall together, and do not press on each other: if they turn on each other, tilts of
-/// 1e-13 that an impact has left make a tenth of that, and so do states between the ends of steps.
+/// Bodies whose relative acceleration is below this part of their own accelerations are in common free fall and exert no force on each other. If they
+/// turn on each other, tilts of 1e-13 that an impact has left make a tenth of that, and so do states between the ends of steps.
 const BESIDE: f64 = 1e-9;
 
 /// Whose block it is.
@@ -58,7 +58,7 @@ pub(crate) struct Rows {
 }
 
 impl Block {
-    /// That of a joint, by its number: a force along its freedom, of `count` of all, with this sign and between these bounds [N m or N].
+    /// The block of a joint, by its number: a force along its freedom, of `count` of all, with this sign and between these bounds [N m or N].
     pub fn of_joint(index: usize, freedom: usize, count: usize, sign: f64, [lower, upper]: [f64; 2]) -> Self {
         let rows = vec![row_of_freedom(count, freedom, sign)];
         Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows }
@@ -109,8 +109,8 @@ pub(crate) fn rows_of_contact(
         .collect()
 }
 
-/// How fast what a row w is of falls under accelerations a of the joints, `Σ |w a|`: bodies that fall freely beside each other press with the difference of
-/// these, which is rounding.
+/// The fall `Σ |w a|` along a row w under accelerations a of the joints: bodies that fall freely beside each other press with the difference of these
+/// terms, which is rounding.
 pub(crate) fn fall(row: &[f64], accelerations: &[f64]) -> f64 {
     row.iter().zip(accelerations).map(|(w, a)| (w * a).abs()).sum()
 }
@@ -138,7 +138,8 @@ pub(crate) fn second_rates<'c>(
                 let tangents = tangents(&touch_motion(joint, bodies).normal);
                 let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
                 let along = &along[..block.rows.len()];
-                // What falls beside each other is accelerated apart by roundings of its fall, also across it; what slides is accelerated along its plane as well.
+                // Roundings accelerate bodies that fall beside each other apart, also across their fall; a sliding contact is accelerated along its
+                // plane as well.
                 let most = block.rows.iter().map(|row| fall(row, accelerations)).fold(0.0, f64::max);
                 let held = if matches!(block.law, Law::Sliding { .. }) { 1 } else { along.len() };
                 let least = if joint.a.body.is_some() && joint.b.body.is_some() { BESIDE } else { ROUNDING };
@@ -152,7 +153,7 @@ pub(crate) fn second_rates<'c>(
 }
 
 impl Rows {
-    /// Those of blocks at a state.
+    /// The rows of blocks at a state.
     pub fn of(response: &mut Response, state: &State, blocks: &[Block]) -> Self {
         Rows::new(response, state, blocks.iter().flat_map(|block| block.rows.iter().cloned()).collect())
     }

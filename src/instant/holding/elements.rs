@@ -14,17 +14,17 @@ use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::{FrictionState, JointStatus, Side};
 use crate::mechanism::motion::state::State;
 
-/// A joint of one freedom with limits or dry friction, its own or those of joints that follow it.
+/// A joint of one freedom with limits or dry friction, its own or of joints that follow it.
 #[derive(Clone, Debug)]
 pub(crate) struct ElementJoint {
     /// Its coordinate.
     pub coordinate: Coordinate,
-    /// Smallest and largest position (rad or m); infinite where there is none.
+    /// Smallest and largest position (rad or m); infinite without a limit.
     pub lower: f64,
     pub upper: f64,
     /// e: the part of the rate that an impact gives back.
     pub restitution: f64,
-    /// Dry friction [N m or N]; zero for none.
+    /// Dry friction [N m or N]; zero without friction.
     pub friction: f64,
     /// The bodies whose joints have these limits: it, or one that follows it.
     owners: [usize; 2],
@@ -54,7 +54,7 @@ pub(crate) struct Elements {
 pub(crate) const AT_LIMIT: f64 = 1e-14;
 
 impl Elements {
-    /// Those of a mechanism, in the order of its bodies. Several limits of one joint are their intersection, several frictions their sum.
+    /// The elements of a mechanism, in the order of its bodies. Several limits of one joint are their intersection, several frictions their sum.
     pub fn new(mechanism: &Mechanism) -> Self {
         let nonsmooth = &mechanism.nonsmooth;
         let coordinates = nonsmooth.limits.iter().map(|limit| limit.coordinate);
@@ -166,7 +166,7 @@ impl ElementJoint {
         }
     }
 
-    /// What counts as being on a bound (rad or m).
+    /// The distance that counts as being on a bound (rad or m).
     pub fn at_limit(&self, side: Side) -> f64 {
         AT_LIMIT * self.bound(side).abs().max(1.0)
     }
@@ -182,7 +182,7 @@ impl ElementJoint {
         finite.into_iter().filter(|(_, finite)| *finite).map(|(side, _)| side)
     }
 
-    /// The efforts that can hold it at rest, on this limit or on none: λ from … to [N m or N].
+    /// The efforts that can hold it at rest, on this limit or without a limit: λ from … to [N m or N].
     pub fn holding(&self, on: Option<Side>) -> (f64, f64) {
         match on {
             _ if self.is_locked() => (f64::NEG_INFINITY, f64::INFINITY),
@@ -192,7 +192,7 @@ impl ElementJoint {
         }
     }
 
-    /// What the joint of a body is up to that moves with this one, which is held (on a limit or not) or not.
+    /// The status of the joint of a body that moves with this one, which is held (on a limit or not) or not.
     pub fn status(&self, body: usize, held: Option<Option<Side>>) -> Option<JointStatus> {
         let member = self.members.iter().find(|member| member.coordinate.body == body)?;
         let own = |side: Side| if (member.factor > 0.0) == (side == Side::Lower) { Side::Lower } else { Side::Upper };

@@ -1,15 +1,15 @@
 //! The mechanism of the remaining degrees of freedom while some joints are held.
 //!
-//! A joint that friction or a limit holds at `q = q*` is no joint: its body is part of its parent. With the pose `X` of a member in the
-//! frame of the first body of its group, at `q*`,
+//! A joint that friction or a limit holds at `q = q*` is no joint: its body is part of its parent. `X` is the pose of a member in the frame of the
+//! first body of its group, at `q*`,
 //!
 //! ```text
 //!     m = Σ m_i,   c = Σ m_i c_i / m,   J = Σ X J_i Xᵀ + m_i (|d|² 1 − d dᵀ),  d = c_i − c        mass, centre, inertia
 //!     F ↦ P⁻¹ X F                                                                               every frame F on a member
 //! ```
 //!
-//! with the principal frame `P` of the group; what hangs on the world becomes part of it. A rate that is held is exactly zero, and what does
-//! not move costs nothing. Closures whose ends are on one group say nothing and are left out; so are the forces between them.
+//! with the principal frame `P` of the group; bodies that are fixed to the world become part of it. A held rate is exactly zero, and held joints cost
+//! no time. Closures whose ends are on one group are redundant and are left out; so are the forces between them.
 
 use crate::mechanism::description::closure::{Attachment, Coordinate, JointLimit, LoopJoint};
 use crate::mechanism::description::contact::TouchJoint;
@@ -21,7 +21,7 @@ use crate::mechanism::motion::state::State;
 use crate::model::Composite;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
-/// Closed contacts as closures of what moves.
+/// Closed contacts as closures of the reduced mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Closures {
     pub touches: Vec<TouchJoint>,
@@ -32,16 +32,16 @@ pub(crate) struct Closures {
 /// What is left of a mechanism to move, and where it is in the whole.
 #[derive(Clone)]
 pub(crate) struct Held {
-    /// What moves.
+    /// The reduced mechanism.
     pub mechanism: Mechanism,
     /// The body of the whole that heads each body.
     heads: Vec<usize>,
-    /// For each body of the whole whether its joint is held, and the group that it is part of; none for the world.
+    /// For each body of the whole whether its joint is held, and the group that it is part of; `None` for the world.
     pub is_held: Vec<bool>,
     groups: Vec<Option<usize>>,
 }
 
-/// Where a body of the whole is: fixed in a group (or in the world), with its pose in the group's frame.
+/// Place of a body of the whole: fixed in a group (or in the world), with its pose in the group's frame.
 #[derive(Clone, Copy)]
 struct Place {
     group: Option<usize>,
@@ -49,8 +49,8 @@ struct Place {
 }
 
 impl Held {
-    /// The rest of a mechanism in a state, with the joints of these bodies held where they are. It has no limits, friction, motors and contacts of its
-    /// own: a mode says what they do.
+    /// The rest of a mechanism in a state, with the joints of these bodies held where they are. It has no limits, friction, motors and contacts of
+    /// its own, because these follow the mode.
     pub fn new(whole: &Mechanism, state: &State, is_held: Vec<bool>, closures: &Closures) -> Self {
         Held::build(whole, state, is_held, closures, false)
     }
@@ -75,7 +75,7 @@ impl Held {
             .iter()
             .zip(&heads)
             .map(|(parts, &head)| {
-                // A body alone stays what it is, to the last bit.
+                // A group of one body keeps the numbers of that body to the last bit.
                 if parts.len() == 1 {
                     return (whole.bodies[head].mass, Pose::identity(), whole.bodies[head].inertia);
                 }
@@ -137,7 +137,7 @@ impl Held {
         (self.mechanism.limits, self.mechanism.nonsmooth) = (limits, nonsmooth);
     }
 
-    /// Closures and forces of what moves.
+    /// Closures and forces of the reduced mechanism.
     fn take_over(&mut self, whole: &Mechanism, closures: &Closures, into: &Into) {
         let coordinate = |of: Coordinate| self.coordinate(whole, of);
         let freedom = |freedom: usize| self.freedom(whole, freedom);
@@ -149,7 +149,7 @@ impl Held {
             }
         };
         let mut forces = whole.forces.clone();
-        // Limits alone are no efforts, and cost nothing between events.
+        // Limits alone are no efforts, and cost no time between events.
         let Nonsmooth { friction, motors, .. } = &whole.nonsmooth;
         forces.driven |= !friction.is_empty() || !motors.is_empty();
         forces.joint_dampers.retain_mut(|damper| freedom(damper.freedom).map(|own| damper.freedom = own).is_some());
@@ -196,27 +196,27 @@ impl Held {
         mechanism.nonsmooth = Nonsmooth::default();
     }
 
-    /// The body of the whole that heads a body of what moves.
+    /// The body of the whole that heads a body of the reduced mechanism.
     pub fn head(&self, body: usize) -> usize {
         self.heads[body]
     }
 
-    /// The body of what moves that a body of the whole heads; none if its joint is held.
+    /// The body of the reduced mechanism that a body of the whole heads; `None` if its joint is held.
     pub fn headed_by(&self, body: usize) -> Option<usize> {
         self.heads.binary_search(&body).ok()
     }
 
-    /// What a body of the whole is part of: a body of what moves, or the world.
+    /// The group of a body of the whole: a body of the reduced mechanism, or the world.
     pub fn group(&self, body: usize) -> Option<usize> {
         self.groups[body]
     }
 
-    /// Whether nothing is left to move.
+    /// Whether every joint is held.
     pub fn is_empty(&self) -> bool {
         self.heads.is_empty()
     }
 
-    /// The coordinate in what moves of one of the whole; none if it is held.
+    /// The coordinate of the reduced mechanism for one of the whole; `None` if it is held.
     pub fn coordinate(&self, whole: &Mechanism, of: Coordinate) -> Option<Coordinate> {
         let body = self.heads.binary_search(&of.body).ok()?;
         let (from, to) = (&whole.bodies[of.body].joint, &self.mechanism.bodies[body].joint);
@@ -227,35 +227,35 @@ impl Held {
         })
     }
 
-    /// The degree of freedom of what moves that is one of the whole; none if it is held.
+    /// The degree of freedom of the reduced mechanism for one of the whole; `None` if it is held.
     pub fn freedom(&self, whole: &Mechanism, of: usize) -> Option<usize> {
         let head = whole.body_of_freedom(of)?;
         let body = self.heads.binary_search(&head).ok()?;
         Some(of - whole.bodies[head].joint.velocity_index + self.mechanism.bodies[body].joint.velocity_index)
     }
 
-    /// Copies entries of position vectors of the whole into those of what moves.
+    /// Copies entries of position vectors of the whole into position vectors of the reduced mechanism.
     pub fn gather_positions(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (&head, body) in self.heads.iter().zip(&self.mechanism.bodies) {
             into[body.joint.position_range()].copy_from_slice(&from[whole.bodies[head].joint.position_range()]);
         }
     }
 
-    /// Copies entries of velocity vectors of the whole into those of what moves.
+    /// Copies entries of velocity vectors of the whole into velocity vectors of the reduced mechanism.
     pub fn gather_velocities(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (&head, body) in self.heads.iter().zip(&self.mechanism.bodies) {
             into[body.joint.velocity_range()].copy_from_slice(&from[whole.bodies[head].joint.velocity_range()]);
         }
     }
 
-    /// Copies entries of position vectors of what moves to their places in the whole.
+    /// Copies entries of position vectors of the reduced mechanism to their places in the whole.
     pub fn spread_positions(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (&head, body) in self.heads.iter().zip(&self.mechanism.bodies) {
             into[whole.bodies[head].joint.position_range()].copy_from_slice(&from[body.joint.position_range()]);
         }
     }
 
-    /// The same of velocity vectors; what is held gets zero.
+    /// The same of velocity vectors; held joints get zero.
     pub fn spread_velocities(&self, whole: &Mechanism, from: &[f64], into: &mut [f64]) {
         for (body, &held) in whole.bodies.iter().zip(&self.is_held) {
             if held {
@@ -267,7 +267,7 @@ impl Held {
         }
     }
 
-    /// The state of what moves.
+    /// The state of the reduced mechanism.
     pub fn gather(&self, whole: &Mechanism, state: &State) -> State {
         let mut own = State::zero(&self.mechanism);
         own.time = state.time;
@@ -277,7 +277,7 @@ impl Held {
         own
     }
 
-    /// Moves the state of the whole to that of what moves.
+    /// Moves the state of the whole to the state of the reduced mechanism.
     pub fn spread(&self, whole: &Mechanism, own: &State, state: &mut State) {
         state.time = own.time;
         self.spread_positions(whole, &own.position, &mut state.position);
@@ -309,7 +309,7 @@ fn heads_and_places(whole: &Mechanism, state: &State, is_held: &[bool]) -> (Vec<
     (heads, places)
 }
 
-/// A mechanism of these bodies, which are depth first because those of the whole are.
+/// A mechanism of these bodies, which are depth first because the bodies of the whole are.
 fn number(whole: &Mechanism, mut bodies: Vec<Body>) -> Mechanism {
     let (mut position_count, mut velocity_count) = (0, 0);
     for body in &mut bodies {
@@ -332,7 +332,7 @@ fn number(whole: &Mechanism, mut bodies: Vec<Body>) -> Mechanism {
     }
 }
 
-/// From the bodies of the whole into the groups.
+/// Maps from the bodies of the whole into the groups.
 struct Into<'p> {
     places: &'p [Place],
     /// Mass, principal frame and moments of each group.

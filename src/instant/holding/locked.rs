@@ -5,8 +5,8 @@
 //!     max lower_i = min upper_i = q*    ⟹    q = q*, q̇ = 0 for ever
 //! ```
 //!
-//! Such a joint is no source of events. Its body is part of its parent, as if the joint were fixed ([`crate::instant::holding::held`]), so that starts,
-//! impacts, accelerations and energies are those of the fixed joint. The state of the file still has its coordinate: q*, at rest.
+//! Such a joint is no source of events. Its body is part of its parent, as if the joint were fixed ([`crate::instant::holding::held`]), so that
+//! starts, impacts, accelerations and energies equal the results of the fixed joint. The state of the file still has its coordinate: q*, at rest.
 //!
 //! If each joint of a mechanism is locked, no body is left, and the mechanism stays as it is.
 
@@ -16,7 +16,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::{JointStatus, Side};
 use crate::mechanism::motion::state::State;
 
-/// A locked joint may be off its position by this much [rad or m]: what is left of closing loops.
+/// A locked joint may be off its position by this much [rad or m]: the remaining error of closing loops.
 const OFF: f64 = 1e-9;
 
 /// A mechanism without its locked joints.
@@ -29,7 +29,7 @@ pub struct Locked {
 }
 
 impl Locked {
-    /// Of a mechanism; `None` if no joint is locked, or each of them.
+    /// The locked joints of a mechanism; `None` if no joint is locked, or each of them.
     pub fn of(whole: &Mechanism) -> Option<Self> {
         if whole.nonsmooth.limits.is_empty() {
             return None;
@@ -53,7 +53,7 @@ impl Locked {
         &self.held.mechanism
     }
 
-    /// Where the bodies and coordinates of the whole are in it.
+    /// The places of the bodies and coordinates of the whole in it.
     pub(crate) fn held(&self) -> &Held {
         &self.held
     }
@@ -96,7 +96,7 @@ impl Locked {
         self.held.is_held.iter().enumerate().filter(|(_, held)| **held).map(|(body, _)| body)
     }
 
-    /// What the joint of a body is up to, if it is locked.
+    /// The status of the joint of a body, if it is locked.
     pub fn status(&self, whole: &Mechanism, state: &State, body: usize) -> Option<JointStatus> {
         if !self.held.is_held[body] {
             return None;

@@ -1,4 +1,4 @@
-//! What can hold or press: limits, friction, motors and contacts as elements, and as rows of one problem.
+//! Elements that can hold or press: limits, friction, motors and contacts, also as rows of one problem.
 
 pub(crate) mod blocks;
 pub(crate) mod elements;

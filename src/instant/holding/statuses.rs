@@ -7,8 +7,8 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::state::State;
 
-/// What the joint of each body is up to in a state, with the efforts of the motors: one entry a motor of the mechanism [N m or N], as far as they
-/// are known.
+/// The status of the joint of each body in a state, with the efforts of the motors: one entry a motor of the mechanism [N m or N], as far as they are
+/// known.
 pub fn joint_statuses(mechanism: &Mechanism, state: &State, motors: &[Option<f64>]) -> Vec<JointStatus> {
     let elements = Elements::new(mechanism);
     let mut statuses: Vec<JointStatus> = (0..mechanism.bodies.len())

@@ -1,7 +1,7 @@
 //! The pairs of colliders that may touch: their geometry, and their contacts in a given state.
 //!
-//! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. Poses are those of the
-//! bodies; the world has its own.
+//! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. A pose belongs
+//! to a body; the world has its own.
 
 use crate::geometry::{Extents, FeatureId, PairGeometry, PlaceId, TouchPlace};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
@@ -15,7 +15,7 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// Features this near to each other, relative to the size of their pair, touch.
 pub(crate) const TOUCHED: f64 = 1e-11;
-/// The same where nothing is known of a state, relative to the smaller shape.
+/// The same in a state without a known mode, relative to the smaller shape.
 const TOUCHED_ANEW: f64 = 1e-9;
 
 /// The pairs of a mechanism.
@@ -37,7 +37,7 @@ pub(crate) struct Pair {
     pub restitution: f64,
     /// Its number in the whole mechanism.
     pub number: usize,
-    /// What its tolerances are made of.
+    /// The lengths from which its tolerances are made.
     pub extents: Extents,
     /// How far a body moves at least while it passes through the other (m).
     pub breadth: f64,
@@ -54,7 +54,7 @@ impl Pair {
         self.extents.whole
     }
 
-    /// Gaps up to this are closed where nothing is known of a state (m): where a run begins, and after steps of first order.
+    /// Gaps up to this are closed in a state without a known mode (m): at the beginning of a run, and after steps of first order.
     pub fn closed_anew(&self) -> f64 {
         (TOUCHED_ANEW * self.extents.smaller).max(self.within(TOUCHED))
     }
@@ -74,7 +74,7 @@ pub(crate) struct Contact {
 }
 
 impl Contact {
-    /// Whether the first body of the joint is that of the second collider of the pair.
+    /// Whether the first body of the joint belongs to the second collider of the pair.
     pub fn is_swapped(&self) -> bool {
         self.place.swapped
     }
@@ -132,7 +132,7 @@ impl Touching {
         }
     }
 
-    /// The pairs of a mechanism. Those whose shapes cannot be are left out; who reads a scene refuses them.
+    /// The pairs of a mechanism. Pairs of impossible shapes are left out; the reader of a scene refuses them.
     pub fn new(mechanism: &Mechanism) -> Self {
         let nonsmooth = &mechanism.nonsmooth;
         let pairs = nonsmooth.pairs.iter().filter_map(|pair| {
@@ -160,7 +160,7 @@ impl Touching {
         places.into_iter().map(|place| (place.gap, place)).map(|(gap, place)| (contact(pair, of, place), gap)).collect()
     }
 
-    /// The contact at the point of the same rim towards a direction in the world, if this one is that of a rim on a plane, or of a point of it.
+    /// The contact at the point of the same rim towards a direction in the world, if this contact is of a rim on a plane, or of a point of the rim.
     pub fn on_rim(&self, known: &Contact, towards: &Vector3<f64>, bodies: &[BodyState]) -> Option<Contact> {
         let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
         let place = geometry.rim_place(&known.place, towards, &pose(of[0], bodies), &pose(of[1], bodies))?;
@@ -194,7 +194,7 @@ impl Touching {
                 Some(height) => least = least.min(height),
                 None => {
                     let others = self.near(pair, bodies, within).into_iter();
-                    // Of a rim that touches at one point alone the opposite one is next: the cylinder tilts in a plane.
+                    // If a rim touches at one point alone, the opposite point is next: the cylinder tilts in a plane.
                     let points = closed.iter().filter(|contact| contact.flat_end().is_some());
                     let ends: Vec<RimOf> = points.clone().filter_map(|contact| contact.rim()).collect();
                     let alone = |end: &RimOf| ends.iter().filter(|other| *other == end).count() == 1;

@@ -4,9 +4,9 @@
 //!     minimise ½ dqᵀ H dq   subject to  φ + W dq ≥ 0,  J dq = 0          dq = Y Wᵀ r,   0 ≤ r ⊥ D r + φ ≥ 0
 //! ```
 //!
-//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` ([`crate::instant::holding::blocks`]), and limits of joints; repeated with the new gaps
-//! until nothing overlaps by more than rounding. Of hundreds of vertices that are near a few push: rows are taken into the problem one by one, the
-//! one that is violated most first, until none is violated (a cutting-plane method).
+//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` ([`crate::instant::holding::blocks`]), and limits of joints; repeated
+//! with the new gaps until every overlap is rounding. Hundreds of vertices may be near, and a few of them push: rows are taken into the problem one
+//! by one, the most violated first, until all are satisfied (a cutting-plane method).
 //!
 //! Source: J. E. Kelley, The cutting-plane method for solving convex programs, Journal of the SIAM 8 (1960).
 
@@ -21,7 +21,7 @@ use nalgebra::DMatrix;
 
 /// Largest number of rounds.
 const ROUNDS: usize = 60;
-/// What may be left of an overlap, as a part of the size of a pair.
+/// Overlaps up to this part of the size of a pair may remain.
 const APART: f64 = 1e-14;
 /// Contacts of a pair that overlaps are near if their gaps are less than this part of its size.
 const NEAR: f64 = 0.1;
@@ -30,7 +30,7 @@ const CLOSED: f64 = 1e-13;
 /// Largest change of a freedom in one round (rad, m).
 const REACH: f64 = 0.2;
 
-/// The pair that overlaps most, and by how much (m); none if nothing does.
+/// The pair that overlaps most, and its overlap (m); `None` without overlaps.
 pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State) -> Option<(usize, f64)> {
     let bodies = body_states(mechanism, state);
     let depth = |pair: usize| (pair, -touching.distance(pair, &bodies));
@@ -103,7 +103,7 @@ fn least_pushes(square: &DMatrix<f64>, gaps: &[f64]) -> Vec<f64> {
     }
 }
 
-/// A pair that overlaps, by its number, and by how much (m); none if nothing does.
+/// A pair that overlaps, by its number, and its overlap (m); `None` without overlaps.
 pub(crate) type Overlap = Option<(usize, f64)>;
 
 /// Moves a state apart; `close` brings it back on what else has to hold. Says which pair overlapped most, and which still does.

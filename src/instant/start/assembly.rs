@@ -33,7 +33,7 @@ const ON_LIMIT: f64 = 1e-9;
 /// Velocities below this [m/s, rad/s] decide no branch.
 const AT_REST: f64 = 1e-9;
 
-/// What the projection of the start changed.
+/// The changes that the projection of the start made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Correction {
     /// Largest change of a number of the joint positions [m, rad, or of a quaternion].
@@ -44,7 +44,7 @@ pub struct Correction {
     pub overlap: Option<(usize, f64)>,
 }
 
-/// Which equations of the closures say nothing new at a configuration.
+/// The redundant equations of the closures at a configuration.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Redundancy {
     /// Number of equations of all closures.
@@ -59,7 +59,7 @@ impl Redundancy {
         self.redundant.iter().map(|(_, count)| count).sum()
     }
 
-    /// Degrees of freedom that the closures leave of those of the tree.
+    /// Degrees of freedom of the tree that the closures leave.
     pub fn degrees_of_freedom(&self, mechanism: &Mechanism) -> usize {
         (mechanism.velocity_count + self.count()).saturating_sub(self.equations)
     }
@@ -113,9 +113,9 @@ pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
     }
 }
 
-/// Moves a state within the limits that are simulated, onto all closures and out of all overlaps, positions first, by the least motion in the metric of the
-/// mass matrix. Velocities are left as they are but for what the closures do not allow: a joint that starts on a limit and moves out of it
-/// has an impact at once.
+/// Moves a state within the limits that are simulated, onto all closures and out of all overlaps, positions first, by the least motion in the metric
+/// of the mass matrix. Velocities are changed only as far as the closures require: a joint that starts on a limit and moves out of it has an impact
+/// at once.
 ///
 /// # Errors
 /// [`AssemblyError`] with the closure that stays open or the joint that stays outside; the state is then where the projection gave up.
@@ -123,7 +123,7 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     assemble_counted(mechanism, state).map(|(correction, _)| correction)
 }
 
-/// The same, with what was counted of the closures where they are met, if there are any.
+/// The same, with the count of the closures in the assembled state, if there are any.
 ///
 /// # Errors
 /// As of [`assemble`].
@@ -137,7 +137,7 @@ pub fn assemble_counted(
     }
 }
 
-/// Assembles what moves besides locked joints, which are put in their places, at rest.
+/// Assembles the mechanism without its locked joints, which are put in their places, at rest.
 fn assemble_without(
     locked: &Locked,
     mechanism: &Mechanism,
@@ -215,7 +215,7 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
     }
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);
-    // Where the start is not closed yet the directions are those nearby.
+    // If the start is not closed yet, the directions nearby are taken.
     projection.heed(Counted::at(mechanism, state).known_nearby());
     let Projected { mut gap, mut worst, .. } = projection.positions(mechanism, &mut start, state);
     let limits = if simulated.is_empty() { &mechanism.limits } else { simulated };
@@ -237,7 +237,7 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
     if gap.is_nan() || gap > OPEN {
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
     }
-    // Once it is closed it is known what is implied, which closes it to rounding.
+    // Once it is closed, the implied equations are known, which closes it to rounding.
     let closed = Counted::at(mechanism, state);
     let known = known_of_steps(&closed, mechanism, &mut projection, &mut start);
     projection.heed(Known { still: Vec::new(), locked: Vec::new(), ..known });
@@ -256,7 +256,7 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
         return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
     }
     correction.velocity = changed;
-    // What cannot move does not have to decide where to.
+    // A mechanism that cannot move has no branch to decide.
     if decided.singular > 0 && state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
         return Err(AssemblyError::Undecided { extra: decided.singular });
     }

@@ -4,8 +4,8 @@
 //!     |g(q)| <= 1e-12 size,   |J v| <= 1e-12 fastest       size: the furthest place of a body (m), at least 1
 //! ```
 //!
-//! The least motion onto closures is measured in the coordinates of the file's tree. Where there is nothing but rounding to be moved, any tree will do, and
-//! on the file's a row of loops may take the cube of their number.
+//! The least motion onto closures is measured in the coordinates of the file's tree. If only roundings are to be moved, any tree will do. On the
+//! file's tree a row of loops may take the cube of their number.
 
 use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -20,8 +20,8 @@ use std::f64::consts::TAU;
 /// Gaps and their rates below this part of the size and of the fastest rate are roundings.
 const ROUNDED: f64 = 1e-12;
 
-/// Closes a state on another tree if nothing but roundings are to be taken out and there is a better one; returns whether it has. `close` puts a
-/// state of a mechanism on its closures and says whether that is possible.
+/// Closes a state on another tree if only roundings are to be taken out and there is a better one; returns whether it has. `close` puts a state of a
+/// mechanism on its closures and says whether that is possible.
 pub(super) fn close_elsewhere(
     mechanism: &Mechanism,
     state: &mut State,

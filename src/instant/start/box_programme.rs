@@ -4,8 +4,8 @@
 //!     minimise  ½ xᵀ Q x + cᵀ x        subject to  lower ≤ x ≤ upper
 //! ```
 //!
-//! The interior-point method of clarabel finds which bounds hold with equality; those are then set, and the others follow from
-//! `Q_ff x_f = −c_f − Q_fb x_b`, so that what is on a bound is exactly there. The set is corrected by the signs of the multipliers.
+//! The interior-point method of clarabel finds which bounds hold with equality; those are then set, and the others follow from `Q_ff x_f = −c_f −
+//! Q_fb x_b`, so that coordinates at a bound are exactly there. The set is corrected by the signs of the multipliers.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 /// Largest number of corrections of the set of bounds that hold.
 const CORRECTIONS: usize = 40;
 
-/// The minimum; `None` if there is none that the solver finds.
+/// The minimum; `None` if the solver does not find it.
 pub fn minimise_in_box(quadratic: &DMatrix<f64>, linear: &DVector<f64>, bounds: &[(f64, f64)]) -> Option<Vec<f64>> {
     let rough = interior_point(quadratic, linear, bounds)?;
     Some(on_bounds(quadratic, linear, bounds, &rough).unwrap_or(rough))

@@ -51,7 +51,7 @@ pub fn most_exceeded<'l>(limits: &'l [JointLimit], state: &State) -> Option<&'l 
     limits.iter().max_by(|one, other| excess(one, state).total_cmp(&excess(other, state)))
 }
 
-/// Moves a tree within limits; what is moved onto a limit is exactly there. Says whether that was possible.
+/// Moves a tree within limits; a joint that is moved onto a limit is exactly there. Says whether that was possible.
 pub fn move_within(mechanism: &Mechanism, limits: &[JointLimit], state: &mut State) -> bool {
     let mass = mass_matrix(mechanism, state);
     let mut bounds = vec![(f64::NEG_INFINITY, f64::INFINITY); mechanism.velocity_count];

@@ -1,11 +1,11 @@
 //! Limits that can never be reached and friction that never matters, where that can be proved at little cost.
 //!
-//! Three arguments, each sound by itself; where none applies nothing is claimed:
+//! Each of three arguments is sound by itself. A limit or friction to which they do not apply is kept:
 //!
-//! 1. A mimic relation `q_f = k q_l + c` maps the range of one joint onto the other. A limit beyond the range that all other limits
-//!    imply is never reached.
-//! 2. An island of one freedom without motors and loads never has more energy than it starts with. A limit at which its potential
-//!    energy would be larger is never reached.
+//! 1. A mimic relation `q_f = k q_l + c` maps the range of one joint onto the other. A limit beyond the range that all other limits imply is never
+//!    reached.
+//! 2. An island of one freedom without motors and loads never has more energy than it starts with. A limit at which its potential energy would be
+//!    larger is never reached.
 //! 3. A joint whose range is one point never moves, so its friction never matters.
 
 use crate::mechanism::description::closure::JointLimit;

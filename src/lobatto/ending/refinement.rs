@@ -28,7 +28,7 @@ const LOST: f64 = 1e-12;
 /// A correction below this part of the velocities is the last: the next would be as much smaller again.
 const SETTLED: f64 = 1e-8;
 
-/// A correction has to be at most this part of the value it corrects: otherwise the factors are not even roughly those of the mechanism.
+/// A correction has to be at most this part of the value it corrects: otherwise the factors do not even roughly belong to the mechanism.
 const FALLS: f64 = 0.5;
 
 /// There are no more corrections than this.

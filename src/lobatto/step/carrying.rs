@@ -13,10 +13,10 @@
 //!
 //! So `y` has the errors of the first motion out of it, and `y − x` is what they have grown to. A step costs one to three iterations.
 //!
-//! A damper of the rate γ stops `v_y − v` within `(v_y − v)/γ`, so that δ is smaller than the guess by the factor `h γ`. Then a small part of the guess is
-//! more than all of δ. Increments of that size become velocities, γ times as large, and grow from step to step as if the motion were chaotic. So the
-//! increments of a motion with springs or dampers become a small part of `δ = θ_y − θ` as it is after each iteration. The exact Newton method follows, from
-//! `δ = 0`, where the simplified iteration does not get there.
+//! A damper of the rate γ stops `v_y − v` within `(v_y − v)/γ`, so that δ is smaller than the guess by the factor `h γ`. Then a small part of the
+//! guess is more than all of δ. Increments of that size become velocities, γ times as large, and grow from step to step as if the motion were
+//! chaotic. So the increments of a motion with springs or dampers become a small part of `δ = θ_y − θ` as it is after each iteration. The exact
+//! Newton method follows, from `δ = 0`, where the simplified iteration does not get there.
 
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{largest, largest_difference, write_ends};

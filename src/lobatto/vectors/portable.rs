@@ -22,7 +22,7 @@ impl<const N: usize> Portable<N> {
     fn zip3(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
         if Self::CALLED { Self::zip3_called(&self, &b, &c, operation) } else { self.zip3_in_place(b, c, operation) }
     }
-    /// By reference, because copies of the operands would be most of the instructions at a call.
+    /// The operands are references, because copies of them would be most of the instructions at a call.
     #[inline(never)]
     fn zip3_called(a: &Self, b: &Self, c: &Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
         a.zip3_in_place(*b, *c, operation)

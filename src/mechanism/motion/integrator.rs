@@ -41,7 +41,7 @@ pub struct MethodDescription {
     pub first_order_time: f64,
     /// Steps with three stages, in spans between given instants that are short beside the steps of the method.
     pub few_stage_steps: usize,
-    /// Rebounds that were left out there and in crowds of impacts, and what they would have given back (J).
+    /// Number of rebounds left out there and in crowds of impacts, and the energy that they would have given back (J).
     pub rebounds_left_out: usize,
     pub rebounds_energy: f64,
 }

@@ -27,7 +27,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a mechanism; `None` if it has none, or contacts, whose equations are spatial.
+    /// The plane of a mechanism; `None` without such a plane, or with contacts, whose equations are spatial.
     pub fn of(mechanism: &Mechanism) -> Option<Plane> {
         if !mechanism.touches.is_empty() {
             return None;

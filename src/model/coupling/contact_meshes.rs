@@ -24,8 +24,8 @@ pub(crate) struct ShapeReader {
 }
 
 impl ShapeReader {
-    /// The shapes that a collision shape of a link of the robot of file `number` stands for: several of a mesh in parts, none of a mesh that is not found, of
-    /// which there is a warning. The link is given by its names in the URDF and in the scene, the shape by its place among those of the link.
+    /// The shapes for a collision shape of a link of the robot of file `number`: several for a mesh in parts, zero and a warning for a mesh that is
+    /// not found. The link is given by its names in the URDF and in the scene, the shape by its place among the shapes of the link.
     ///
     /// # Errors
     /// [`ModelError`] for shapes without size, and for meshes that are there and cannot be used: a run without them would be one of another robot.

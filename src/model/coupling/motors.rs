@@ -55,7 +55,7 @@ impl Builder<'_> {
         Ok((motors, at_start))
     }
 
-    /// A motor of the scene file, and a warning where its bound is read as none.
+    /// A motor of the scene file, and a warning if its bound is read as unbounded.
     fn motor(&self, motor: &SceneMotor, unbounded: &mut Vec<Warning>) -> Result<Motor, ModelError> {
         let stand = self.stand(motor.line, Element::Motor(motor.on.clone()));
         let coordinate = self.coordinate(motor.joint.robot, &motor.joint.joint, &stand)?;

@@ -150,7 +150,8 @@ struct Manner {
     ignored: Option<usize>,
 }
 
-/// Of two links the smaller coefficient that is said, of a link and an obstacle that of the obstacle, if both are said.
+/// Friction and restitution of a pair. If both shapes have a coefficient, the smaller one counts, or the larger one with `settings.larger`; of a link
+/// and an obstacle the obstacle's counts without it.
 fn manner(settings: &ContactSettings, surfaces: [Surface; 2], is_obstacle: bool, [a, b]: [&str; 2]) -> Manner {
     let of_both = |[of_a, of_b]: [Option<f64>; 2], otherwise| match (of_a, of_b) {
         (Some(_), Some(of_obstacle)) if is_obstacle && !settings.larger => of_obstacle,

@@ -70,7 +70,8 @@ impl Model {
     }
 
     /// The state with the given joint positions and velocities (user coordinates). Joints that mimic given ones follow them
-    /// ([`crate::model::description::followers`]), locked joints are in their only position, and the rest is at zero; `base_velocity` is that of the floating root link's frame origin, in the world (linear, angular).
+    /// ([`crate::model::description::followers`]), locked joints are in their only position, and the rest is at zero. `base_velocity` is the velocity
+    /// of the floating root link's frame origin, in the world (linear, angular).
     ///
     /// # Errors
     /// [`ModelError`] for joints that do not exist or do not move, for wrong counts of numbers, and for angles without digits.

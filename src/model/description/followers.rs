@@ -5,8 +5,9 @@
 //!     q_l = (q_f − b)/m,   q̇_l = q̇_f/m         a leader was not given, and a follower was: m ≠ 0
 //! ```
 //!
-//! Given joints come first, and each relation hands on from a joint whose value is decided to one whose value is not. Joints that no given joint decides
-//! have their leader at zero, and follow it. Given joints keep their values: if two of them contradict a relation, the assembly moves the start.
+//! Given joints come first, and each relation hands on from a joint whose value is decided to one whose value is not. Joints that no given joint
+//! decides have their leader at zero, and follow it. Given joints keep their values: if two of them contradict a relation, the assembly moves the
+//! start.
 
 use crate::mechanism::description::closure::{Coordinate, Mimic};
 

@@ -215,7 +215,7 @@ impl Model {
         scene.chain(robots().map(|robot| &*robot.path)).chain(tables).chain(meshes).chain(obstacles)
     }
 
-    /// The file that a robot was read from, by its place among those of all robots.
+    /// The file that a robot was read from, by its place among the files of all robots.
     pub(crate) fn file_of(&self, robot: usize) -> usize {
         let before = self.robots[..=robot].iter().filter(|placed| !placed.is_copy && !placed.is_body).count();
         before.saturating_sub(1)

@@ -6,7 +6,8 @@
 //!     f = g u + b₀ + b₁ G q + b₂ G q̇        τ = G f = kp (r − q) − kd q̇,   kp = −b₁ G²,  kd = −b₂ G²,  kp r = G (g u + b₀)
 //! ```
 //!
-//! in a joint at q [rad or m] with the velocity q̇, τ in N m or N. A `motor` has g = 1, a `position` g = kp, b₁ = −kp, b₂ = −kv, a `velocity` g = kv, b₂ = −kv.
+//! in a joint at q [rad or m] with the velocity q̇, τ in N m or N. A `motor` has g = 1, a `position` g = kp, b₁ = −kp, b₂ = −kv, a `velocity` g = kv,
+//! b₂ = −kv.
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::parts::Motor;

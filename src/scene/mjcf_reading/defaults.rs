@@ -6,7 +6,7 @@ use std::collections::HashMap;
 /// The class of what names none.
 const MAIN: &str = "main";
 
-/// Attributes that say one thing in different ways: one of an element replaces those of its class.
+/// Attributes that express one setting in different ways: one of an element replaces all of its class.
 const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 /// The attributes of each kind of element, class by class.

@@ -1,7 +1,7 @@
 //! Keyframes of MJCF: positions, velocities and controls of everything, with which a run starts.
 //!
-//! `qpos` has for a free joint x, y, z and the quaternion, for a ball its quaternion, for others one number; `qvel` for a free joint the velocity
-//! in the world and the angular velocity in the axes of the body, for a ball that of the body, for others one number.
+//! `qpos` has for a free joint x, y, z and the quaternion, for a ball its quaternion, for others one number. `qvel` has for a free joint the velocity
+//! in the world and the angular velocity in the axes of the body, for a ball the angular velocity in its axes, for others one number.
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::orientation::{quaternion, roll_pitch_yaw};

@@ -85,7 +85,7 @@ impl Keys {
 
     /// Where a robot starts.
     fn start(&mut self, robot: usize, of: &SceneRobot) {
-        // The short key path of a body has its name, that of a robot has not.
+        // The short key path of a body has its name, the short key path of a robot has not.
         let (head, own) = match of.body {
             Some(_) => ("body".to_string(), format!("{}.", of.name)),
             None => (format!("robot.{}", of.name), String::new()),

@@ -27,7 +27,8 @@
 //! | `loop.NAME.length`, `.a.position.x`, `.a.axis.x`                      | as `[[loop]]`                                               |
 //! | `loop.NAME.axis.x`, `.a.position.x`, `.a.rpy.roll`                    | of a `<loop_joint>`: its axis, and frames in its links      |
 //! | `load.JOINT.effort`, `load.LINK.force.x`, `.torque.x`, `.position.x`  | as `[[load]]`; several on one are numbered: `load.2.effort` |
-//! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll`, `.shape.radius`, `.shape.length`, `.shape.size.x`, `.shape.normal.x`, `.shape.scale.x` | as `[[obstacle]]` |
+//! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll` | as `[[obstacle]]` |
+//! | `obstacle.NAME.shape.radius`, `.length`, `.size.x`, `.normal.x`, `.scale.x` | as the `shape` of `[[obstacle]]` |
 //! | `contact.friction`, `contact.restitution`, `contact.pair.1.friction`  | as `[contact]` and its pairs, from 1                        |
 //! | `simulation.duration`, `.tolerance`, `.stages`, `.step`, `.rate`      | as `[simulation]`                                           |
 //!

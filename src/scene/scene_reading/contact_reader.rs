@@ -103,7 +103,7 @@ impl CouplingReader<'_> {
         Ok(obstacles)
     }
 
-    /// A shape, its frame in that of the obstacle, and the mesh it was read from.
+    /// A shape, its frame relative to the obstacle, and the mesh it was read from.
     pub fn shape(
         &self,
         table: Spanned<ShapeTable>,

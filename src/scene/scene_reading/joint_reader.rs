@@ -44,7 +44,7 @@ impl CouplingReader<'_> {
         Ok(motors)
     }
 
-    /// The joints that the tables drive. What names a joint goes before patterns, and a pattern before later ones.
+    /// The joints that the tables drive. A table that names a joint goes before patterns, and a pattern before later ones.
     fn driven(&self, tables: &[Spanned<MotorTable>], loops: &[SceneLoop]) -> Result<Vec<Driven>, SceneError> {
         let mut all: Vec<Driven> = Vec::new();
         let names: Vec<(usize, &Spanned<String>)> = tables

@@ -12,7 +12,7 @@
 //! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
 //! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
 //! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
-//! | `link`       | `name`, `shape`, `collision`, `friction`, `restitution`                                                                           |
+//! | `link`       | `name`, `shape`, `collision`, `friction`, `restitution`                                         |
 //! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
 //!
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link

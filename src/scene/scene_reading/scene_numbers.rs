@@ -90,7 +90,7 @@ impl Quantity {
         Ok(Quantity { number, unit })
     }
 
-    /// The number, where the place has numbers with this unit; `Unwritten` says that it has none.
+    /// The number, if the place has numbers with this unit; `Unwritten` stands for a place without a unit.
     fn of(self, unit: Unit) -> Result<f64, String> {
         if self.unit == unit || self.unit == Unit::Unwritten {
             return Ok(self.number);

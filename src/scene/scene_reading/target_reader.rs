@@ -16,7 +16,7 @@ use toml::Spanned;
 pub(crate) type ReadValue<'v> = dyn Fn(Quantity, &Range<usize>) -> Result<f64, SceneError> + 'v;
 
 impl CouplingReader<'_> {
-    /// The target of a motor, whose numbers `value` reads, and the table that gives it if it is no number; its CSV file, if it has one, joins `tables`.
+    /// The target of a motor, whose numbers `value` reads, and its table if it is no number. Its CSV file, if it has one, joins `tables`.
     pub fn target(
         &self,
         key: &Spanned<TargetKey>,

@@ -39,7 +39,7 @@ impl Simulation {
     /// Writes the present q and v into these slices, without allocating; [`Simulation::coordinates`] returns the same numbers.
     ///
     /// # Errors
-    /// Lengths that differ from those of q and v, or an invalid start.
+    /// Lengths that differ from the lengths of q and v, or an invalid start.
     pub fn write_coordinates(&self, q: &mut [f64], v: &mut [f64]) -> Result<(), Error> {
         let (places, model) = (self.model.coordinates(), self.model.description());
         for (what, given, wanted) in [("q", q.len(), places.q_count()), ("v", v.len(), places.v_count())] {

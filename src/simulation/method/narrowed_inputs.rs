@@ -1,6 +1,7 @@
 //! Efforts from outside, restricted to the joints that are not locked.
 //!
-//! With the injection `S` of the rates v' of the joints that move into all rates v, an effort τ along all freedoms acts as `Sᵀ τ`, and a law f of the state as
+//! The injection `S` takes the rates v' of the joints that move to all rates v. An effort τ along all freedoms acts as `Sᵀ τ`, and a law f of the
+//! state as
 //!
 //! ```text
 //!     f'(t, q', v') = Eᵀ f(t, q, S v')        q: locked joints are in their places; E: the entries of f that act on joints that move

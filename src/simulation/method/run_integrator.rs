@@ -103,7 +103,7 @@ impl RunIntegrator {
         }
     }
 
-    /// Lets accumulating impacts leave this part of the height that they may leave, and not less than so many times the least height.
+    /// Lets accumulating impacts leave this part of the height that they may leave, and at least this multiple of the least height.
     #[must_use]
     pub(crate) fn leaving(mut self, part: f64, least: f64) -> Self {
         self.leave_of_impacts(part, least);
@@ -118,7 +118,7 @@ impl RunIntegrator {
         }
     }
 
-    /// By how much the ends of accumulating impacts can have moved things so far (m or rad).
+    /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
     pub(crate) fn left_of_impacts(&self) -> f64 {
         match self {
             RunIntegrator::Eventful(eventful) => eventful.left_of_impacts(),
@@ -127,13 +127,13 @@ impl RunIntegrator {
         }
     }
 
-    /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
+    /// The largest error of samples inside steps that were too long for a damper (m), which the errors at the ends of the steps do not include.
     pub(crate) fn ringing_inside(&self) -> f64 {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.ringing_inside(),
             RunIntegrator::Eventful(eventful) => eventful.ringing_inside(),
             RunIntegrator::WithoutLocked(run) => run.0.inside.ringing_inside(),
-            // With closed loops a run beside this one has steps of its own.
+            // In a scene with closed loops, a run beside this one has steps of its own.
             RunIntegrator::OnOtherTree(_) => 0.0,
         }
     }
@@ -181,7 +181,7 @@ impl RunIntegrator {
         }
     }
 
-    /// Writes where the companion is after the last step, which has left the run in `state`; `false` if there is none, or none any more.
+    /// Writes the state of the companion after the last step, which has left the run in `state`; `false` without a companion.
     fn place_companion(&self, state: &mut State) -> bool {
         match self {
             RunIntegrator::Smooth(lobatto) => match lobatto.companion() {

@@ -144,7 +144,7 @@ impl Bookkeeper {
     }
 }
 
-/// What the springs of motors store in a state, up to their bounds (J).
+/// The energy that springs of motors store in a state, up to their bounds (J).
 pub(crate) fn held(mechanism: &Mechanism, state: &State) -> f64 {
     let motors = mechanism.nonsmooth.motors.iter().filter(|motor| matches!(motor.law, MotorLaw::Position { .. }));
     let stored = motors.map(|motor| {
@@ -154,7 +154,7 @@ pub(crate) fn held(mechanism: &Mechanism, state: &State) -> f64 {
     stored.sum()
 }
 
-/// What all forces of a mechanism push with in a state, added up, for springs that store so much (J) [N or N m].
+/// Sum of the sizes of all forces of a mechanism in a state [N or N m]; `stored` is the energy of its springs (J).
 pub(crate) fn pushes(mechanism: &Mechanism, state: &State, stored: f64) -> f64 {
     let motors = mechanism.nonsmooth.motors.iter().map(|motor| {
         let Coordinate { position, freedom, .. } = motor.coordinate;

@@ -111,7 +111,7 @@ pub struct Calibration {
     pub told_until: f64,
     /// Whether the finest trial runs part before the end, so that finer steps would not help.
     pub parted: bool,
-    /// Whether its errors may grow from nearly nothing, as those of chaotic motions do ([`may_be_chaotic`]).
+    /// Whether its errors may grow from almost zero, as errors of chaotic motions do ([`may_be_chaotic`]).
     pub amplifies: bool,
     /// If the accuracy does not hold to the end: the first instant (s) from which the finest trial runs meet different events (impacts, sticking,
     /// bounds of motors).

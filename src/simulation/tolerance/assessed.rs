@@ -34,7 +34,7 @@ use crate::stepping::length::stage_choice::StageChoice;
 
 /// The accuracy over the stop, for which stages are chosen when the run restarts.
 const OPTIMISTIC: f64 = 100.0;
-/// The error of a run is at most this times that of the companion over [`RATIO`], because a companion may be accurate by luck.
+/// The error of a run is at most this times the error of the companion over [`RATIO`], because a companion may be accurate by luck.
 const LUCK: f64 = 3.0;
 /// Factor for the rounding errors of two motions that round independently.
 const OWN_ROUNDINGS: f64 = 2.0;

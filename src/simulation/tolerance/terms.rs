@@ -63,7 +63,7 @@ impl Terms<'_> {
     ) -> Result<RunIntegrator, MethodError> {
         let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
         let run = RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone());
-        // What accumulating impacts leave is an error as those of the stop are.
+        // The height that accumulating impacts leave is an error, as the increments at the stop are.
         Ok(run.leaving(stop / self.first_stop(mechanism), 1.0))
     }
 }

@@ -48,8 +48,8 @@ pub(crate) fn attempt(
     let mut at_stages = AtStages::new(state, stages);
     let mut law = vec![0.0; count];
     feedback.efforts(state, &mut law);
-    // Freedom after freedom, as the kernel takes them. The first guess is the linear response to the efforts of the law at the start: constant efforts
-    // of stiff laws would throw a light body away within the step.
+    // Freedom after freedom, as the kernel takes them. The first guess is the linear response to the efforts of the law at the start: constant
+    // efforts of stiff laws would throw a light body away within the step.
     let mut efforts = DVector::from_fn(count * stages, |place, _| law[place / stages]);
     newton.solve_mut(&mut efforts);
     let mut remainder = DVector::zeros(count * stages);

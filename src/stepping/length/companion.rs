@@ -1,15 +1,15 @@
-//! A second motion, computed in the steps of the run but without the errors that the iterations leave ([`Step::carry_on`]). The distance of the
-//! two is the error that the run has made so far.
+//! A second motion, computed in the steps of the run but without the errors that the iterations leave ([`Step::carry_on`]). The distance of the two
+//! is the error that the run has made so far.
 //!
-//! Of what the polynomials of a step leave out, the largest coefficient of which is about `E`, a propagator `e^{−γ(h−t)}` takes its coefficient of the same degree to
+//! The largest coefficient that the polynomials of a step omit is about `E`. A propagator `e^{−γ(h−t)}` takes its coefficient of the same degree to
 //! the end of the step. Without dampers that is as small as `E` itself, and the error is of the size `E²`; a damper of the rate γ makes it
 //!
 //! ```text
 //!     T = E κ(h γ) min(1, 15/(h γ)),     κ(z) = |Σ_j L_j (e^{−z(1 − c_j)} − e^{−z})|         (rad, m)
 //! ```
 //!
-//! with the weights `L_j` of the top Legendre coefficient. Where `e^{−hγ}` is nothing, the motion is the slow one behind the damper, of which the fast one takes a
-//! part of the size `1/(h γ)`.
+//! with the weights `L_j` of the top Legendre coefficient. If `e^{−hγ}` vanishes, the motion is the slow one behind the damper, and the fast part of
+//! it has the size `1/(h γ)`.
 
 use catena_lobatto::stages::attempt::Carrying;
 use catena_lobatto::step::interface::Step;
@@ -29,7 +29,7 @@ const REST: f64 = 0.05;
 const OF_STOP: f64 = 1e-3;
 /// and up to roundings (rad, m), where springs or dampers act.
 const ROUNDINGS: f64 = 1e-15;
-/// With h γ above this nothing is left at the end of a step of the fast motion that it began with.
+/// If h γ is above this, the fast motion at the start of a step has vanished at its end.
 const STOPPED: f64 = 15.0;
 /// Steps of which E is above this part of the largest that is kept have a truncation that counts.
 const TRUNCATED: f64 = 0.5;
@@ -103,8 +103,8 @@ impl Companion {
         self.decay = decay;
     }
 
-    /// Takes note of a step of `length` seconds that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m).
-    /// The local error falls like E², which is chosen to be that of the stop ([`crate::length::control`]), but for dampers.
+    /// Takes note of a step of `length` seconds that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad,
+    /// m). The local error falls like E², which is chosen equal to the error of the stop ([`crate::length::control`]), but for dampers.
     pub(crate) fn see(&mut self, length: f64, legendre: f64, limit: f64, wanted: f64, stop: f64) {
         let counts = legendre > TRUNCATED * limit;
         let smooth = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };

@@ -106,7 +106,7 @@ impl Watch {
             self.wait = CLOSE_INTERVAL;
         }
         self.latest = Some(seen);
-        // Beyond the limit the motion soon becomes meaningless: the first such step counts.
+        // After the limit the motion soon becomes meaningless: the first such step counts.
         if self.nearest.is_none_or(|nearest| seen.product > nearest.product && !nearest.is_unstable()) {
             self.nearest = Some(seen);
         }

@@ -2,7 +2,7 @@
 //!
 //! | topic         | fields                                                                                              |
 //! |---------------|-----------------------------------------------------------------------------------------------------|
-//! | `/energy`     | `kinetic`, `potential`, `total`; since the start `dissipated` by dampers, `work` put in, lost to `friction` and in `impacts` (J) |
+//! | `/energy`     | `kinetic`, `potential`, `total`; since the start `dissipated` by dampers, `work` put in, lost to `friction`, in `impacts` (J) |
 //! | `/constraint` | largest constraint errors: `position` (m, rad), `velocity` (m/s, rad/s)                              |
 //! | `/solver`     | last `step` (s), `stages`; since the message before `steps`, `iterations`, `rejected` steps          |
 //!

@@ -1,10 +1,11 @@
 //! The input files as attachments, so that a run can be repeated from its log alone.
 //!
-//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order, one of several copies, then the CSV files of its
-//! targets in the order in which they were read, then the meshes of its obstacles: that, and no path, tells which is which. Last come the
-//! meshes of links that may touch; in place of a path the record `inputs` has `robotN: ` and what the URDF of robot N calls the mesh. Attachments have the names of their files, with a
-//! number where another attachment has that name already. The metadata record `inputs` has for each attachment the SHA-256 of its bytes and, for people, the path
-//! it was read from, relative to the folder of the main input if it is below that: `HASH PATH`.
+//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order, one of several copies. The CSV files of
+//! its targets follow in the order in which they were read, and then the meshes of its obstacles. This order, and no path, identifies the files. The
+//! meshes of links that may touch come last; in place of a path the record `inputs` has `robotN: ` and the name of the mesh in the URDF of robot N.
+//! Attachments have the names of their files, with a number if another attachment has that name already. The metadata record `inputs` has for each
+//! attachment the SHA-256 of its bytes and, for people, the path it was read from, relative to the folder of the main input if it is below that:
+//! `HASH PATH`.
 
 use crate::model::Model;
 use crate::output::log::storage::error::LogError;
