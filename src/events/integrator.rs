@@ -59,7 +59,7 @@ pub struct Eventful {
     pub(super) mode: Mode,
     pub(super) memory: Memory,
     pub(super) pieces: Vec<Shared<Piece>>,
-    /// The piece in use, and that of the last step.
+    /// The piece in use, and the piece of the last step.
     pub(super) current: usize,
     pub(super) last: usize,
     pub(super) watched: Vec<Watched>,

@@ -220,7 +220,7 @@ impl<'s> Simulation<'s> {
         }
     }
 
-    /// What a program has decided on in the meantime cannot be made again.
+    /// Decisions of a program in the meantime cannot be repeated.
     pub(super) fn settle(&mut self) {
         if self.start.take().is_some() {
             self.integrators.settle(self.mechanism, &self.state);

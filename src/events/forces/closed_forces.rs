@@ -47,7 +47,7 @@ pub(crate) struct ClosedForces {
     pub load: Load,
 }
 
-/// What is held at an instant, and whether it falls together.
+/// Held blocks at an instant, and whether all of them are in common free fall.
 #[derive(Clone)]
 pub(crate) struct Load {
     held: Closing,
@@ -99,7 +99,7 @@ pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -
     Chosen::new(&blocks).is_unique(&rows.square)
 }
 
-/// What is closed and held at an instant, and how it answers.
+/// Closed contacts and held joints at an instant, and their response.
 #[derive(Clone)]
 pub(crate) struct Closing {
     bodies: Vec<BodyState>,

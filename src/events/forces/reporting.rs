@@ -35,7 +35,7 @@ impl Reporting {
 
     /// The forces at the closed contacts of a mode (N), along normals and tangents. If several fit the law, the ones of least compliance are taken.
     pub fn forces(&mut self, at: &Present, state: &State, efforts: &[f64], unique: bool) -> &[[f64; 3]] {
-        // What is held stays where it is.
+        // The forces of the same state are kept.
         let same = |(known, before, mode): &(State, Vec<f64>, Mode)| {
             known.position == state.position
                 && known.velocity == state.velocity

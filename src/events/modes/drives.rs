@@ -51,7 +51,7 @@ struct Drive {
     motor: Motor,
     /// Its number.
     index: usize,
-    /// In what moves.
+    /// The coordinate in the reduced mechanism.
     coordinate: Coordinate,
     /// r₀.
     rest: f64,

@@ -19,7 +19,7 @@ use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::state::State;
 use nalgebra::DMatrix;
 
-/// What a piece keeps for a law: where its entries act, and room.
+/// The workspace of a piece for a law: the places where its entries act, and room.
 #[derive(Clone)]
 pub(crate) struct Room {
     /// Degrees of freedom of the reduced mechanism, each once.

@@ -15,7 +15,7 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use std::sync::Arc;
 
-/// What moves while a mode lasts, and its steps.
+/// The reduced mechanism of a mode, and its steps.
 #[derive(Clone)]
 pub(crate) struct Piece {
     pub(crate) key: Key,

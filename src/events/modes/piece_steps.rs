@@ -71,7 +71,7 @@ pub(crate) trait PieceSteps: Integrator + Send + Sync {
     /// The same steps with the same past: they go on to the same bits.
     fn duplicate(&self) -> Box<dyn PieceSteps>;
 
-    /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are those of the step.
+    /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are the inputs of that step.
     ///
     /// # Errors
     /// [`StepError`] where the equations cannot be solved.

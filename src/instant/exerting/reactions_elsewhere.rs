@@ -167,7 +167,7 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
         &self.accelerations
     }
 
-    /// What each joint and each loop carries at these positions and velocities, which place the bodies.
+    /// The load of each joint and each loop at these positions and velocities, which place the bodies.
     pub fn of_placed(
         &mut self,
         position: &[f64],

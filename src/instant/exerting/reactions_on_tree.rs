@@ -122,8 +122,8 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         &self.accelerations
     }
 
-    /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
-    /// loop carries. Motors, dry friction, limits and contacts take part. Does not allocate while no joint is held and nothing may touch.
+    /// The load of each joint at these positions and velocities, which place the bodies: one entry a body, and the load of each loop. Motors, dry
+    /// friction, limits and contacts take part. Does not allocate while no joint is held and no bodies may touch.
     pub fn of_placed(
         &mut self,
         position: &[f64],

@@ -29,7 +29,7 @@ pub(crate) struct Closures {
     pub anchors: Vec<LoopJoint>,
 }
 
-/// What is left of a mechanism to move, and where it is in the whole.
+/// The reduced mechanism of the joints that are not held, and its place in the whole.
 #[derive(Clone)]
 pub(crate) struct Held {
     /// The reduced mechanism.

@@ -165,7 +165,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Begins the run if it has not begun. `driven` names inputs that the log does not contain; empty if there are none.
+    /// Begins the run if it has not begun. `driven` names inputs that the log does not contain; it may be empty.
     pub(super) fn begin(&mut self, driven: &str) -> Result<(), Error> {
         if let Some(over) = &self.ended {
             return Err(Error::Over(over.state.time));
