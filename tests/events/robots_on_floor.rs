@@ -40,7 +40,8 @@ fn scene_text(urdf: &Path) -> String {
     let positions: Vec<String> = targets.iter().map(|(name, target)| format!("{name:?} = {target:?}")).collect();
     writeln!(text, "positions = {{ {} }}", positions.join(", ")).expect("text");
     text += "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\", normal = [0, 0, 1] }\n";
-    text += "[contact]\npairs = \"environment\"\nfriction = 0.6\n";
+    text +=
+        "[contact]\npairs = \"environment\"\nfriction = 0.6\n[[contact.pair]]\na = \"*\"\nb = \"*\"\nfriction = 0.6\n";
     for (name, target) in targets {
         let damping = stiffness / 20.0;
         writeln!(text, "[[motor]]\njoint = {name:?}\nkind = \"position\"\ntarget = {target:?}\nkp = {stiffness:?}\nkd = {damping:?}")

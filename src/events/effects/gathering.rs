@@ -8,10 +8,15 @@ use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::impact::{Impulses, Meeting};
 use crate::events::effects::memory::{Found, Memory};
+use crate::events::effects::resting::energy;
 use crate::instant::holding::blocks::{Block, Of};
 use crate::instant::holding::elements::inward;
+use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
+
+/// Dry friction whose work over one radian or metre is this many times the energy of the scene holds a joint like a weld.
+const UNMOVABLE: f64 = 1e3;
 
 /// Everything that is met.
 pub(crate) struct Gathered {
@@ -35,7 +40,14 @@ pub(crate) fn gather_meetings(
     let (mut all, mut ends, mut left) = (Vec::new(), Vec::new(), 0.0);
     let crowded = memory.is_crowded(state.time);
     for (index, joint) in scene.elements.joints.iter().enumerate() {
-        let Some(side) = joint.side(joint.position(state)) else { continue };
+        let Some(side) = joint.side(joint.position(state)) else {
+            if joint.friction > 0.0 && joint.rate(state) == 0.0 && joint.friction > most_borne(scene, state) {
+                let free = [f64::NEG_INFINITY, f64::INFINITY];
+                let block = Block::of_joint(index, joint.coordinate.freedom, state.velocity.len(), 1.0, free);
+                all.push(Meeting { block, restitution: 0.0, rest: rests[index] });
+            }
+            continue;
+        };
         let (freedom, count) = (joint.coordinate.freedom, state.velocity.len());
         // A locked joint can be pushed both ways, and does not rebound.
         let least = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
@@ -70,6 +82,13 @@ pub(crate) fn gather_meetings(
         }
     }
     Gathered { meetings: all, ends, left }
+}
+
+/// The friction above which a joint at rest takes part in an impact as a fixed one [N m or N]. Over one radian or metre it takes [`UNMOVABLE`] times the kinetic
+/// energy and the work of all weights over the size of the mechanism.
+fn most_borne(scene: &Scene, state: &State) -> f64 {
+    let weight = scene.whole.total_mass() * scene.whole.gravity.norm();
+    UNMOVABLE * (energy(scene.whole, state).kinetic + weight * size(scene.whole, state))
 }
 
 /// Number of rebounds left out of an impact, in a crowd of impacts or of rounds of one, and their energy (J): `½ e² P |γ⁻|` each.

@@ -6,6 +6,7 @@ use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::{Done, Memory};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{JointMode, Mode};
+use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::Of;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -58,7 +59,9 @@ pub(crate) fn note_impacts(
 ) {
     let mut pairs = vec![(0.0_f64, 0.0_f64); scene.touching.pairs.len()];
     for ((meeting, &rate), &impulse) in met.meetings.iter().zip(met.rates).zip(met.impulses) {
-        if impulse <= 0.0 {
+        // A joint that is held both ways has met no limit.
+        let bilateral = matches!(meeting.block.law, Law::Interval { lower: f64::NEG_INFINITY, .. });
+        if impulse <= 0.0 || bilateral {
             continue;
         }
         match meeting.block.of {
