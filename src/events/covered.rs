@@ -4,9 +4,10 @@
 //!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)   of open pairs over the stretches, of closed contacts at x = 1/3 and 1
 //! ```
 
-use crate::events::finding::approach::{Approaching, speed_at};
+use crate::events::finding::approach::Approaching;
 use crate::events::finding::cover::are_checked;
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
+use crate::events::finding::speeds::speed_at;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;

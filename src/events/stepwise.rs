@@ -17,7 +17,7 @@
 
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
 use crate::events::effects::resting::energy;
-use crate::events::finding::approach::speed_at;
+use crate::events::finding::speeds::speed_at;
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;

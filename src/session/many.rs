@@ -22,13 +22,13 @@ pub struct Rollout<'r> {
     pub period: Option<f64>,
     /// Efforts u along v (runs × ticks × length of v) [N m or N]; or empty.
     pub efforts: &'r [f64],
-    /// Targets of motors (runs × ticks × motors), in the order of [`Model::motor_names`]; or empty.
+    /// Targets of motors (runs × ticks × motors), in the order of [`motor_names`](crate::session::Model::motor_names); or empty.
     pub targets: &'r [f64],
     /// The gain K of a feedback (length of v × (length of q + length of v)), row after row; or empty.
     pub feedback: &'r [f64],
     /// The q and v about which the feedback acts, x̄; or empty for zeros.
     pub reference: &'r [f64],
-    /// Numbers by their key paths ([`Model::with_params`]): one for each run.
+    /// Numbers by their key paths ([`with_params`](crate::session::Model::with_params)): one for each run.
     pub params: &'r [(String, Vec<f64>)],
     /// Whether energies are wanted.
     pub energies: bool,

@@ -49,6 +49,7 @@ pub use coordinates::{Coordinates, JointPlace};
 pub use description::{DRIVEN, Origin, TOLD};
 pub use error::{ControllerFailure, Error};
 pub use held_start::Hold;
+#[cfg(feature = "scene")]
 pub(crate) use held_start::mechanism_from;
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};

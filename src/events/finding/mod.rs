@@ -4,4 +4,5 @@ pub(crate) mod approach;
 pub mod cover;
 pub(crate) mod cycle;
 pub(crate) mod detection;
+pub(crate) mod speeds;
 pub(crate) mod watched;
