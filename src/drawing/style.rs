@@ -78,6 +78,7 @@ pub fn look(method: &str, foreign: usize) -> Look {
         "lobatto-5" => ours(GREEN, Marker::Diamond),
         "lobatto-9" => ours(BLUE, Marker::Circle),
         "lobatto-tolerance" => Look { width: 3, ..ours(VERMILLION, Marker::Star) },
+        "lobatto-unestimated" => ours(ORANGE, Marker::Star),
         "euler" => rival(GREY, Marker::Plus),
         "rk4" => rival(ORANGE, Marker::TriangleDown),
         "dop853" => rival(BLACK, Marker::Circle),

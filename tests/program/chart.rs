@@ -83,6 +83,7 @@ fn the_ratio_is_the_best_rival_over_our_best() {
         measurement(Method::Lobatto(9), 1e-2, 1.0),
         measurement(Method::Lobatto(9), 1e-10, 3.0),
         measurement(Method::LobattoTolerance, 1e-5, 2.0),
+        measurement(Method::LobattoUnestimated, 1e-7, 2.5),
         measurement(Method::Rk4, 1e-3, 4.0),
         measurement(Method::Rk4, 1e-6, 400.0),
         measurement(Method::Dop853, 1e-3, 5.0),
@@ -93,7 +94,10 @@ fn the_ratio_is_the_best_rival_over_our_best() {
     let at = |level: f64| Comparison::at(&runs, level);
     let ours = 3_f64.powf(1.0 / 8.0);
     assert!((at(1e-3).ratio().unwrap() - 4.0 / ours).abs() < 1e-12);
-    assert!((at(1e-3).tolerance_ratio().unwrap() - 2.0).abs() < 1e-12);
+    // Two runs of rivals: RK4 at 1e-3 m, and DOP853 at 1e-4 m on its way from 1e-3 to 1e-7.
+    assert!((at(1e-3).tolerance_ratio().unwrap() - (4.0 + 5.0 * 4_f64.powf(0.25)) / 2.0).abs() < 1e-12);
+    // One run of the best rival against one of ours without an estimate.
+    assert!((at(1e-6).unestimated_ratio().unwrap() - 5.0 * 4_f64.powf(0.75) / 2.5).abs() < 1e-12);
     assert_eq!(at(1e-6).rival.unwrap().method, Method::Dop853);
     assert!((at(1e-6).ratio().unwrap() - 5.0 * 4_f64.powf(0.75) / 3_f64.powf(0.5)).abs() < 1e-12);
     assert_eq!(at(1e-6).tolerance_ratio(), None);

@@ -25,6 +25,8 @@ pub enum Method {
     Precise(usize),
     /// The Lobatto scheme, stages and steps chosen from a tolerance.
     LobattoTolerance,
+    /// The same without an estimate of the error at the end.
+    LobattoUnestimated,
     /// Semi-implicit Euler in joint coordinates.
     Euler,
     /// The classical Runge–Kutta method in joint coordinates.
@@ -52,6 +54,7 @@ impl Method {
         Method::Lobatto(5),
         Method::Lobatto(9),
         Method::LobattoTolerance,
+        Method::LobattoUnestimated,
         Method::Euler,
         Method::Rk4,
         Method::Dop853,
@@ -72,6 +75,7 @@ impl Method {
             Method::Lobatto(stages) => format!("lobatto-{stages}"),
             Method::Precise(stages) => format!("lobatto-{stages}-32-digits"),
             Method::LobattoTolerance => "lobatto-tolerance".to_string(),
+            Method::LobattoUnestimated => "lobatto-unestimated".to_string(),
             Method::Euler => "euler".to_string(),
             Method::Rk4 => "rk4".to_string(),
             Method::Dop853 => "dop853".to_string(),
@@ -90,6 +94,7 @@ impl Method {
             Method::Lobatto(stages) => format!("{stages} stages, order {}", 2 * stages - 2),
             Method::Precise(stages) => format!("{stages} stages, 32 digits"),
             Method::LobattoTolerance => "tolerance".to_string(),
+            Method::LobattoUnestimated => "tolerance, no estimate".to_string(),
             Method::Euler => "semi-implicit Euler".to_string(),
             Method::Rk4 => "RK4".to_string(),
             Method::Dop853 => "DOP853, tolerance".to_string(),
@@ -99,7 +104,7 @@ impl Method {
 
     /// Whether it is one of ours.
     pub fn is_ours(self) -> bool {
-        matches!(self, Method::Lobatto(_) | Method::Precise(_) | Method::LobattoTolerance)
+        matches!(self, Method::Lobatto(_) | Method::Precise(_) | Method::LobattoTolerance | Method::LobattoUnestimated)
     }
 
     /// Whether it knows what this mechanism is made of; closed loops apart, that is all but contacts, which ours alone know.
@@ -128,7 +133,7 @@ impl Method {
             (Method::Precise(stages), Setting::Step(step)) => {
                 Lobatto::precise(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
             }
-            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => {
+            (Method::LobattoTolerance | Method::LobattoUnestimated, Setting::Tolerance(tolerance)) => {
                 Some(Box::new(Lobatto::adaptive(mechanism, tolerance)))
             }
             (Method::Euler, Setting::Step(step)) => Some(Box::new(Euler::new(mechanism, step))),
@@ -147,7 +152,12 @@ impl Method {
         duration: f64,
         setting: Setting,
     ) -> Option<Assessed<'static>> {
-        let (Method::LobattoTolerance, Setting::Tolerance(tolerance)) = (self, setting) else { return None };
+        let Setting::Tolerance(tolerance) = setting else { return None };
+        let estimate = match self {
+            Method::LobattoTolerance => true,
+            Method::LobattoUnestimated => false,
+            _ => return None,
+        };
         let terms = Terms {
             tolerance,
             start: start.time,
@@ -155,7 +165,7 @@ impl Method {
             kept: Vec::new(),
             counted: None,
             interrupt: None,
-            estimate: true,
+            estimate,
         };
         Assessed::new(mechanism, terms).ok()
     }
@@ -165,7 +175,9 @@ impl Method {
         let ours = |steps: StepChoice| Some(Box::new(steps.integrator(mechanism, &[]).ok()?) as Box<dyn Integrator>);
         match (self, setting) {
             (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
-            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => ours(StepChoice::Tolerance(tolerance)),
+            (Method::LobattoTolerance | Method::LobattoUnestimated, Setting::Tolerance(tolerance)) => {
+                ours(StepChoice::Tolerance(tolerance))
+            }
             (Method::Dop853, Setting::Tolerance(tolerance)) if !mechanism.has_closures() => {
                 Some(Box::new(Eventful::over_dop853(mechanism, tolerance).ok()?))
             }

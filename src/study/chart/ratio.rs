@@ -89,8 +89,12 @@ pub struct Comparison {
     pub rival: Option<Best>,
     /// Our cheapest fixed-step or tolerance run.
     pub ours: Option<Best>,
-    /// Ours from a tolerance.
+    /// Ours from a tolerance, with an estimate of its error.
     pub tolerance: Option<Best>,
+    /// Ours from a tolerance, without an estimate.
+    pub unestimated: Option<Best>,
+    /// The cheapest rival at a tenth of the level: the second run from which a rival knows its error.
+    pub second: Option<Best>,
 }
 
 impl Comparison {
@@ -112,6 +116,8 @@ impl Comparison {
             rival: best(Method::is_rival),
             ours: best(Method::is_ours),
             tolerance: best(|method| method == Method::LobattoTolerance),
+            unestimated: best(|method| method == Method::LobattoUnestimated),
+            second: self::best(measurements, 0.1 * level, Method::is_rival),
         }
     }
 
@@ -120,9 +126,14 @@ impl Comparison {
         quotient(self.rival, self.ours)
     }
 
-    /// Cost of the best rival over the cost of our tolerance mode.
+    /// Cost of two runs of the best rivals, at the level and at a tenth of it, over the cost of our run with an estimate: both then know their error.
     pub fn tolerance_ratio(&self) -> Option<f64> {
-        quotient(self.rival, self.tolerance)
+        Some(quotient(self.rival, self.tolerance)? + quotient(self.second, self.tolerance)?)
+    }
+
+    /// Cost of one run of the best rival over the cost of our run without an estimate: neither knows its error.
+    pub fn unestimated_ratio(&self) -> Option<f64> {
+        quotient(self.rival, self.unestimated)
     }
 }
 

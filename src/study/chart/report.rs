@@ -29,20 +29,21 @@ impl Report {
     /// The ratios as text for a terminal.
     pub fn summary(&self) -> String {
         let mut text = format!(
-            "{:<24} {:>7}  {:>26}  {:>26}  {:>7}  {:>9}\n",
-            "scene", "error", "best of RK4, DOP853", "best of catena", "ratio", "tolerance"
+            "{:<24} {:>7}  {:>26}  {:>26}  {:>7}  {:>9}  {:>11}\n",
+            "scene", "error", "best of RK4, DOP853", "best of catena", "ratio", "tolerance", "no estimate"
         );
         for chart in &self.scenes {
             for level in LEVELS {
                 let comparison = Comparison::of(chart, level);
                 let ratio = |ratio: Option<f64>| ratio.map_or("-".to_string(), |ratio| format!("{ratio:.2}"));
                 text += &format!(
-                    "{:<24} {level:>7.0e}  {:>26}  {:>26}  {:>7}  {:>9}\n",
+                    "{:<24} {level:>7.0e}  {:>26}  {:>26}  {:>7}  {:>9}  {:>11}\n",
                     chart.name,
                     words(comparison.rival),
                     words(comparison.ours),
                     ratio(comparison.ratio()),
                     ratio(comparison.tolerance_ratio()),
+                    ratio(comparison.unestimated_ratio()),
                 );
             }
             text += &format!("{:<24} {}\n", "", trust(chart));
