@@ -37,6 +37,8 @@ impl Integrator for Eventful {
         if inputs.feedback.is_some() && self.pieces[self.current].steps.is_none() {
             next = next.min(state.time + LOOK);
         }
+        // Efforts of a program change at ticks, to which it asks for steps.
+        self.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
         self.stepped_over = None;
         let advanced = if self.is_crowded(state) {
             self.origin.copy_from(state);

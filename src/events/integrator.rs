@@ -92,6 +92,8 @@ pub struct Eventful {
     pub(super) felt: Felt,
     /// When the run began (s).
     pub(super) began: f64,
+    /// Whether a given instant bounds the next step, and not only the end of the run.
+    pub(super) bounded: bool,
     pub(super) flips: (usize, f64),
     /// Modes in which steps ended where they began.
     pub(super) cycle: Cycle,
@@ -208,6 +210,7 @@ impl Eventful {
             outside: Vec::new(),
             felt: Felt::default(),
             began: 0.0,
+            bounded: false,
             flips: (0, f64::MIN),
             cycle: Cycle::default(),
             unfounded: 0,

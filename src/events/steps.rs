@@ -60,7 +60,7 @@ impl Eventful {
         }
         let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
         let mut stopped = slow.filter(|_| straight && !blind);
-        let given = !blind && until <= soon;
+        let given = self.bounded && !blind && until <= soon;
         let until = until.min(soon);
         let contacts = self.mode.contacts.len();
         let piece = &mut self.pieces[self.current];
