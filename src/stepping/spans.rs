@@ -25,9 +25,9 @@ use catena_mechanism::motion::state::State;
 
 /// Spans in a row that many stages have made in one step each, before three stages are tried: the last step of a run is no such span.
 const IN_A_ROW: usize = 2;
-/// After a refusal as many spans are made with many stages at least,
+/// Spans that are made with many stages after a refusal.
 const WAIT: usize = 8;
-/// and twice as many after each refusal in a row, up to this power of two.
+/// That number doubles with each refusal in a row, this often at most.
 const DOUBLINGS: u32 = 3;
 
 /// The scheme with many stages, and with three stages in spans that are short beside its steps.

@@ -109,19 +109,22 @@ fn motion(number: usize) -> Motion {
     Motion { mechanism, start, duration, kind }
 }
 
-impl Motion {
-    /// Positions of the probes at some times (s), accurate to rounding.
-    fn truths(&self, times: &[f64], mut lobatto: Lobatto) -> Option<Vec<Vec<Vector3<f64>>>> {
-        let mut state = self.start.clone();
-        let mut places = Vec::new();
-        for &time in times {
-            while state.time < time {
-                lobatto.advance(&self.mechanism, &mut state, time).ok()?;
-            }
-            places.push(probes(&self.mechanism, &state));
+/// Positions of the probes at some times (s) of a motion from a state on, as these steps make them; `None` if a step fails.
+pub fn places_at(
+    mechanism: &Mechanism,
+    start: &State,
+    times: &[f64],
+    mut lobatto: Lobatto,
+) -> Option<Vec<Vec<Vector3<f64>>>> {
+    let mut state = start.clone();
+    let mut places = Vec::new();
+    for &time in times {
+        while state.time < time {
+            lobatto.advance(mechanism, &mut state, time).ok()?;
         }
-        Some(places)
+        places.push(probes(mechanism, &state));
     }
+    Some(places)
 }
 
 /// The accuracy that a run told, its largest error (m), and the uncertainty of that error (m).
@@ -152,9 +155,9 @@ fn compared(motion: &Motion, tolerance: f64) -> Option<Compared> {
     let stride = ends.len().div_ceil(INSTANTS);
     let ends: Vec<_> = ends.into_iter().rev().step_by(stride).collect::<Vec<_>>().into_iter().rev().collect();
     let times: Vec<f64> = ends.iter().map(|(time, _)| *time).collect();
-    let truth = motion.truths(&times, Lobatto::adaptive_with_stop(mechanism, 1e-12, 1e-16))?;
+    let truth = places_at(mechanism, &motion.start, &times, Lobatto::adaptive_with_stop(mechanism, 1e-12, 1e-16))?;
     let half = lobatto.description().step / 2.0;
-    let other = motion.truths(&times, Lobatto::fixed(mechanism, OTHER_STAGES, half).ok()?)?;
+    let other = places_at(mechanism, &motion.start, &times, Lobatto::fixed(mechanism, OTHER_STAGES, half).ok()?)?;
     let largest = |one: &mut dyn Iterator<Item = f64>| one.fold(0.0, f64::max);
     let error = largest(&mut ends.iter().zip(&truth).map(|((_, end), truth)| distance(end, truth)));
     let doubt = largest(&mut other.iter().zip(&truth).map(|(other, truth)| distance(other, truth)));

@@ -5,6 +5,7 @@
 //! known. A run is compared at ends of its steps, because its estimate is of the largest error over time.
 
 use crate::assessed::{options, told};
+use crate::assessed_random::places_at;
 use crate::common::Numbers;
 use crate::models;
 use catena::mechanism::description::forces::{JointDamper, JointSpring};
@@ -148,18 +149,6 @@ fn closed_form(Hold { stiffness, damping, .. }: Hold, from: f64, time: f64) -> f
 }
 
 impl Motion {
-    fn truths(&self, times: &[f64], mut lobatto: Lobatto) -> Option<Vec<Vec<Vector3<f64>>>> {
-        let mut state = self.start.clone();
-        let mut places = Vec::new();
-        for &time in times {
-            while state.time < time {
-                lobatto.advance(&self.smooth, &mut state, time).ok()?;
-            }
-            places.push(probes(&self.smooth, &state));
-        }
-        Some(places)
-    }
-
     /// The places at some times (s), and how far they are known (m).
     fn truth(&self, times: &[f64]) -> Option<(Vec<Vec<Vector3<f64>>>, f64)> {
         if let Some((hold, from)) = self.exact {
@@ -171,14 +160,15 @@ impl Motion {
             return Some((times.iter().map(place).collect(), 0.0));
         }
         let fine = Lobatto::adaptive_with_stop(&self.smooth, 1e-12, 1e-16);
-        let truth = self.truths(times, fine)?;
+        let truth = places_at(&self.smooth, &self.start, times, fine)?;
         let mut lobatto = Lobatto::adaptive_with_stop(&self.smooth, 1e-12, 1e-16);
         let mut state = self.start.clone();
         while state.time < self.duration {
             lobatto.advance(&self.smooth, &mut state, self.duration).ok()?;
         }
         let step = SHORTER * lobatto.description().step;
-        let other = self.truths(times, Lobatto::fixed(&self.smooth, OTHER_STAGES, step).ok()?)?;
+        let other =
+            places_at(&self.smooth, &self.start, times, Lobatto::fixed(&self.smooth, OTHER_STAGES, step).ok()?)?;
         let doubt = other.iter().zip(&truth).map(|(other, truth)| distance(other, truth)).fold(0.0, f64::max);
         Some((truth, doubt))
     }

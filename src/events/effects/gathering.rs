@@ -39,9 +39,11 @@ pub(crate) fn gather_meetings(
 ) -> Gathered {
     let (mut all, mut ends, mut left) = (Vec::new(), Vec::new(), 0.0);
     let crowded = memory.is_crowded(state.time);
+    let mut most = None;
     for (index, joint) in scene.elements.joints.iter().enumerate() {
         let Some(side) = joint.side(joint.position(state)) else {
-            if joint.friction > 0.0 && joint.rate(state) == 0.0 && joint.friction > most_borne(scene, state) {
+            let sticks = joint.friction > 0.0 && joint.rate(state) == 0.0;
+            if sticks && joint.friction > *most.get_or_insert_with(|| most_borne(scene, state)) {
                 let free = [f64::NEG_INFINITY, f64::INFINITY];
                 let block = Block::of_joint(index, joint.coordinate.freedom, state.velocity.len(), 1.0, free);
                 all.push(Meeting { block, restitution: 0.0, rest: rests[index] });
