@@ -6,7 +6,6 @@ use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
 use crate::events::finding::cover::Cover;
-use crate::events::finding::cycle::Cycle;
 use crate::events::finding::detection::Looking;
 use crate::events::finding::speeds::Speeds;
 use crate::events::finding::watched::{Watched, unbounded};
@@ -20,6 +19,7 @@ use crate::events::modes::narrowed::Felt;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::piece_steps::PieceRecipe;
 use crate::events::modes::present::Present;
+use crate::events::repeats::Repeats;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::held::Closures;
@@ -31,7 +31,7 @@ use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{MethodDescription, StepError};
+use crate::mechanism::motion::integrator::{Cost, MethodDescription, StepError};
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Recipe;
@@ -94,14 +94,10 @@ pub struct Eventful {
     pub(super) began: f64,
     /// Whether a given instant bounds the next step, and not only the end of the run.
     pub(super) bounded: bool,
-    pub(super) flips: (usize, f64),
-    /// Modes in which steps ended where they began.
-    pub(super) cycle: Cycle,
-    /// Consecutive events at the start of a step that left the mode unchanged.
-    pub(super) unfounded: i32,
-    /// Whether the next step does not look at these functions.
-    pub(super) looks_away: bool,
-    pub(super) ignored: Vec<Watched>,
+    /// Events that may repeat, and the functions that the step does not look at.
+    pub(super) repeats: Repeats,
+    /// The cost of attempts that were thrown away, which no outcome has yet.
+    pub(super) abandoned: Cost,
     pub(super) steps: usize,
     pub(super) stepped: f64,
     pub(super) lost_at_start: f64,
@@ -211,11 +207,8 @@ impl Eventful {
             felt: Felt::default(),
             began: 0.0,
             bounded: false,
-            flips: (0, f64::MIN),
-            cycle: Cycle::default(),
-            unfounded: 0,
-            looks_away: false,
-            ignored: Vec::new(),
+            repeats: Repeats::new(),
+            abandoned: Cost::default(),
             steps: 0,
             stepped: 0.0,
             lost_at_start: 0.0,

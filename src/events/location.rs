@@ -74,7 +74,7 @@ impl Eventful {
             _ => true,
         };
         which.clear();
-        let looked_at = |watched: &Watched| !self.ignored.contains(watched) && near(watched);
+        let looked_at = |watched: &Watched| !self.repeats.ignored.contains(watched) && near(watched);
         which.extend(self.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index));
     }
 
@@ -136,7 +136,7 @@ impl Eventful {
     fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         self.covers.clear();
         let open = self.watched.iter().enumerate().filter_map(|(index, watched)| match watched {
-            Watched::Approach(pair) if !self.ignored.contains(watched) => Some((index, *pair)),
+            Watched::Approach(pair) if !self.repeats.ignored.contains(watched) => Some((index, *pair)),
             _ => None,
         });
         let open: Vec<(usize, usize)> = open.collect();
@@ -329,9 +329,8 @@ impl Eventful {
                 }
                 Err(error) => return Err(error),
             };
-            outcome.iterations += done.iterations;
-            outcome.exchange = done.exchange;
-            outcome.rejected += usize::from(attempt == 0);
+            outcome.take_again(&done);
+            outcome.cost.located += 1;
             let mut value = [0.0];
             let end = self.pieces[self.current].small.time;
             self.evaluate(inputs, since, Inside::at(end), &which, &mut value);

@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::output::log::{Ending, LogError, LogOptions, Outcome, Recorder, Severity};
 use crate::output::report::{
     AccuracyReport, ConstraintReport, ContactsReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport,
-    ModelReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
+    ModelReport, RejectedReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
     singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
@@ -204,9 +204,11 @@ impl Begun {
             method: MethodReport::new(&method),
             model: model_report,
             steps: summary.steps,
-            iterations: summary.iterations,
-            rejected_steps: summary.rejected_steps,
-            kept_factor_iterations: summary.kept_iterations,
+            iterations: summary.cost.iterations,
+            rejected_steps: summary.cost.rejected.total(),
+            rejected_by: RejectedReport(summary.cost.rejected),
+            located_attempts: summary.cost.located,
+            kept_factor_iterations: summary.cost.kept,
             exact_newton_steps: summary.exact_steps,
             wall_seconds,
             cpu_seconds,

@@ -14,7 +14,7 @@ use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
 mod methods;
@@ -164,20 +164,22 @@ impl Lobatto {
         self.stepper.step_count()
     }
 
-    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once. Returns its outcome, and the iterations of a refused
-    /// attempt, which leaves the state as it is.
+    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once.
+    ///
+    /// # Errors
+    /// The cost of a refused attempt, which leaves the state as it is.
     pub(crate) fn span(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
         state: &mut State,
         until: f64,
-    ) -> (Option<StepOutcome>, usize) {
+    ) -> Result<StepOutcome, Cost> {
         if self.meet(mechanism, inputs, state).is_err() {
-            return (None, 0);
+            return Err(Cost::default());
         }
         let driven = self.stepper.driven();
-        let Mode::Chosen(control) = &mut self.mode else { return (None, 0) };
+        let Mode::Chosen(control) = &mut self.mode else { return Err(Cost::default()) };
         control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until)
     }
 
@@ -276,6 +278,10 @@ impl Integrator for Lobatto {
             Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, inputs, state, until),
             Mode::Reversible(reversible) => reversible.advance(&mut self.stepper, mechanism, state, until),
         }
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        self.stepper.take_abandoned()
     }
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {

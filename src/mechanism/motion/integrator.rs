@@ -4,6 +4,7 @@ use crate::description::body_state::BodyState;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::motion::contact_point::ContactPoint;
+pub use crate::motion::cost::{Cost, Rejected, Rejections};
 use crate::motion::event::{Event, JointStatus};
 use crate::motion::inputs::Inputs;
 use crate::motion::state::State;
@@ -127,21 +128,31 @@ impl FrequencyStep {
     }
 }
 
-/// The cost of one accepted step.
+/// One accepted step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepOutcome {
     /// Length of the step (s).
     pub step: f64,
-    /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
-    pub iterations: usize,
-    /// Number of these iterations that kept the factors of an earlier one.
-    pub kept: usize,
-    /// Attempts that were thrown away before this step was accepted.
-    pub rejected: usize,
+    /// The work for it, with the work of attempts that were thrown away.
+    pub cost: Cost,
     /// Whether the stage equations were solved by the exact Newton method, with all stages coupled.
     pub exact: bool,
     /// Energy dissipated in the step, and work put into the mechanism (J).
     pub exchange: Exchange,
+}
+
+impl StepOutcome {
+    /// A step of this length (s) after this number of iterations, without rejected attempts.
+    pub fn new(step: f64, iterations: usize, exchange: Exchange) -> Self {
+        StepOutcome { step, cost: Cost::of(iterations), exchange, exact: false }
+    }
+
+    /// Takes the outcome of the same step, made again; the work for both counts.
+    pub fn take_again(&mut self, again: &StepOutcome) {
+        let cost = self.cost;
+        *self = *again;
+        self.cost.add(&cost);
+    }
 }
 
 /// A way of advancing the state of a mechanism.
@@ -166,6 +177,11 @@ pub trait Integrator {
     /// As of [`Integrator::step`].
     fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
         self.step(mechanism, Inputs::NONE, state, until)
+    }
+
+    /// The cost of steps that failed since this was asked last: no outcome has it.
+    fn take_abandoned(&mut self) -> Cost {
+        Cost::default()
     }
 
     /// Positions and velocities at a `time` inside the last step, from its dense output.

@@ -3,6 +3,7 @@
 
 pub mod contact_geometry;
 pub mod contact_point;
+pub mod cost;
 pub mod distance;
 pub mod efforts;
 pub mod energy;

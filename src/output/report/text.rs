@@ -112,7 +112,7 @@ impl fmt::Display for Report {
                 share => write!(out, ", {share} % reuse a factorisation)")?,
             }
         }
-        write!(out, ", {} rejected", self.rejected_steps)?;
+        write!(out, ", {} rejected{}", self.rejected_steps, self.rejected_by.words())?;
         match self.exact_newton_steps {
             0 => writeln!(out)?,
             all if all == self.steps && all > 1 => writeln!(out, ", all {all} by the exact Newton method")?,

@@ -61,7 +61,7 @@ impl Integrator for Coasting {
         state.displace(mechanism, &increment);
         let step = end - state.time;
         state.time = end;
-        Ok(StepOutcome { step, iterations: 1, ..StepOutcome::default() })
+        Ok(StepOutcome::new(step, 1, Exchange::default()))
     }
 
     fn dense(&mut self, _: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
