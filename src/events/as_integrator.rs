@@ -126,6 +126,7 @@ impl Integrator for Eventful {
             description.step = self.stepped / self.steps.max(1) as f64;
         }
         description.unsolved_contacts = self.unsolved;
+        description.contact_solvers = self.solvers;
         (description.first_order_steps, description.first_order_time) = self.first_order;
         (description.rebounds_left_out, description.rebounds_energy) = self.cut;
         description

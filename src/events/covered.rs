@@ -63,7 +63,8 @@ impl Eventful {
     pub(super) fn has_hole(&self, since: f64) -> bool {
         let end = self.pieces[self.current].small.time;
         let covered = end - SAME_END * (end - since);
-        let open = |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.repeats.ignored.contains(watched);
+        let open =
+            |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.repeats.ignored.contains(watched);
         let until = |index: usize| {
             let own = self.covers.iter().find(|(watched, _)| *watched == index);
             own.map_or(f64::NEG_INFINITY, |(_, cover)| cover.until)

@@ -31,7 +31,7 @@ use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Cost, MethodDescription, StepError};
+use crate::mechanism::motion::integrator::{ContactSolvers, Cost, MethodDescription, StepError};
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Recipe;
@@ -109,6 +109,8 @@ pub struct Eventful {
     pub(super) ringing: f64,
     /// Number of laws of contact that could not be solved to their accuracy.
     pub(super) unsolved: usize,
+    /// How often each contact solver has solved a problem of an event.
+    pub(super) solvers: ContactSolvers,
     /// Number of rebounds left out in crowds of impacts and in steps of first order, and the energy that they would have given back (J).
     pub(super) cut: (usize, f64),
     /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
@@ -216,6 +218,7 @@ impl Eventful {
             between: Some(0.0),
             ringing: 0.0,
             unsolved: 0,
+            solvers: ContactSolvers::default(),
             cut: (0, 0.0),
             left_of_impacts: 0.0,
             height,
@@ -373,9 +376,9 @@ impl Eventful {
 
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
         self.asleep = false;
-        let Eventful { elements, touching, mode, response, memory, whole, .. } = self;
+        let Eventful { elements, touching, mode, response, memory, whole, solvers, .. } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
-        let mut scene = Scene { whole, elements, touching, response };
+        let mut scene = Scene { whole, elements, touching, response, solvers };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
         self.unsolved += done.unsolved;

@@ -43,13 +43,7 @@ pub(super) struct Repeats {
 impl Repeats {
     /// No events so far.
     pub fn new() -> Self {
-        Repeats {
-            flips: (0, f64::MIN),
-            cycle: Cycle::default(),
-            unfounded: 0,
-            looks_away: false,
-            ignored: Vec::new(),
-        }
+        Repeats { flips: (0, f64::MIN), cycle: Cycle::default(), unfounded: 0, looks_away: false, ignored: Vec::new() }
     }
 
     /// Whether the next step is to pass the last events without looking at their functions.

@@ -193,13 +193,7 @@ impl Eventful {
     }
 
     /// Why the step is to be made anew, although it could be made to its end.
-    fn defect(
-        &mut self,
-        inputs: Inputs,
-        state: &State,
-        ending: &Ending,
-        outcome: &StepOutcome,
-    ) -> Option<Rejected> {
+    fn defect(&mut self, inputs: Inputs, state: &State, ending: &Ending, outcome: &StepOutcome) -> Option<Rejected> {
         let overlaps = outcome.step > JAM && self.overlaps(state);
         if overlaps {
             Some(Rejected::Overlap)

@@ -81,7 +81,11 @@ fn listed(numbers: &[f64]) -> String {
 }
 
 /// The figures of the whole run for its log, with the estimated error of positions (m) if it is known.
-pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeMap<String, String> {
+pub(crate) fn figures(
+    summary: &Summary,
+    method: &MethodDescription,
+    estimated_error: Option<f64>,
+) -> BTreeMap<String, String> {
     let figures = [
         ("steps", summary.steps.to_string()),
         ("iterations", summary.cost.iterations.to_string()),
@@ -99,5 +103,7 @@ pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeM
     let reasons = summary.cost.rejected.reasons();
     let reasons = reasons.map(|(why, count)| (format!("rejected_{}", why.key()), count.to_string()));
     let figures = figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value));
-    figures.chain(reasons).collect()
+    let solvers = method.contact_solvers.used();
+    let solvers = solvers.map(|(by, count)| (format!("solved_{}", by.key()), count.to_string()));
+    figures.chain(reasons).chain(solvers).collect()
 }

@@ -14,7 +14,9 @@ use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{
+    ContactSolvers, Cost, Integrator, MethodDescription, StepError, StepOutcome,
+};
 use catena_mechanism::motion::state::State;
 
 mod methods;
@@ -313,6 +315,7 @@ impl Integrator for Lobatto {
             digits: if self.precise { 32 } else { 16 },
             reversible_resets: resets,
             unsolved_contacts: 0,
+            contact_solvers: ContactSolvers::default(),
             first_order_steps: 0,
             first_order_time: 0.0,
             few_stage_steps: 0,

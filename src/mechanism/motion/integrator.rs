@@ -4,6 +4,7 @@ use crate::description::body_state::BodyState;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::motion::contact_point::ContactPoint;
+pub use crate::motion::contact_solvers::{ContactSolver, ContactSolvers};
 pub use crate::motion::cost::{Cost, Rejected, Rejections};
 use crate::motion::event::{Event, JointStatus};
 use crate::motion::inputs::Inputs;
@@ -37,6 +38,8 @@ pub struct MethodDescription {
     pub reversible_resets: Option<usize>,
     /// How often the law of contact could not be solved to its accuracy at an event; the run went on with the best that was found.
     pub unsolved_contacts: usize,
+    /// How often each contact solver has solved a problem of an event.
+    pub contact_solvers: ContactSolvers,
     /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
     pub first_order_steps: usize,
     pub first_order_time: f64,
@@ -63,6 +66,7 @@ impl MethodDescription {
             digits: 16,
             reversible_resets: None,
             unsolved_contacts: 0,
+            contact_solvers: ContactSolvers::default(),
             first_order_steps: 0,
             first_order_time: 0.0,
             few_stage_steps: 0,

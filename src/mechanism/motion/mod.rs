@@ -3,6 +3,7 @@
 
 pub mod contact_geometry;
 pub mod contact_point;
+pub mod contact_solvers;
 pub mod cost;
 pub mod distance;
 pub mod efforts;

@@ -9,6 +9,7 @@ mod method;
 mod places;
 mod rejected;
 mod rounding;
+mod solvers;
 mod speeds;
 mod step_error;
 mod text;
@@ -28,6 +29,7 @@ pub(crate) use places::{carried_reports, link_reports};
 pub use rejected::RejectedReport;
 pub use rounding::energy_warning;
 pub(crate) use rounding::{FarSpring, balance_warning};
+pub use solvers::SolversReport;
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 

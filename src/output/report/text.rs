@@ -159,6 +159,9 @@ impl fmt::Display for Report {
         if contact.may_touch {
             writeln!(out, "  contact     {}", contact.words())?;
         }
+        if let Some(words) = self.method.contact_solvers.words() {
+            writeln!(out, "  solvers     {words}")?;
+        }
         if let Some(log) = &self.log {
             writeln!(out, "  log         {}", log.display())?;
         }

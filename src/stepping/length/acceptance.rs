@@ -226,6 +226,20 @@ mod tests {
     }
 
     #[test]
+    fn the_cost_of_a_step_that_fails_is_kept_for_one_who_goes_on() {
+        let mechanism = pendulum();
+        let mut lobatto = Lobatto::fixed(&mechanism, 3, 0.1).expect("stages");
+        let mut state = State::zero(&mechanism);
+        let failed = lobatto.step(&mechanism, Inputs::constant(&[f64::NAN]), &mut state, 1.0);
+        assert!(matches!(failed, Err(StepError::NotConverged { .. })), "{failed:?}");
+        // The step and its fourteen halves: there is no past to do without.
+        let cost = lobatto.take_abandoned();
+        assert_eq!((cost.rejected.of(Rejected::NotConverged), cost.rejected.total()), (15, 15));
+        assert!(cost.iterations >= 15, "{cost:?}");
+        assert_eq!(lobatto.take_abandoned(), Default::default());
+    }
+
+    #[test]
     fn a_step_with_a_large_e_is_likely_kept_unless_one_of_the_last_changed_the_energy_too_much() {
         let mut control = control();
         let (wanted, limit) = (control.wanted, control.limit);
@@ -300,10 +314,7 @@ mod tests {
                 assert!(decision == refused && next < 0.1, "{decision:?}, {next}");
                 let (decision, next) = attempt(0.03, 5.0);
                 let shorter = Decision::Retry { guess: Guess::Longer(0.03), why: Rejected::NotSmooth };
-                assert!(
-                    decision == shorter && next < 0.03,
-                    "{decision:?}, {next}"
-                );
+                assert!(decision == shorter && next < 0.03, "{decision:?}, {next}");
             }
         }
     }

@@ -10,6 +10,7 @@ mod messages;
 use crate::common::scratch;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::nonsmooth::Nonsmooth;
+use catena::mechanism::forces::total::Exchange;
 use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena::mechanism::motion::state::State;

@@ -182,7 +182,11 @@ fn steps_that_need_the_exact_newton_method_or_are_too_long_are_those_in_space() 
     let [(flat, ours), (full, theirs)] = both(&damped, make, 0.1);
     assert_eq!(counts(&ours), counts(&theirs));
     // The first step tries the simplified iteration twice, which hard dampers do not let converge; all others do without it.
-    assert!(ours[0].cost.iterations > 20 && ours[1..].iter().all(|one| one.cost.iterations < 10), "{:?}", counts(&ours));
+    assert!(
+        ours[0].cost.iterations > 20 && ours[1..].iter().all(|one| one.cost.iterations < 10),
+        "{:?}",
+        counts(&ours)
+    );
     assert!(ours.iter().chain(&theirs).all(|one| one.exact), "the outcomes do not say so");
     let gap = apart(&flat, &full);
     assert!(gap < 1e-12, "{gap:e}");
