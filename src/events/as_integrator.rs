@@ -1,8 +1,8 @@
 //! The steps of a run through its modes, as an integrator makes them: exact ones, and one of first order where these are too many or cannot be made.
 //!
 //! ```text
-//!     other efforts ─▶ decided anew (steps.rs) ─┬▶ advance (steps.rs) ─▶ an error ─▶ stumble (stepwise.rs)
-//!                                               └▶ a crowd (crowding.rs) ─▶ stumble
+//!     other efforts ─▶ decided anew (changed_efforts.rs) ─▶ next_step.rs ─┬▶ advance (steps.rs) ─▶ an error ─▶ stumble (stepwise.rs)
+//!                                                                         └▶ a crowd (crowding.rs) ─▶ stumble
 //! ```
 
 use crate::events::finding::detection::ONE_INSTANT;

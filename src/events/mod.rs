@@ -28,6 +28,7 @@
 
 mod as_integrator;
 mod ballistic;
+mod changed_efforts;
 mod closing;
 mod commanded;
 mod contact_points;

@@ -1,4 +1,4 @@
-//! What the next step is, and how a step ended: each decided in one place, for the loop in [`crate::events::steps`].
+//! The kind of the next step, and how a step ended: each is decided in one place, for the loop in [`crate::events::steps`].
 
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
@@ -7,12 +7,12 @@ use crate::mechanism::motion::state::State;
 /// A step that does not look at all functions is no shorter than this (s).
 const BLIND: f64 = 1e-9;
 
-/// What the next step is. A mode in which nothing moves has steps, too: only the time goes on in them.
+/// The kind of the next step. A mode in which all bodies rest has steps, too: only the time goes on in them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum NextStep {
     /// All watched functions are looked at.
     Watched,
-    /// Some are not, because their last events have changed nothing or come back; the step is no longer than this (s).
+    /// Some are not, because their last events have left the mode as it was, or come back; the step is no longer than this (s).
     Passing { at_most: f64 },
     /// Of first order: events crowd, or no mode was decided.
     FirstOrder,
@@ -52,7 +52,7 @@ impl Ending {
 }
 
 impl Eventful {
-    /// Decides from the steps before what the next one is, and counts it among those that may crowd.
+    /// Decides from the steps before of which kind the next one is, and counts it among those that may crowd.
     pub(super) fn next_step(&mut self, state: &State) -> NextStep {
         if self.is_crowded(state) {
             return NextStep::FirstOrder;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     > 20 events at one instant, or one that left the mode as it was    ─▶ a step that passes them
-//!     its length:  shortest · 16ⁿ,  n ≤ 5 consecutive events that changed nothing;  ≤ 1e-7 s past a pair or a limit
+//!     its length:  shortest · 16ⁿ,  n ≤ 5 consecutive events that left the mode as it was;  ≤ 1e-7 s past a pair or a limit
 //! ```
 //!
 //! A function may be zero at the start of step after step: on the dense output alone, by roundings, or because one event opens what the next one

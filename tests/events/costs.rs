@@ -1,4 +1,4 @@
-//! What events cost: attempts that end a step at an event are told from those that were thrown away, and each problem at an event is counted with the
+//! The cost of events: attempts that end a step at an event are told from those that were thrown away, and each problem at an event is counted with the
 //! solver that has solved it.
 
 use crate::contacts::{ball, placed};
