@@ -127,7 +127,7 @@ fn a_first_step_that_fails_is_halved_at_once_because_there_is_no_past_to_do_with
     let outcome = lobatto.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap();
     assert!(outcome.cost.rejected.total() > 0);
     assert_eq!(outcome.step * 2_f64.powi(outcome.cost.rejected.total() as i32), nominal);
-    assert_eq!(outcome.cost.rejected.of(Rejected::NotConverged), outcome.cost.rejected.total());
+    assert_eq!(outcome.cost.rejected.of(Rejected::TurnedTooFar), outcome.cost.rejected.total());
 }
 
 #[test]
