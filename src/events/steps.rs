@@ -20,7 +20,6 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::energy;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
-use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
 /// A step is made shorter this often at most before an element is believed to change its state at once.
@@ -98,7 +97,10 @@ impl Eventful {
         self.mode.add_constant_efforts(&self.elements, &mut self.efforts);
         self.note_slips(state);
         if !self.touching.pairs.is_empty() {
-            self.stepped_in = Some(self.mode.clone());
+            match &mut self.stepped_in {
+                Some(known) => known.copy_from(&self.mode),
+                none => *none = Some(self.mode.clone()),
+            }
         }
         let shortest = self.shortest_passing(since);
         let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
@@ -263,7 +265,7 @@ impl Eventful {
             memory.fastest = memory.fastest.max(joint.rate(state).abs());
         }
         if !self.touching.pairs.is_empty() {
-            place_bodies(&self.whole, state, &mut self.bodies);
+            self.placed.place(&self.whole, state, &mut self.bodies);
             let speeds = self.bodies.iter().map(|body| body.velocity.norm());
             self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
             self.memory.kinetic = self.memory.kinetic.max(energy(&self.whole, &self.bodies).kinetic);
