@@ -212,7 +212,7 @@ impl Eventful {
     /// The pair of a watched function, if it is the gap of one and looked at.
     fn open_pair(&self, watched: usize) -> Option<usize> {
         match &self.watched[watched] {
-            open @ Watched::Approach(pair) if !self.ignored.contains(open) => Some(*pair),
+            open @ Watched::Approach(pair) if !self.repeats.ignored.contains(open) => Some(*pair),
             _ => None,
         }
     }
