@@ -55,7 +55,7 @@ impl Length {
             }
             let clock = ThreadTime::now();
             for _ in 0..STEPS {
-                iterations += step().iterations;
+                iterations += step().cost.iterations;
             }
             seconds += clock.elapsed().as_secs_f64();
         }

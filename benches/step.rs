@@ -69,8 +69,8 @@ impl<'m> Run<'m> {
         let clock = ThreadTime::now();
         for _ in 0..STEPS {
             let outcome = self.lobatto.advance(self.mechanism, &mut self.state, f64::INFINITY).expect("a step");
-            self.iterations += outcome.iterations;
-            self.rejected += outcome.rejected;
+            self.iterations += outcome.cost.iterations;
+            self.rejected += outcome.cost.rejected.total();
         }
         let elapsed = clock.elapsed();
         self.steps += STEPS;

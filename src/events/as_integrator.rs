@@ -1,19 +1,20 @@
 //! The steps of a run through its modes, as an integrator makes them: exact ones, and one of first order where these are too many or cannot be made.
 //!
 //! ```text
-//!     other efforts ─▶ decided anew (steps.rs) ─┬▶ advance (steps.rs) ─▶ an error ─▶ stumble (stepwise.rs)
-//!                                               └▶ a crowd (crowding.rs) ─▶ stumble
+//!     other efforts ─▶ decided anew (changed_efforts.rs) ─▶ next_step.rs ─┬▶ advance (steps.rs) ─▶ an error ─▶ stumble (stepwise.rs)
+//!                                                                         └▶ a crowd (crowding.rs) ─▶ stumble
 //! ```
 
 use crate::events::finding::detection::ONE_INSTANT;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::events::modes::piece::Piece;
+use crate::events::next_step::NextStep;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 
 /// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
@@ -40,11 +41,12 @@ impl Integrator for Eventful {
         // Efforts of a program change at ticks, to which it asks for steps.
         self.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
         self.stepped_over = None;
-        let advanced = if self.is_crowded(state) {
-            self.origin.copy_from(state);
-            Ok(self.stumble(inputs, state, next))
-        } else {
-            self.advance(inputs, state, next)
+        let advanced = match self.next_step(state) {
+            NextStep::FirstOrder => {
+                self.origin.copy_from(state);
+                Ok(self.stumble(inputs, state, next))
+            }
+            smooth => self.advance(inputs, state, next, smooth),
         };
         let mut outcome = match advanced {
             Err(
@@ -68,6 +70,7 @@ impl Integrator for Eventful {
             }
             done => done?,
         };
+        outcome.cost.add(&std::mem::take(&mut self.abandoned));
         // The remaining time is below the rounding of the time.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
             outcome.step += until - state.time;
@@ -104,6 +107,10 @@ impl Integrator for Eventful {
         velocity.copy_from_slice(&sample.velocity);
     }
 
+    fn take_abandoned(&mut self) -> Cost {
+        std::mem::take(&mut self.abandoned)
+    }
+
     fn description(&self) -> MethodDescription {
         let steps = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
         let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
@@ -119,6 +126,7 @@ impl Integrator for Eventful {
             description.step = self.stepped / self.steps.max(1) as f64;
         }
         description.unsolved_contacts = self.unsolved;
+        description.contact_solvers = self.solvers;
         (description.first_order_steps, description.first_order_time) = self.first_order;
         (description.rebounds_left_out, description.rebounds_energy) = self.cut;
         description

@@ -71,7 +71,8 @@ impl Eventful {
     pub(super) fn has_hole(&self, since: f64) -> bool {
         let end = self.pieces[self.current].small.time;
         let covered = end - SAME_END * (end - since);
-        let open = |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.ignored.contains(watched);
+        let open =
+            |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.repeats.ignored.contains(watched);
         let until = |index: usize| {
             let own = self.covers.iter().find(|(watched, _)| *watched == index);
             own.map_or(f64::NEG_INFINITY, |(_, cover)| cover.until)
@@ -96,9 +97,9 @@ impl Eventful {
             }
         }
         // A step that does not look at a pair knows its ends alone: between them it moves by less than a micrometre.
-        if self.ignored.iter().any(|watched| matches!(watched, Watched::Approach(_))) {
+        if self.repeats.ignored.iter().any(|watched| matches!(watched, Watched::Approach(_))) {
             self.place(Inside::at(end));
-            for watched in &self.ignored {
+            for watched in &self.repeats.ignored {
                 if let Watched::Approach(pair) = watched {
                     least = least.min(self.touching.distance(*pair, &self.bodies));
                 }

@@ -6,7 +6,6 @@ use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
 use crate::events::finding::cover::Cover;
-use crate::events::finding::cycle::Cycle;
 use crate::events::finding::detection::Looking;
 use crate::events::finding::reserves::Reserves;
 use crate::events::finding::speeds::Speeds;
@@ -22,6 +21,7 @@ use crate::events::modes::piece::Piece;
 use crate::events::modes::piece_steps::PieceRecipe;
 use crate::events::modes::placed::PlacedBodies;
 use crate::events::modes::present::Present;
+use crate::events::repeats::Repeats;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::held::Closures;
@@ -33,7 +33,7 @@ use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{MethodDescription, StepError};
+use crate::mechanism::motion::integrator::{ContactSolvers, Cost, MethodDescription, StepError};
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Recipe;
@@ -100,14 +100,10 @@ pub struct Eventful {
     pub(super) began: f64,
     /// Whether a given instant bounds the next step, and not only the end of the run.
     pub(super) bounded: bool,
-    pub(super) flips: (usize, f64),
-    /// Modes in which steps ended where they began.
-    pub(super) cycle: Cycle,
-    /// Consecutive events at the start of a step that left the mode unchanged.
-    pub(super) unfounded: i32,
-    /// Whether the next step does not look at these functions.
-    pub(super) looks_away: bool,
-    pub(super) ignored: Vec<Watched>,
+    /// Events that may repeat, and the functions that the step does not look at.
+    pub(super) repeats: Repeats,
+    /// The cost of attempts that were thrown away, which no outcome has yet.
+    pub(super) abandoned: Cost,
     pub(super) steps: usize,
     pub(super) stepped: f64,
     pub(super) lost_at_start: f64,
@@ -119,6 +115,8 @@ pub struct Eventful {
     pub(super) ringing: f64,
     /// Number of laws of contact that could not be solved to their accuracy.
     pub(super) unsolved: usize,
+    /// How often each contact solver has solved a problem of an event.
+    pub(super) solvers: ContactSolvers,
     /// Number of rebounds left out in crowds of impacts and in steps of first order, and the energy that they would have given back (J).
     pub(super) cut: (usize, f64),
     /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
@@ -219,11 +217,8 @@ impl Eventful {
             felt: Felt::default(),
             began: 0.0,
             bounded: false,
-            flips: (0, f64::MIN),
-            cycle: Cycle::default(),
-            unfounded: 0,
-            looks_away: false,
-            ignored: Vec::new(),
+            repeats: Repeats::new(),
+            abandoned: Cost::default(),
             steps: 0,
             stepped: 0.0,
             lost_at_start: 0.0,
@@ -231,6 +226,7 @@ impl Eventful {
             between: Some(0.0),
             ringing: 0.0,
             unsolved: 0,
+            solvers: ContactSolvers::default(),
             cut: (0, 0.0),
             left_of_impacts: 0.0,
             height,
@@ -389,9 +385,9 @@ impl Eventful {
 
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
         self.asleep = false;
-        let Eventful { elements, touching, mode, response, memory, whole, .. } = self;
+        let Eventful { elements, touching, mode, response, memory, whole, solvers, .. } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
-        let mut scene = Scene { whole, elements, touching, response };
+        let mut scene = Scene { whole, elements, touching, response, solvers };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
         self.unsolved += done.unsolved;

@@ -13,7 +13,7 @@ use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 
 /// A force jumps if its distance from the bound is more than this many times its roundings, and does not fall.
 pub(super) const JUMP: f64 = 1e4;
@@ -44,24 +44,27 @@ impl Eventful {
         let mut length = self.pieces[self.current].small.time - since;
         let mut bracket = Some(first);
         while let Some(found) = bracket {
-            match self.locate(inputs, found, outcome)? {
+            let why = match self.locate(inputs, found, outcome)? {
                 Located::At(all) => return Ok(all),
-                Located::Jumps => length *= SHORTER,
+                Located::Jumps => {
+                    length *= SHORTER;
+                    Rejected::ForceJump
+                }
                 Located::Passes { length: before } => {
                     length = before;
                     // Directions have followed the slip to the end of the step.
                     let origin = self.origin.clone();
                     self.note_slips(&origin);
+                    Rejected::SlipTurned
                 }
-            }
+            };
+            outcome.cost.reject(why);
             self.pieces[self.current].go_back(since, &self.recipe);
             if length <= shortest {
                 return Err(StepError::NotAccurate { time: since, step: length });
             }
             let again = self.step_towards(inputs, since, since + length)?;
-            outcome.iterations += again.iterations;
-            outcome.rejected += 1 + again.rejected;
-            outcome.exchange = again.exchange;
+            outcome.take_again(&again);
             bracket = self.detect(inputs, since, None);
         }
         Ok(Vec::new())

@@ -75,7 +75,7 @@ impl Eventful {
             _ => true,
         };
         which.clear();
-        let looked_at = |watched: &Watched| !self.ignored.contains(watched) && near(watched);
+        let looked_at = |watched: &Watched| !self.repeats.ignored.contains(watched) && near(watched);
         which.extend(self.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index));
     }
 
@@ -212,7 +212,7 @@ impl Eventful {
     /// The pair of a watched function, if it is the gap of one and looked at.
     fn open_pair(&self, watched: usize) -> Option<usize> {
         match &self.watched[watched] {
-            open @ Watched::Approach(pair) if !self.ignored.contains(open) => Some(*pair),
+            open @ Watched::Approach(pair) if !self.repeats.ignored.contains(open) => Some(*pair),
             _ => None,
         }
     }
@@ -369,9 +369,8 @@ impl Eventful {
                 }
                 Err(error) => return Err(error),
             };
-            outcome.iterations += done.iterations;
-            outcome.exchange = done.exchange;
-            outcome.rejected += usize::from(attempt == 0);
+            outcome.take_again(&done);
+            outcome.cost.located += 1;
             let mut value = [0.0];
             let end = self.pieces[self.current].small.time;
             self.evaluate(inputs, since, Inside::at(end), &which, &mut value);

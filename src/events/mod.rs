@@ -28,6 +28,7 @@
 
 mod as_integrator;
 mod ballistic;
+mod changed_efforts;
 mod closing;
 mod commanded;
 mod contact_points;
@@ -43,7 +44,9 @@ mod last_step;
 mod location;
 mod modes;
 mod moving;
+mod next_step;
 mod quiet;
+mod repeats;
 mod singular;
 mod sliding;
 mod steps;

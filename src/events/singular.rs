@@ -70,7 +70,7 @@ impl Eventful {
         self.steps += 1;
         self.stepped += step;
         let exchange = Exchange { work, impacts, ..Exchange::default() };
-        StepOutcome { step, iterations: 1, exchange, ..StepOutcome::default() }
+        StepOutcome::new(step, 1, exchange)
     }
 
     /// Linear and angular momentum of each body about its centre of mass after the forces on it have acted for a step (s).

@@ -123,17 +123,16 @@ impl Eventful {
         if let Some(steps) = &mut self.pieces[self.current].steps {
             steps.give_up_below(least);
         }
-        let (mut until, mut rejected) = (until, 0);
+        let mut until = until;
         loop {
             let piece = &mut self.pieces[self.current];
             match piece.step(&self.whole, inputs, until) {
-                Ok(outcome) => return Ok(StepOutcome { rejected: outcome.rejected + rejected, ..outcome }),
+                Ok(outcome) => return Ok(outcome),
                 Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
                     if closed && until - since > SOONEST.max(least) =>
                 {
                     piece.go_back(since, &self.recipe);
                     until = since + SLOWER * (until - since);
-                    rejected += 1;
                 }
                 Err(error) => return Err(error),
             }

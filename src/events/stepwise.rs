@@ -128,12 +128,7 @@ impl Eventful {
         piece.small = piece.moving.gather(&self.whole, state);
         self.steps += 1;
         self.stepped += step;
-        StepOutcome {
-            step,
-            iterations: 1,
-            exchange: Exchange { work, impacts, ..Exchange::default() },
-            ..StepOutcome::default()
-        }
+        StepOutcome::new(step, 1, Exchange { work, impacts, ..Exchange::default() })
     }
 
     /// Rebounds that a step leaves out, and the energy that they would give back, `½ e² P |γ⁻|` each (J). An impact slower than the fall in one step

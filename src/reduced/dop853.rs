@@ -21,7 +21,7 @@ use crate::ode::{ReducedOde, joint_of_entry};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::ground::guarded::Guarded;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, Rejected, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
 /// Factor on the step that the error estimate asks for.
@@ -53,6 +53,8 @@ pub struct Dop853 {
     efforts: Vec<f64>,
     /// In a cell because dense output evaluates further slopes, and only when it is asked for.
     work: Guarded<Work>,
+    /// The cost of steps that failed.
+    abandoned: Cost,
 }
 
 /// How steps are chosen.
@@ -93,6 +95,7 @@ impl Dop853 {
             accepted_time: 0.0,
             efforts: Vec::new(),
             work: Guarded::new(Work::new(ode)),
+            abandoned: Cost::default(),
         }
     }
 }
@@ -106,7 +109,7 @@ impl Integrator for Dop853 {
         until: f64,
     ) -> Result<StepOutcome, StepError> {
         if let Some(now) = self.work.get_mut().ode.changed(mechanism, inputs) {
-            *self = Dop853::with_control(&now, self.control);
+            *self = Dop853 { abandoned: self.abandoned, ..Dop853::with_control(&now, self.control) };
         }
         if self.efforts != inputs.efforts {
             self.efforts = inputs.efforts.to_vec();
@@ -142,7 +145,7 @@ impl Integrator for Dop853 {
                 work.initial_step(tolerance, until - state.time, inputs)
             }
         };
-        let mut rejected = 0;
+        let mut rejected = Cost::default();
         loop {
             let remaining = until - state.time;
             let stretch = if matches!(self.control, Control::Fixed(_)) { 1.000_000_1 } else { STRETCH };
@@ -167,22 +170,26 @@ impl Integrator for Dop853 {
                 self.accepted += 1;
                 self.accepted_time += step;
                 // The step does not grow right after a rejection. A step that the end of the run cuts short is no argument against longer ones.
-                let growth = if rejected > 0 { 1.0 } else { GROWTH_LIMIT };
+                let growth = if rejected.rejected.total() > 0 { 1.0 } else { GROWTH_LIMIT };
                 let proportional = error.powf(0.2 * INTEGRAL_GAIN - 1.0 / ORDER);
                 let factor = SAFETY * proportional * self.error_before.powf(INTEGRAL_GAIN);
                 let proposed = step * factor.clamp(SHRINK_LIMIT, growth);
                 self.error_before = error.max(LEAST_ERROR_BEFORE);
                 self.next_step = Some(if last { proposed.max(wanted) } else { proposed });
                 let exchange = work.ode.exchange(&work.start, &work.end);
-                return Ok(StepOutcome { step, iterations: evaluations, rejected, exchange, ..StepOutcome::default() });
+                let mut outcome = StepOutcome::new(step, evaluations, exchange);
+                outcome.cost.add(&rejected);
+                return Ok(outcome);
             }
-            rejected += 1;
+            rejected.reject(Rejected::NotSmooth);
             // A step that ran into infinity has no error to go by.
             let factor = if error.is_finite() { SAFETY * error.powf(-1.0 / ORDER) } else { 0.0 };
             wanted = step * factor.max(SHRINK_LIMIT);
             if wanted <= 10.0 * f64::EPSILON * state.time.abs().max(until.abs()) {
                 work.check_finite(mechanism, &work.end, state.time, step)?;
                 let joint = joint_of_entry(mechanism, work.worst_entry());
+                rejected.iterations = evaluations;
+                self.abandoned.add(&rejected);
                 return Err(StepError::NotConverged { time: state.time, step, joint, increment: error });
             }
         }
@@ -206,6 +213,10 @@ impl Integrator for Dop853 {
         position.iter_mut().enumerate().for_each(|(i, entry)| *entry = at(i));
         velocity.iter_mut().enumerate().for_each(|(i, entry)| *entry = at(mechanism.position_count + i));
         work.ode.normalise(position);
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        std::mem::take(&mut self.abandoned)
     }
 
     fn description(&self) -> MethodDescription {
@@ -239,7 +250,7 @@ impl Dop853 {
         state.time = self.start_time + length;
         self.end_time = state.time;
         let exchange = work.ode.exchange(&work.start, &work.end);
-        Ok(StepOutcome { step: length, iterations: 12, exchange, ..StepOutcome::default() })
+        Ok(StepOutcome::new(length, 12, exchange))
     }
 
     /// The mean square `Σ b_i q̇_i²` of the rate of a scalar coordinate over the last step, by its position [(m/s)² or (rad/s)²].

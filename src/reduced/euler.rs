@@ -78,7 +78,7 @@ impl Integrator for Euler {
         state.velocity.copy_from_slice(&self.velocity);
         state.time = time;
         self.end.clone_from(state);
-        Ok(StepOutcome { step, iterations: 1, exchange, ..StepOutcome::default() })
+        Ok(StepOutcome::new(step, 1, exchange))
     }
 
     /// Linear in between, which is as accurate as the method.

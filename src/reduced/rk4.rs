@@ -86,12 +86,7 @@ impl Integrator for Rk4 {
         ode.store(&self.end, state);
         (self.start_time, self.end_time) = (state.time, time);
         state.time = time;
-        Ok(StepOutcome {
-            step,
-            iterations: 4,
-            exchange: ode.exchange(&self.start, &self.end),
-            ..StepOutcome::default()
-        })
+        Ok(StepOutcome::new(step, 4, ode.exchange(&self.start, &self.end)))
     }
 
     /// Cubic Hermite interpolation, as accurate as the method.

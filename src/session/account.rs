@@ -13,14 +13,14 @@ use crate::model::Model;
 use crate::output::log::{Ending, LogError, LogOptions, Outcome, Recorder, Severity};
 use crate::output::report::{
     AccuracyReport, ConstraintReport, ContactsReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport,
-    ModelReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
-    singular_warning, unsolved_warning,
+    ModelReport, RejectedReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports,
+    ringing_warning, singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
 use crate::session::description::{Origin, TOLD, WENT_ON, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
-use crate::simulation::{Finished, RunError, Simulation, Summary};
+use crate::simulation::{Finished, RunError, Simulation};
 use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -71,9 +71,8 @@ pub struct Told {
     origin: Origin,
     before: Vec<String>,
     after: Vec<String>,
-    summary: Summary,
-    /// The estimated error of positions (m), if it is known.
-    estimated_error: Option<f64>,
+    /// The figures of the whole run.
+    figures: BTreeMap<String, String>,
     /// The kind and the message of the failure that ended the run early, if any.
     failure: Option<(Outcome, String)>,
 }
@@ -184,11 +183,12 @@ impl Begun {
             accuracy.as_ref().map(|accuracy| accuracy.estimated).or(step_error.map(|error| error.estimated));
         let failure = ended.as_ref().err().map(|error| (outcome(error), error.to_string()));
         let (origin, before, after) = (origin.clone(), unreached.clone(), of_method.clone());
-        let told = Told { course, origin, before, after, summary, estimated_error, failure };
+        let figures = figures(&summary, &method, estimated_error);
+        let told = Told { course, origin, before, after, figures: figures.clone(), failure };
         let (ended, log) = match (recorder, output) {
             (Some(mut recorder), Some(output)) => {
                 of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
-                complete(recorder, ended, figures(&summary, estimated_error), output)
+                complete(recorder, ended, figures, output)
             }
             _ => (ended, None),
         };
@@ -204,9 +204,11 @@ impl Begun {
             method: MethodReport::new(&method),
             model: model_report,
             steps: summary.steps,
-            iterations: summary.iterations,
-            rejected_steps: summary.rejected_steps,
-            kept_factor_iterations: summary.kept_iterations,
+            iterations: summary.cost.iterations,
+            rejected_steps: summary.cost.rejected.total(),
+            rejected_by: RejectedReport(summary.cost.rejected),
+            located_attempts: summary.cost.located,
+            kept_factor_iterations: summary.cost.kept,
             exact_newton_steps: summary.exact_steps,
             wall_seconds,
             cpu_seconds,
@@ -259,7 +261,7 @@ impl Told {
             Some((_, why)) => recorder.say(Severity::Error, why),
             None => recorder.say(Severity::Info, AT_END),
         }
-        let figures = figures(&self.summary, self.estimated_error);
+        let figures = self.figures.clone();
         let written = recorder.finish(Ending { outcome, figures }).map_err(Error::from);
         ended.and(written)
     }

@@ -81,11 +81,16 @@ fn listed(numbers: &[f64]) -> String {
 }
 
 /// The figures of the whole run for its log, with the estimated error of positions (m) if it is known.
-pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeMap<String, String> {
+pub(crate) fn figures(
+    summary: &Summary,
+    method: &MethodDescription,
+    estimated_error: Option<f64>,
+) -> BTreeMap<String, String> {
     let figures = [
         ("steps", summary.steps.to_string()),
-        ("iterations", summary.iterations.to_string()),
-        ("rejected_steps", summary.rejected_steps.to_string()),
+        ("iterations", summary.cost.iterations.to_string()),
+        ("rejected_steps", summary.cost.rejected.total().to_string()),
+        ("located_attempts", summary.cost.located.to_string()),
         ("energy_initial", summary.initial_energy.total().to_string()),
         ("energy_final", summary.final_energy.total().to_string()),
         ("energy_max_relative_error", summary.max_relative_energy_error.to_string()),
@@ -95,5 +100,10 @@ pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeM
         ("contact_max_cone_violation", summary.contact.cone_violation.to_string()),
     ];
     let estimated = estimated_error.map(|error| ("estimated_error", error.to_string()));
-    figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value)).collect()
+    let reasons = summary.cost.rejected.reasons();
+    let reasons = reasons.map(|(why, count)| (format!("rejected_{}", why.key()), count.to_string()));
+    let figures = figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value));
+    let solvers = method.contact_solvers.used();
+    let solvers = solvers.map(|(by, count)| (format!("solved_{}", by.key()), count.to_string()));
+    figures.chain(reasons).chain(solvers).collect()
 }

@@ -14,7 +14,9 @@ use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{
+    ContactSolvers, Cost, Integrator, MethodDescription, StepError, StepOutcome,
+};
 use catena_mechanism::motion::state::State;
 
 mod methods;
@@ -164,20 +166,22 @@ impl Lobatto {
         self.stepper.step_count()
     }
 
-    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once. Returns its outcome, and the iterations of a refused
-    /// attempt, which leaves the state as it is.
+    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once.
+    ///
+    /// # Errors
+    /// The cost of a refused attempt, which leaves the state as it is.
     pub(crate) fn span(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
         state: &mut State,
         until: f64,
-    ) -> (Option<StepOutcome>, usize) {
+    ) -> Result<StepOutcome, Cost> {
         if self.meet(mechanism, inputs, state).is_err() {
-            return (None, 0);
+            return Err(Cost::default());
         }
         let driven = self.stepper.driven();
-        let Mode::Chosen(control) = &mut self.mode else { return (None, 0) };
+        let Mode::Chosen(control) = &mut self.mode else { return Err(Cost::default()) };
         control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until)
     }
 
@@ -278,6 +282,10 @@ impl Integrator for Lobatto {
         }
     }
 
+    fn take_abandoned(&mut self) -> Cost {
+        self.stepper.take_abandoned()
+    }
+
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.interpolate(mechanism, time, position, velocity);
         self.stepper.kernel.close(mechanism, position, velocity);
@@ -307,6 +315,7 @@ impl Integrator for Lobatto {
             digits: if self.precise { 32 } else { 16 },
             reversible_resets: resets,
             unsolved_contacts: 0,
+            contact_solvers: ContactSolvers::default(),
             first_order_steps: 0,
             first_order_time: 0.0,
             few_stage_steps: 0,

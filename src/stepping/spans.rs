@@ -20,7 +20,7 @@ use crate::recipe::{Recipe, Steps};
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
 /// Spans in a row that many stages have made in one step each, before three stages are tried: the last step of a run is no such span.
@@ -45,8 +45,8 @@ pub struct SpanSteps {
     /// Spans that many stages make before three are tried again, and refusals in a row.
     waits: usize,
     refusals: u32,
-    /// Iterations and attempts of refused spans that no outcome has counted yet.
-    lost: (usize, usize),
+    /// The cost of refused spans that no outcome has counted yet.
+    lost: Cost,
 }
 
 impl SpanSteps {
@@ -66,7 +66,7 @@ impl SpanSteps {
             in_a_row: 0,
             waits: 0,
             refusals: 0,
-            lost: (0, 0),
+            lost: Cost::default(),
         })
     }
 
@@ -109,15 +109,18 @@ impl SpanSteps {
             let steps = Steps::Chosen { tolerance, stop, stages: StageChoice::Fewest };
             self.few = Recipe { steps, ..self.recipe.clone() }.lobatto(mechanism).ok().map(Box::new);
         }
-        let (made, iterations) = self.few.as_mut()?.span(mechanism, inputs, state, until);
-        if made.is_some() {
-            self.refusals = 0;
-        } else {
-            self.lost = (self.lost.0 + iterations, self.lost.1 + 1);
-            self.waits = WAIT << self.refusals.min(DOUBLINGS);
-            self.refusals += 1;
+        match self.few.as_mut()?.span(mechanism, inputs, state, until) {
+            Ok(made) => {
+                self.refusals = 0;
+                Some(made)
+            }
+            Err(cost) => {
+                self.lost.add(&cost);
+                self.waits = WAIT << self.refusals.min(DOUBLINGS);
+                self.refusals += 1;
+                None
+            }
         }
-        made
     }
 
     /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
@@ -211,12 +214,18 @@ impl Integrator for SpanSteps {
             self.by_few = false;
         }
         let mut outcome = self.many.step(mechanism, inputs, state, until)?;
-        let (iterations, rejected) = std::mem::take(&mut self.lost);
-        outcome.iterations += iterations;
-        outcome.rejected += rejected;
+        outcome.cost.add(&std::mem::take(&mut self.lost));
         self.waits = self.waits.saturating_sub(1);
         self.in_a_row = if self.given && state.time == until { self.in_a_row + 1 } else { 0 };
         Ok(outcome)
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        let mut cost = self.many.take_abandoned();
+        if let Some(few) = &mut self.few {
+            cost.add(&few.take_abandoned());
+        }
+        cost
     }
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {

@@ -21,7 +21,11 @@ fn distance(mechanism: &Mechanism, start: &State, step: f64, duration: f64) -> (
     let (ours, theirs) = (body_states(mechanism, &ours), body_states(mechanism, &theirs));
     let speed = theirs.iter().map(|body| body.velocity.amax().max(body.angular_velocity.amax())).fold(1.0, f64::max);
     let (poses, velocities) = (pose_distance(&ours, &theirs), velocity_distance(&ours, &theirs) / speed);
-    println!("{}: poses {poses:.1e}, velocities {velocities:.1e}, halved {}", mechanism.name, summary.rejected_steps);
+    println!(
+        "{}: poses {poses:.1e}, velocities {velocities:.1e}, halved {}",
+        mechanism.name,
+        summary.cost.rejected.total()
+    );
     (poses, velocities)
 }
 

@@ -39,10 +39,10 @@ fn a_stack_in_free_fall_stays_together_in_few_steps_without_events() {
         for steps in [fixed(9, 0.05), StepChoice::Tolerance(1e-6), StepChoice::Tolerance(1e-4)] {
             let finished = run_within(500, &mechanism, &start, 0.5, steps);
             let summary = &finished.summary;
-            println!("{friction}, {steps:?}: {} steps, {} rejected", summary.steps, summary.rejected_steps);
+            println!("{friction}, {steps:?}: {} steps, {} rejected", summary.steps, summary.cost.rejected.total());
             assert!(finished.events.is_empty(), "{:?}", finished.events);
             // Parabolas: a step may be as long as the run; the first is short where steps are chosen.
-            assert!(summary.steps <= 30 && summary.rejected_steps <= 4, "{friction}, {steps:?}: {summary:?}");
+            assert!(summary.steps <= 30 && summary.cost.rejected.total() <= 4, "{friction}, {steps:?}: {summary:?}");
             assert_eq!(summary.contact.cone_violation, 0.0);
             // Each body falls as it would alone: 0.5 s of gravity and 1.3 m/s, to the roundings of a height of a metre.
             for (now, before) in finished.state.position.iter().zip(&start.position).skip(2).step_by(7) {

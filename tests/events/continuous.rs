@@ -84,7 +84,7 @@ fn a_continuous_law_of_position_and_rate_is_the_built_in_motor_to_rounding() {
         // Hundreds of steps solved to rounding, of positions below 1 rad.
         let found = apart(&ours.state, &built_in.state);
         assert!(found < 1e-13, "kp {kp}, kd {kd}: {found:e}");
-        assert_eq!(ours.summary.rejected_steps, 0);
+        assert_eq!(ours.summary.cost.rejected.total(), 0);
     }
 }
 
@@ -99,7 +99,7 @@ fn a_continuous_law_is_solved_to_rounding_whatever_derivatives_are_told() {
     });
     // As above; and coarse derivatives cost iterations.
     assert!(apart(&exact.state, &coarse.state) < 1e-13, "{:e}", apart(&exact.state, &coarse.state));
-    assert!(exact.summary.iterations < coarse.summary.iterations);
+    assert!(exact.summary.cost.iterations < coarse.summary.cost.iterations);
     // The same as springs and dampers, iterated until nothing falls any more: the usual rule takes increments of 1e-11 for rounding.
     let mut passive = arm.clone();
     for body in 0..passive.bodies.len() {

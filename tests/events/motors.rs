@@ -127,7 +127,7 @@ fn a_stiff_motor_costs_iterations_and_not_steps() {
     let mut mechanism = wheel(0.4);
     motor(&mut mechanism, 0, MotorLaw::Position { kp: 1e6, kd: 5e3 }, Target::constant(0.9), f64::INFINITY, 0.0);
     let done = run(&mechanism, &at_rest(&mechanism, &[0.9]), 1.0, fixed(9, 0.1));
-    assert_eq!((done.summary.steps, done.summary.rejected_steps), (10, 0));
+    assert_eq!((done.summary.steps, done.summary.cost.rejected.total()), (10, 0));
     near(done.state.position[0], 0.9, 1e-12);
 }
 

@@ -63,6 +63,8 @@ fn report(model: &Model) -> Report {
         iterations: 10,
         kept_factor_iterations: 0,
         rejected_steps: 0,
+        rejected_by: Default::default(),
+        located_attempts: 0,
         exact_newton_steps: 0,
         wall_seconds: 1.0,
         cpu_seconds: 1.0,

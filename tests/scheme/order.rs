@@ -11,7 +11,11 @@ fn after(model: &Model, stages: usize, step: f64, time: f64) -> Vec<BodyState> {
     let mut lobatto = Lobatto::fixed(&model.mechanism, stages, step).unwrap();
     while state.time < time {
         let outcome = lobatto.advance(&model.mechanism, &mut state, time).unwrap();
-        assert_eq!(outcome.rejected, 0, "s={stages} h={step}: a step was halved, the order would not be seen");
+        assert_eq!(
+            outcome.cost.rejected.total(),
+            0,
+            "s={stages} h={step}: a step was halved, the order would not be seen"
+        );
     }
     body_states(&model.mechanism, &state)
 }

@@ -28,6 +28,7 @@ use crate::instant::holding::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -49,6 +50,8 @@ pub(crate) struct Scene<'s> {
     pub elements: &'s Elements,
     pub touching: &'s Touching,
     pub response: &'s mut Response,
+    /// Counts the contact solvers that its problems need.
+    pub solvers: &'s mut ContactSolvers,
 }
 
 /// Elements that an event has found at the end of their efforts.
@@ -129,7 +132,7 @@ pub(crate) fn decide(
     yielding: &Yielding,
     candidates: &[Candidate],
 ) -> Result<Decided, Undecided> {
-    let Scene { whole, elements, touching, response } = scene;
+    let Scene { whole, elements, touching, response, solvers } = scene;
     let (whole, elements, touching) = (*whole, *elements, *touching);
     let mut blocks: Vec<Block> = Vec::new();
     let mut efforts = efforts.to_vec();
@@ -193,7 +196,7 @@ pub(crate) fn decide(
     let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
     let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
-    let (found, off) = match solve_as_steps_share(&blocks, &problem) {
+    let (found, off) = match solve_as_steps_share(&blocks, &problem, solvers) {
         Ok(found) => (found, 0.0),
         Err(Unsolved::Stopped { best }) => {
             let off = best.residual;

@@ -99,7 +99,8 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
     let before = rows.rates(&state.velocity);
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
     let restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
-    let found = impact(&Problem { mobility: &rows.square, free: &before, laws: &laws }, &restitution)?;
+    let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
+    let found = impact(&problem, &restitution, scene.solvers)?;
     let velocity = state.velocity.clone();
     rows.add(&found.impulses, &mut state.velocity);
     if gains(scene, &velocity, state) {

@@ -36,7 +36,7 @@ impl Contacts {
         let before = rows.rates(&state.velocity);
         let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
         let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
-        let impulses = impulse_without_collision(&problem, candidate).ok()?.forces;
+        let impulses = impulse_without_collision(&problem, candidate, scene.solvers).ok()?.forces;
         rows.add(&impulses, &mut state.velocity);
         let after = rows.rates(&state.velocity);
         for (block, impulse) in blocks[contacts..].iter().zip(&impulses[contact_rows..]) {
@@ -64,6 +64,7 @@ mod tests {
     use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::{Body, Mechanism};
+    use crate::mechanism::motion::contact_solvers::ContactSolvers;
     use crate::mechanism::motion::energy::energy;
     use crate::mechanism::motion::touches::touch_motion;
     use nalgebra::{Rotation3, Translation3, Vector3};
@@ -105,8 +106,14 @@ mod tests {
             let (mechanism, mut state) = jamming_rod(limits);
             let (elements, touching) = (Elements::new(&mechanism), Touching::new(&mechanism));
             let mut response = Response::new(&mechanism);
-            let mut scene =
-                Scene { whole: &mechanism, elements: &elements, touching: &touching, response: &mut response };
+            let mut solvers = ContactSolvers::default();
+            let mut scene = Scene {
+                whole: &mechanism,
+                elements: &elements,
+                touching: &touching,
+                response: &mut response,
+                solvers: &mut solvers,
+            };
             let before = Mode { joints: Vec::new(), motors: Vec::new(), contacts: Vec::new(), idle: Vec::new() };
             let found = Found { triggers: &[Watched::Approach(0)], height: 0.0, anew: true };
             let mut contacts = Contacts::gather(&scene, &before, &state, &found, 2.0);

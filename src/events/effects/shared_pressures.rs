@@ -13,22 +13,27 @@
 
 use crate::events::forces::closed_forces::implied;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
-use crate::instant::cone::solve;
+use crate::instant::cone::solve_counted;
 use crate::instant::holding::blocks::{Block, Of};
+use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use nalgebra::{DMatrix, DVector};
 
 /// ε.
 const GIVES: f64 = 1e-6;
 
 /// Solves the law of the blocks; again with D' where something begins to slide, if that can be solved.
-pub(crate) fn solve_as_steps_share(blocks: &[Block], problem: &Problem) -> Result<Answer, Unsolved> {
-    let solved = solve(problem, None)?;
+pub(crate) fn solve_as_steps_share(
+    blocks: &[Block],
+    problem: &Problem,
+    solvers: &mut ContactSolvers,
+) -> Result<Answer, Unsolved> {
+    let solved = solve_counted(problem, None, solvers)?;
     let begins = |(law, state): (&Law, &BlockState)| matches!(law, Law::Contact { .. }) && *state == BlockState::Slips;
     if !problem.laws.iter().zip(&solved.states).any(begins) {
         return Ok(solved);
     }
     let again = with_shared_pressures(blocks, problem.mobility)
-        .and_then(|shared| solve(&Problem { mobility: &shared, ..*problem }, None).ok());
+        .and_then(|shared| solve_counted(&Problem { mobility: &shared, ..*problem }, None, solvers).ok());
     Ok(again.unwrap_or(solved))
 }
 
@@ -64,6 +69,7 @@ fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -> Option<DM
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::solve;
 
     #[test]
     fn pressures_of_a_plate_on_four_feet_lie_on_a_plane() {

@@ -1,4 +1,4 @@
-//! The solvers in their order: each starts where the last one failed, until the law holds.
+//! The portfolio of solvers in its order: each starts where the last one failed, until the law holds.
 //!
 //! | way | start | equations | ε |
 //! |---|---|---|---|
@@ -22,6 +22,7 @@ use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::cone::scaled::Scaled;
 use crate::instant::cone::settling::settle;
 use crate::instant::cone::sweeps::sweep;
+use crate::mechanism::motion::contact_solvers::{ContactSolver, ContactSolvers, DEPTHS};
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals up to this are solutions.
@@ -38,10 +39,9 @@ const COMPLIANCES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 const SWEEPS: usize = 10;
 /// A free rate below this part of the terms of its sum is zero.
 const IMPLIED: f64 = 1e-9;
-/// How far inside the cones interior points start.
-const SPREADS: [f64; 6] = [10.0, 100.0, 1.0, 30.0, 3.0, 0.3];
-/// Depths that are tried if those fail: each is one more chance, at a fiftieth of the cost of a convex programme.
-const MORE_SPREADS: [f64; 5] = [300.0, 0.1, 20.0, 1000.0, 50.0];
+/// The first of the depths of interior points ([`DEPTHS`]); the others are tried if those fail: each is one more chance, at a fiftieth of the cost of
+/// a convex programme.
+const FIRST_DEPTHS: usize = 6;
 /// Scaled forces above this many times the largest free rate pinch a body.
 const LARGE: f64 = 1e4;
 /// Such forces are an answer if the natural map is below this part of the largest free rate: forces of 1e8 that a light body under a heavy one bears
@@ -65,23 +65,25 @@ struct Best {
     /// The sum of squares of the natural map: unlike the residual it does not praise large forces.
     merit: f64,
     residual: f64,
+    /// The entry that has found them.
+    by: ContactSolver,
 }
 
 impl Best {
     /// No forces, before any have been found.
     fn none(count: usize) -> Self {
-        Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY }
+        Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY, by: ContactSolver::Unsolved }
     }
 
-    /// Takes forces that are better; says whether the problem is solved. Large forces solve it if they leave a small part of the free rates, too: the
-    /// roundings of a singular mobility times forces without end can be any rates.
-    fn take(&mut self, scaled: &Scaled, forces: Vec<f64>) -> bool {
+    /// Takes forces that an entry has found, if they are better; says whether the problem is solved. Large forces solve it if they leave a small part of
+    /// the free rates, too: the roundings of a singular mobility times forces without end can be any rates.
+    fn take(&mut self, scaled: &Scaled, by: ContactSolver, forces: Vec<f64>) -> bool {
         let mut rates = vec![0.0; forces.len()];
         scaled.rates(&forces, &mut rates);
         let (merit, residual) = (scaled.merit(&forces, &rates), scaled.residual(&forces, &rates));
         let is_solved = residual <= SOLVED && (is_small(scaled, &forces) || merit.sqrt() <= LEFT * fastest(scaled));
         if merit < self.merit || is_solved {
-            (self.forces, self.merit, self.residual) = (forces, merit, residual);
+            (self.forces, self.merit, self.residual, self.by) = (forces, merit, residual, by);
         }
         is_solved
     }
@@ -90,37 +92,59 @@ impl Best {
 /// Solves a problem, from forces of a similar one if there are any.
 ///
 /// # Errors
+/// As of [`solve_counted`].
+pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, Unsolved> {
+    solve_counted(problem, start, &mut ContactSolvers::default())
+}
+
+/// The same; counts which entry has solved it.
+///
+/// # Errors
 /// If the problem is malformed, if a contact that slides has no solution, or if no solver reaches a residual of 1e-10; the best answer is then in
 /// the error.
-pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, Unsolved> {
+pub(crate) fn solve_counted(
+    problem: &Problem,
+    start: Option<&[f64]>,
+    solvers: &mut ContactSolvers,
+) -> Result<Answer, Unsolved> {
     problem.check()?;
     let scaled = Scaled::new(problem);
     let count = problem.free.len();
     let mut best = Best::none(count);
     let start = start.filter(|start| start.len() == count && start.iter().all(|force| force.is_finite()));
     let from = |forces: Vec<f64>, settings: Settings| improved(&scaled, forces, settings);
-    let solved = start.is_some_and(|start| best.take(&scaled, from(scaled.scale(start), EVERYDAY)))
-        || best.take(&scaled, from(swept(&scaled), EVERYDAY));
-    let solved = solved || soft(&scaled).is_some_and(|forces| best.take(&scaled, forces));
+    let (warm, cold) = (ContactSolver::Warm, ContactSolver::Cold);
+    let solved = start.is_some_and(|start| best.take(&scaled, warm, from(scaled.scale(start), EVERYDAY)))
+        || best.take(&scaled, cold, from(swept(&scaled), EVERYDAY));
+    let solved = solved || soft(&scaled).is_some_and(|forces| best.take(&scaled, ContactSolver::Soft, forces));
     // If Newton's method has stopped short of an answer, the blocks that it holds closed may be a paradox of their own.
     if !solved && let Some((block, mobility)) = paradox(problem, &settle(problem, &scaled, &best.forces)) {
         return Err(Unsolved::Inconsistent { block, mobility });
     }
     let solved = solved || {
         // Each start is made only if those before it have failed.
-        let both = |near: Vec<f64>| [EVERYDAY, NATURAL].into_iter().map(move |settings| from(near.clone(), settings));
-        let inside = |spread: f64| interior(&scaled, spread).into_iter().flat_map(both);
-        let (interiors, more) = (SPREADS.into_iter().flat_map(inside), MORE_SPREADS.into_iter().flat_map(inside));
-        let softened = std::iter::once_with(|| compliant(&scaled)).flat_map(both);
-        let starts = [None, Some(best.forces.clone())];
-        let rounds = starts.iter().filter_map(|start| convex_rounds(&scaled, start.as_deref())).flat_map(both);
+        let both = |(by, near): (ContactSolver, Vec<f64>)| {
+            [EVERYDAY, NATURAL].into_iter().map(move |settings| (by, from(near.clone(), settings)))
+        };
+        let inside = |depth: usize| {
+            let near = interior(&scaled, DEPTHS[depth]).map(|near| (ContactSolver::Interior(depth), near));
+            near.into_iter().flat_map(both)
+        };
+        let interiors = (0..FIRST_DEPTHS).flat_map(inside);
+        let more = (FIRST_DEPTHS..DEPTHS.len()).flat_map(inside);
+        let softened = std::iter::once_with(|| (ContactSolver::Compliant, compliant(&scaled))).flat_map(both);
+        let starts =
+            [(ContactSolver::RoundsFromZero, None), (ContactSolver::RoundsFromBest, Some(best.forces.clone()))];
+        let near = starts.iter().filter_map(|(by, start)| Some((*by, convex_rounds(&scaled, start.as_deref())?)));
+        let rounds = near.flat_map(both);
         // Forces of the last ways that grow without end are no answers.
-        let last = more.chain(softened).chain(rounds).filter(|forces| is_small(&scaled, forces));
-        interiors.chain(last).any(|forces| best.take(&scaled, forces))
+        let last = more.chain(softened).chain(rounds).filter(|(_, forces)| is_small(&scaled, forces));
+        interiors.chain(last).any(|(by, forces)| best.take(&scaled, by, forces))
     };
     let answer = settle(problem, &scaled, &best.forces);
     // The residual of large forces is a small part of them, and may be large beside the free rates.
     let accepted = answer.residual <= ACCEPTED && (solved || is_small(&scaled, &best.forces));
+    solvers.count(if accepted { best.by } else { ContactSolver::Unsolved });
     if accepted { Ok(answer) } else { Err(Unsolved::Stopped { best: Box::new(answer) }) }
 }
 
@@ -130,19 +154,20 @@ pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
     problem.check().ok()?;
     let scaled = Scaled::new(problem);
     let mut best = Best::none(problem.free.len());
-    best.take(&scaled, improved(&scaled, swept(&scaled), EVERYDAY));
+    best.take(&scaled, ContactSolver::Cold, improved(&scaled, swept(&scaled), EVERYDAY));
     if best.residual > ROUGH
         && let Some(forces) = soft(&scaled)
     {
-        best.take(&scaled, forces);
+        best.take(&scaled, ContactSolver::Soft, forces);
     }
-    for spread in SPREADS {
+    for (depth, &spread) in DEPTHS[..FIRST_DEPTHS].iter().enumerate() {
         if best.residual <= ROUGH {
             break;
         }
         if let Some(near) = interior(&scaled, spread) {
-            best.take(&scaled, near.clone());
-            best.take(&scaled, improved(&scaled, near, EVERYDAY));
+            let by = ContactSolver::Interior(depth);
+            best.take(&scaled, by, near.clone());
+            best.take(&scaled, by, improved(&scaled, near, EVERYDAY));
         }
     }
     Some(settle(problem, &scaled, &best.forces).forces)

@@ -13,8 +13,9 @@
 //!
 //! Source: B. Smith, D. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, Reflections on simultaneous impact, ACM Transactions on Graphics 31 (2012).
 
-use crate::instant::cone::cascade::solve;
+use crate::instant::cone::cascade::solve_counted;
 use crate::instant::cone::problem::{Answer, Law, Problem, Unsolved};
+use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use nalgebra::DMatrix;
 
 /// Rounds after which a plastic impact may end them, if they tend to it.
@@ -51,7 +52,7 @@ pub(crate) struct Impact {
 ///
 /// # Errors
 /// The errors of [`solve`], and if there is not one restitution between 0 and 1 for each block.
-pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, Unsolved> {
+pub(crate) fn impact(problem: &Problem, restitution: &[f64], solvers: &mut ContactSolvers) -> Result<Impact, Unsolved> {
     problem.check()?;
     let sound = |block: usize| restitution.get(block).is_some_and(|e| (0.0..=1.0).contains(e));
     if let Some(block) = (0..problem.laws.len()).find(|&block| !sound(block)) {
@@ -69,7 +70,7 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, U
             if state.rounds == asked {
                 let most = MOST / before.len().max(1);
                 let mut plastic = state.clone();
-                match round(problem, &starts, &all, None, &mut plastic) {
+                match round(problem, &starts, &all, None, &mut plastic, solvers) {
                     Ok(()) => {
                         let left = plastic.lost - state.lost;
                         let tends = state.lost - lost >= TENDS * left;
@@ -91,10 +92,10 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, U
             // Blocks that hold both ways take part whenever another block approaches.
             let takes_part = |block: &usize| approach(block) || holds_both_ways(&problem.laws[*block]);
             let part: Vec<usize> = all.iter().copied().filter(takes_part).collect();
-            round(problem, &starts, &part, Some(restitution), &mut state)?;
+            round(problem, &starts, &part, Some(restitution), &mut state, solvers)?;
         }
     }
-    round(problem, &starts, &all, None, &mut state)?;
+    round(problem, &starts, &all, None, &mut state, solvers)?;
     Ok(state)
 }
 
@@ -104,13 +105,17 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64]) -> Result<Impact, U
 ///
 /// # Errors
 /// The errors of [`solve`].
-pub(crate) fn impulse_without_collision(problem: &Problem, block: usize) -> Result<Answer, Unsolved> {
+pub(crate) fn impulse_without_collision(
+    problem: &Problem,
+    block: usize,
+    solvers: &mut ContactSolvers,
+) -> Result<Answer, Unsolved> {
     problem.check()?;
     let Some(&row) = problem.starts().get(block) else { return Err(Unsolved::Numbers { block }) };
     let mut approaching = problem.free.to_vec();
     approaching[row] -= APPROACH * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    let near = solve(&Problem { free: &approaching, ..*problem }, None)?;
-    solve(problem, Some(&near.forces))
+    let near = solve_counted(&Problem { free: &approaching, ..*problem }, None, solvers)?;
+    solve_counted(problem, Some(&near.forces), solvers)
 }
 
 /// The rate with which a block comes together; 0 for a block that holds both ways.
@@ -134,6 +139,7 @@ fn round(
     part: &[usize],
     restitution: Option<&[f64]>,
     state: &mut Impact,
+    solvers: &mut ContactSolvers,
 ) -> Result<(), Unsolved> {
     let rows: Vec<usize> =
         part.iter().flat_map(|&block| starts[block]..starts[block] + problem.laws[block].rows()).collect();
@@ -152,7 +158,7 @@ fn round(
         })
         .collect();
     let round = Problem { mobility: &mobility, free: &free, laws: &laws };
-    let plastic = solve(&round, None)?.forces;
+    let plastic = solve_counted(&round, None, solvers)?.forces;
     let mut impulses = plastic.clone();
     if let Some(restitution) = restitution {
         let mut target = free.clone();
@@ -160,7 +166,7 @@ fn round(
             let approach = approach_rate(law, free[start]).min(0.0);
             target[start] += restitution[block] * if free[start] < 0.0 { approach } else { -approach };
         }
-        match solve(&Problem { free: &target, ..round }, Some(&plastic)) {
+        match solve_counted(&Problem { free: &target, ..round }, Some(&plastic), solvers) {
             Ok(newton) => {
                 let share = largest_share(&round, &plastic, &newton.forces);
                 for (impulse, newton) in impulses.iter_mut().zip(&newton.forces) {
@@ -265,16 +271,16 @@ mod tests {
             ([1.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 1.0]),
         ] {
             let scene = cradle(&before);
-            let found = impact(&scene.problem(), &[1.0; 4]).expect("an impact");
+            let found = impact(&scene.problem(), &[1.0; 4], &mut ContactSolvers::default()).expect("an impact");
             let after = after(&before, &found);
             assert!(after.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 1e-14), "{after:?}");
             assert!(found.lost.abs() < 1e-15);
         }
         let before = [1.0, 0.0, 0.0, 0.0, 0.0];
         let scene = cradle(&before);
-        let plastic = impact(&scene.problem(), &[0.0; 4]).expect("an impact");
+        let plastic = impact(&scene.problem(), &[0.0; 4], &mut ContactSolvers::default()).expect("an impact");
         assert!(after(&before, &plastic).iter().all(|v| (v - 0.2).abs() < 1e-15));
-        let half = impact(&scene.problem(), &[0.5; 4]).expect("an impact");
+        let half = impact(&scene.problem(), &[0.5; 4], &mut ContactSolvers::default()).expect("an impact");
         let after = after(&before, &half);
         let energy: f64 = after.iter().map(|v| 0.5 * v * v).sum();
         assert!(after.windows(2).all(|pair| pair[0] <= pair[1] + 1e-10), "{after:?}");
@@ -292,7 +298,7 @@ mod tests {
             scene.touch(1, Some(0), Vector3::new(0.1, 0.0, 0.0), Vector3::x(), law);
             scene.touch(1, None, Vector3::new(0.3, 0.0, 0.0), -Vector3::x(), law);
             let scene = scene.build(0.0);
-            let found = impact(&scene.problem(), &[1.0; 2]).expect("an impact");
+            let found = impact(&scene.problem(), &[1.0; 2], &mut ContactSolvers::default()).expect("an impact");
             // It turns round but for what the light body keeps, a speed no larger than its own: 1 − v² ≤ m/M.
             let after = 1.0 - found.impulses[0] / heavy;
             println!("{heavy}: {} rounds, {after}, {:e} lost", found.rounds, found.lost);
@@ -323,7 +329,7 @@ mod tests {
                 scene.touch(0, None, point, Vector3::z(), Law::Contact { friction: 0.8 });
             }
             let scene = scene.build(0.0);
-            let found = impact(&scene.problem(), &[0.0; 4]).expect("an impact");
+            let found = impact(&scene.problem(), &[0.0; 4], &mut ContactSolvers::default()).expect("an impact");
             // About the right edge, that is the rate at which the left one rises, 2 b ω.
             let after = found.rates[0] / (2.0 * half_width);
             assert!((after - wanted).abs() < 1e-14, "{after} instead of {wanted}");
@@ -376,7 +382,7 @@ mod tests {
                 _ => stack(&[1.0, 10.0, 0.1], 0.4, 1.0),
             };
             let restitution: Vec<f64> = scene.laws.iter().map(|_| random_numbers.between(-0.3, 1.0).max(0.0)).collect();
-            let found = impact(&scene.problem(), &restitution).expect("an impact");
+            let found = impact(&scene.problem(), &restitution, &mut ContactSolvers::default()).expect("an impact");
             let rates = scene.problem().rates(&found.impulses);
             let terms = found.impulses.iter().zip(scene.free.iter().zip(&rates));
             let gained: f64 = terms.clone().map(|(impulse, (one, other))| 0.5 * impulse * (one + other)).sum();
@@ -414,7 +420,8 @@ mod tests {
             let before = &rows * &momentum;
             let laws = [Law::Contact { friction: random_numbers.between(0.05, 1.5) }];
             let problem = Problem { mobility: &mobility, free: before.as_slice(), laws: &laws };
-            let found = impact(&problem, &[random_numbers.between(0.0, 1.0)]).expect("an impact");
+            let found = impact(&problem, &[random_numbers.between(0.0, 1.0)], &mut ContactSolvers::default())
+                .expect("an impact");
             let kinetic = 0.5 * momentum.norm_squared();
             let after =
                 (&rows.transpose() * nalgebra::DVector::from_vec(found.impulses.clone()) + &momentum).norm_squared();

@@ -4,6 +4,8 @@ use crate::description::body_state::BodyState;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::motion::contact_point::ContactPoint;
+pub use crate::motion::contact_solvers::{ContactSolver, ContactSolvers};
+pub use crate::motion::cost::{Cost, Rejected, Rejections};
 use crate::motion::event::{Event, JointStatus};
 use crate::motion::inputs::Inputs;
 use crate::motion::state::State;
@@ -36,6 +38,8 @@ pub struct MethodDescription {
     pub reversible_resets: Option<usize>,
     /// How often the law of contact could not be solved to its accuracy at an event; the run went on with the best that was found.
     pub unsolved_contacts: usize,
+    /// How often each contact solver has solved a problem of an event.
+    pub contact_solvers: ContactSolvers,
     /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
     pub first_order_steps: usize,
     pub first_order_time: f64,
@@ -62,6 +66,7 @@ impl MethodDescription {
             digits: 16,
             reversible_resets: None,
             unsolved_contacts: 0,
+            contact_solvers: ContactSolvers::default(),
             first_order_steps: 0,
             first_order_time: 0.0,
             few_stage_steps: 0,
@@ -127,21 +132,31 @@ impl FrequencyStep {
     }
 }
 
-/// The cost of one accepted step.
+/// One accepted step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepOutcome {
     /// Length of the step (s).
     pub step: f64,
-    /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
-    pub iterations: usize,
-    /// Number of these iterations that kept the factors of an earlier one.
-    pub kept: usize,
-    /// Attempts that were thrown away before this step was accepted.
-    pub rejected: usize,
+    /// The work for it, with the work of attempts that were thrown away.
+    pub cost: Cost,
     /// Whether the stage equations were solved by the exact Newton method, with all stages coupled.
     pub exact: bool,
     /// Energy dissipated in the step, and work put into the mechanism (J).
     pub exchange: Exchange,
+}
+
+impl StepOutcome {
+    /// A step of this length (s) after this number of iterations, without rejected attempts.
+    pub fn new(step: f64, iterations: usize, exchange: Exchange) -> Self {
+        StepOutcome { step, cost: Cost::of(iterations), exchange, exact: false }
+    }
+
+    /// Takes the outcome of the same step, made again; the work for both counts.
+    pub fn take_again(&mut self, again: &StepOutcome) {
+        let cost = self.cost;
+        *self = *again;
+        self.cost.add(&cost);
+    }
 }
 
 /// A way of advancing the state of a mechanism.
@@ -166,6 +181,11 @@ pub trait Integrator {
     /// As of [`Integrator::step`].
     fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
         self.step(mechanism, Inputs::NONE, state, until)
+    }
+
+    /// The cost of steps that failed since this was asked last: no outcome has it.
+    fn take_abandoned(&mut self) -> Cost {
+        Cost::default()
     }
 
     /// Positions and velocities at a `time` inside the last step, from its dense output.

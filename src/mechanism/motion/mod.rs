@@ -3,6 +3,8 @@
 
 pub mod contact_geometry;
 pub mod contact_point;
+pub mod contact_solvers;
+pub mod cost;
 pub mod distance;
 pub mod efforts;
 pub mod energy;

@@ -3,6 +3,7 @@
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use crate::output::report::rounding::{FarSpring, is_energy_rounding};
+use crate::output::report::solvers::SolversReport;
 use crate::simulation::tolerance::accuracy::Calibration;
 use crate::simulation::{Finished, StepChoice, Summary, UnknownAccuracy};
 use serde::Serialize;
@@ -35,6 +36,8 @@ pub struct MethodReport {
     pub first_order_time: f64,
     /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
     pub few_stage_steps: usize,
+    /// How often each contact solver has solved a problem of an event.
+    pub contact_solvers: SolversReport,
 }
 
 /// How near a step came to the limit of linear stability.
@@ -72,6 +75,7 @@ impl MethodReport {
             first_order_steps: description.first_order_steps,
             first_order_time: description.first_order_time,
             few_stage_steps: description.few_stage_steps,
+            contact_solvers: SolversReport(description.contact_solvers),
         }
     }
 

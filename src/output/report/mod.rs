@@ -7,7 +7,9 @@ mod contact;
 mod events;
 mod method;
 mod places;
+mod rejected;
 mod rounding;
+mod solvers;
 mod speeds;
 mod step_error;
 mod text;
@@ -24,8 +26,10 @@ pub(crate) use method::{ringing_warning, singular_warning, unsolved_warning};
 pub use places::joint_reports;
 pub use places::{JointReport, LinkReport, LoopReport, Numbers};
 pub(crate) use places::{carried_reports, link_reports};
+pub use rejected::RejectedReport;
 pub use rounding::energy_warning;
 pub(crate) use rounding::{FarSpring, balance_warning};
+pub use solvers::SolversReport;
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 
@@ -57,8 +61,12 @@ pub struct Report {
     pub iterations: usize,
     /// The number of them that kept the factors of the articulated inertias of an earlier one ([`crate::lobatto::solve::kept_factors`]).
     pub kept_factor_iterations: usize,
-    /// Steps that were thrown away.
+    /// Attempts at steps that were thrown away.
     pub rejected_steps: usize,
+    /// The same by reason.
+    pub rejected_by: RejectedReport,
+    /// Attempts at steps with another length, which ends them at an event.
+    pub located_attempts: usize,
     /// Accepted steps whose equations needed the exact Newton method: all with closed loops, few without.
     pub exact_newton_steps: usize,
     /// Time the run took (s).

@@ -112,7 +112,7 @@ impl fmt::Display for Report {
                 share => write!(out, ", {share} % reuse a factorisation)")?,
             }
         }
-        write!(out, ", {} rejected", self.rejected_steps)?;
+        write!(out, ", {} rejected{}", self.rejected_steps, self.rejected_by.words())?;
         match self.exact_newton_steps {
             0 => writeln!(out)?,
             all if all == self.steps && all > 1 => writeln!(out, ", all {all} by the exact Newton method")?,
@@ -158,6 +158,9 @@ impl fmt::Display for Report {
         let contact = &self.contact;
         if contact.may_touch {
             writeln!(out, "  contact     {}", contact.words())?;
+        }
+        if let Some(words) = self.method.contact_solvers.words() {
+            writeln!(out, "  solvers     {words}")?;
         }
         if let Some(log) = &self.log {
             writeln!(out, "  log         {}", log.display())?;

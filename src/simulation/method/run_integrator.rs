@@ -10,7 +10,7 @@ use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::distance::{probes, probes_of_bodies};
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::without_locked::WithoutLocked;
 use crate::stepping::integrator::{Lobatto, MethodError};
@@ -254,6 +254,10 @@ impl Integrator for RunIntegrator {
             RunIntegrator::Smooth(lobatto) => lobatto.bodies(),
             RunIntegrator::OnOtherTree(_) | RunIntegrator::Eventful(_) | RunIntegrator::WithoutLocked(_) => None,
         }
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        self.inner_mut().take_abandoned()
     }
 
     fn description(&self) -> MethodDescription {

@@ -10,7 +10,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::narrowed_inputs::NarrowedInputs;
 
@@ -100,6 +100,10 @@ impl<I: Integrator> Integrator for WithoutLocked<I> {
 
     fn begins_again(&self) -> bool {
         self.inside.begins_again()
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        self.inside.take_abandoned()
     }
 
     fn description(&self) -> MethodDescription {

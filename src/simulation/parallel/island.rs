@@ -136,7 +136,7 @@ impl IslandRun<'_> {
         self.exchange = end.exchange;
         self.deviation = end.energy.total() - self.initial + end.exchange.lost();
         self.steps += 1;
-        self.iterations += end.outcome.iterations;
+        self.iterations += end.outcome.cost.iterations;
     }
 }
 

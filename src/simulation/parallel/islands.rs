@@ -171,6 +171,7 @@ impl<'a> Islands<'a> {
             together.include_stability(&one);
             together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
             together.unsolved_contacts += one.unsolved_contacts;
+            together.contact_solvers.add(&one.contact_solvers);
             together.first_order_steps += one.first_order_steps;
             together.few_stage_steps += one.few_stage_steps;
             together.rebounds_left_out += one.rebounds_left_out;

@@ -12,7 +12,7 @@ use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::parallel::island::{IslandRun, frontier};
 use crate::simulation::steps::course::{RunError, RunOptions};
-use crate::simulation::steps::observer::{Counts, Observer, Sample, StepEnd, show};
+use crate::simulation::steps::observer::{Observer, Sample, StepEnd, show};
 use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, pushes};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::sync::atomic::Ordering;
@@ -173,8 +173,7 @@ impl MergedRun {
             self.exchange.impacts += part.exchange.impacts - before.2.impacts;
             self.summary.count(&end.outcome, end.violation);
             self.since.step += end.outcome.step;
-            self.since.iterations += end.outcome.iterations;
-            self.since.rejected += end.outcome.rejected;
+            self.since.cost.add(&end.outcome.cost);
             self.since.exchange.dissipated += end.outcome.exchange.dissipated;
             self.since.exchange.work += end.outcome.exchange.work;
             impacts += end.outcome.exchange.impacts.max(0.0);
@@ -200,7 +199,8 @@ impl MergedRun {
             return Ok(());
         }
         let mut outcome = std::mem::take(&mut self.since);
-        let Summary { steps, iterations, rejected_steps: rejected, .. } = self.summary;
+        let so_far = self.summary.counts();
+        let steps = so_far.steps;
         outcome.step /= (steps - std::mem::replace(&mut self.steps_before, steps)).max(1) as f64;
         let step = StepEnd {
             time,
@@ -208,7 +208,7 @@ impl MergedRun {
             exchange: self.exchange,
             violation: violation(mechanism, &self.state, &self.bodies),
             outcome,
-            so_far: Counts { steps, iterations, rejected },
+            so_far,
         };
         if !mechanism.nonsmooth.pairs.is_empty() {
             // Stable: several points of a pair stay in their order.

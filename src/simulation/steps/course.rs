@@ -214,7 +214,9 @@ impl Course {
             inputs.check(mechanism, state)?;
             let outcome = integrator.step(mechanism, inputs, state, end);
             self.solving += clock.map_or(Duration::ZERO, |clock| clock.elapsed());
-            let outcome = outcome?;
+            let outcome = outcome.inspect_err(|_| {
+                self.bookkeeper.summary.cost.add(&integrator.take_abandoned());
+            })?;
             if integrator.begins_again() {
                 return Err(RunError::BeginsAgain { time: state.time });
             }

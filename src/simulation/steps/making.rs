@@ -5,7 +5,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
@@ -136,6 +136,10 @@ impl Integrator for Making<'_> {
 
     fn bodies(&self) -> Option<&[BodyState]> {
         self.inner().bodies()
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        self.inner_mut().take_abandoned()
     }
 
     fn description(&self) -> MethodDescription {

@@ -9,7 +9,7 @@ use crate::mechanism::motion::contact_point::ContactFigures;
 use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, violation};
 use crate::mechanism::motion::event::EventCounts;
 use crate::mechanism::motion::gaps::worse;
-use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::integrator::{Cost, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::steps::observer::{Counts, StepEnd};
 use crate::stepping::watching::unseen::Pushes;
@@ -19,12 +19,8 @@ use crate::stepping::watching::unseen::Pushes;
 pub struct Summary {
     /// Accepted steps.
     pub steps: usize,
-    /// Iterations of all steps.
-    pub iterations: usize,
-    /// Iterations of them that kept the factors of the articulated inertias of an earlier one.
-    pub kept_iterations: usize,
-    /// Attempts thrown away.
-    pub rejected_steps: usize,
+    /// The work for them: iterations, and attempts that were thrown away.
+    pub cost: Cost,
     /// Accepted steps whose equations the exact Newton method solved: all with closed loops, and steps in which no other iteration converges.
     pub exact_steps: usize,
     /// CPU time in the integrator alone (s): the time of the thread, divided in proportion to wall-clock time. A reading of the thread's own time is
@@ -65,12 +61,16 @@ impl Summary {
     /// Counts an accepted step, with the constraint errors at its end.
     pub(crate) fn count(&mut self, outcome: &StepOutcome, violation: Violation) {
         self.steps += 1;
-        self.iterations += outcome.iterations;
-        self.kept_iterations += outcome.kept;
-        self.rejected_steps += outcome.rejected;
+        self.cost.add(&outcome.cost);
         self.exact_steps += usize::from(outcome.exact);
         self.max_violation.position = worse(self.max_violation.position, violation.position);
         self.max_violation.velocity = worse(self.max_violation.velocity, violation.velocity);
+    }
+
+    /// Steps and their cost so far.
+    pub(crate) fn counts(&self) -> Counts {
+        let Cost { iterations, rejected, .. } = self.cost;
+        Counts { steps: self.steps, iterations, rejected: rejected.total() }
     }
 }
 
@@ -124,7 +124,7 @@ impl Bookkeeper {
         add(&mut summary.exchange.impacts, &mut self.rest.impacts, outcome.exchange.impacts);
         let exchange = summary.exchange;
         summary.count(&outcome, violation);
-        let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
+        let so_far = summary.counts();
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
         // Energy that impacts took was kinetic before, also if the step ends with them.

@@ -20,7 +20,7 @@ use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::distance::{distance, probes, probes_of_bodies, size};
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy, may_be_chaotic};
@@ -361,6 +361,10 @@ impl Integrator for Assessed<'_> {
 
     fn bodies(&self) -> Option<&[BodyState]> {
         self.run.bodies()
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        self.run.take_abandoned()
     }
 
     fn description(&self) -> MethodDescription {

@@ -5,6 +5,7 @@ use crate::length::energies::Energies;
 use crate::watching::unseen::unseen;
 use catena_lobatto::stages::attempt::{Attempt, Guess};
 use catena_lobatto::stages::pose::MAX_TURN;
+use catena_mechanism::motion::integrator::Rejected;
 
 /// The number of iterations the controller steers for.
 const WANTED_ITERATIONS: f64 = 12.0;
@@ -38,15 +39,15 @@ impl Control {
         match *attempt {
             Attempt::Failed { .. } => {
                 if guess != Guess::Plain {
-                    return Decision::Retry { guess: Guess::Plain };
+                    return Decision::Retry { guess: Guess::Plain, why: Rejected::NotConverged };
                 }
                 self.memory.halvings += 1;
                 self.retry(0.5 * step);
-                Decision::Retry { guess: Guess::Past }
+                Decision::Retry { guess: Guess::Past, why: Rejected::NotConverged }
             }
             Attempt::TurnedTooFar { .. } => {
                 self.retry(0.7 * step);
-                Decision::Retry { guess: Guess::Past }
+                Decision::Retry { guess: Guess::Past, why: Rejected::TurnedTooFar }
             }
             Attempt::Inaccurate { legendre, .. } => {
                 // E of early iterates is too uncertain.
@@ -73,7 +74,7 @@ impl Control {
                         self.retry(step * by_energy.exp().clamp(0.2, 0.9));
                         self.memory.wary = WARY;
                         // It may have found another motion, behind a singular position.
-                        return Decision::Retry { guess: Guess::Past };
+                        return Decision::Retry { guess: Guess::Past, why: Rejected::EnergyJump };
                     }
                 }
                 Decision::Accept
@@ -87,11 +88,11 @@ impl Control {
         if let Some(smoothest) = smoothest {
             self.memory.kink = Kink::Seen;
             self.memory.step = smoothest;
-            return Decision::Retry { guess: Guess::Past };
+            return Decision::Retry { guess: Guess::Past, why: Rejected::NotSmooth };
         }
         let order = (self.stages - 1) as f64;
         self.retry(step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9));
-        Decision::Retry { guess: Guess::Longer(step) }
+        Decision::Retry { guess: Guess::Longer(step), why: Rejected::NotSmooth }
     }
 
     /// The next attempt, a shorter one: it passes no kink.
@@ -225,6 +226,20 @@ mod tests {
     }
 
     #[test]
+    fn the_cost_of_a_step_that_fails_is_kept_for_one_who_goes_on() {
+        let mechanism = pendulum();
+        let mut lobatto = Lobatto::fixed(&mechanism, 3, 0.1).expect("stages");
+        let mut state = State::zero(&mechanism);
+        let failed = lobatto.step(&mechanism, Inputs::constant(&[f64::NAN]), &mut state, 1.0);
+        assert!(matches!(failed, Err(StepError::NotConverged { .. })), "{failed:?}");
+        // The step and its fourteen halves: there is no past to do without.
+        let cost = lobatto.take_abandoned();
+        assert_eq!((cost.rejected.of(Rejected::NotConverged), cost.rejected.total()), (15, 15));
+        assert!(cost.iterations >= 15, "{cost:?}");
+        assert_eq!(lobatto.take_abandoned(), Default::default());
+    }
+
+    #[test]
     fn a_step_with_a_large_e_is_likely_kept_unless_one_of_the_last_changed_the_energy_too_much() {
         let mut control = control();
         let (wanted, limit) = (control.wanted, control.limit);
@@ -243,7 +258,7 @@ mod tests {
             let energies = Energies { change, kinetic, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
             control.judge(&solved, Some(energies), 0.1, Guess::Past)
         };
-        let refused = Decision::Retry { guess: Guess::Past };
+        let refused = Decision::Retry { guess: Guess::Past, why: Rejected::EnergyJump };
         // 3e-5 of the largest kinetic energy so far.
         assert_eq!(decision(1e-5, 1.0), Decision::Accept);
         assert_eq!(decision(1e-4, 1.0), refused);
@@ -287,20 +302,19 @@ mod tests {
             // An E that does not fall with the step, after one that did.
             for (step, large) in [(0.2, 9.0), (0.1, 2.0), (0.08, 3.0)] {
                 let (decision, next) = attempt(step, large);
-                assert_eq!(decision, Decision::Retry { guess: Guess::Longer(step) });
+                assert_eq!(decision, Decision::Retry { guess: Guess::Longer(step), why: Rejected::NotSmooth });
                 assert!(next < step, "{next} after {step}");
             }
-            assert_eq!(attempt(0.04, 4.0), (Decision::Retry { guess: Guess::Past }, 0.1));
+            assert_eq!(attempt(0.04, 4.0), (Decision::Retry { guess: Guess::Past, why: Rejected::NotSmooth }, 0.1));
             let (decision, next) = attempt(0.1, 2.0);
             if change < 1e-3 {
                 assert_eq!(decision, Decision::Accept);
             } else {
-                assert!(decision == Decision::Retry { guess: Guess::Past } && next < 0.1, "{decision:?}, {next}");
+                let refused = Decision::Retry { guess: Guess::Past, why: Rejected::EnergyJump };
+                assert!(decision == refused && next < 0.1, "{decision:?}, {next}");
                 let (decision, next) = attempt(0.03, 5.0);
-                assert!(
-                    decision == Decision::Retry { guess: Guess::Longer(0.03) } && next < 0.03,
-                    "{decision:?}, {next}"
-                );
+                let shorter = Decision::Retry { guess: Guess::Longer(0.03), why: Rejected::NotSmooth };
+                assert!(decision == shorter && next < 0.03, "{decision:?}, {next}");
             }
         }
     }

@@ -23,12 +23,12 @@
 //! require shorter steps all along.
 
 use crate::length::stage_choice::StageChoice;
-use crate::length::stepper::{Stepper, Stride};
+use crate::length::stepper::{Stepper, Stride, refusal};
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Cost, Rejected, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
@@ -80,6 +80,8 @@ pub enum Decision {
     Retry {
         /// The start of the next attempt.
         guess: Guess,
+        /// Why this one was thrown away.
+        why: Rejected,
     },
 }
 
@@ -294,7 +296,7 @@ impl Control {
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
-            outcome.iterations += attempt.iterations();
+            outcome.cost.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, legendre, .. } => {
                     outcome.exact = exact;
@@ -322,8 +324,8 @@ impl Control {
                     }
                     return Ok(outcome);
                 }
-                Decision::Retry { guess: next } => {
-                    outcome.rejected += 1;
+                Decision::Retry { guess: next, why } => {
+                    outcome.cost.reject(why);
                     self.memory.rejected = true;
                     guess = if next == Guess::Past { stepper.first_guess() } else { next };
                     let given_up = matches!(attempt, Attempt::Failed { .. })
@@ -331,6 +333,7 @@ impl Control {
                         && length <= self.given_up_below;
                     // Below this the step vanishes against the time itself.
                     if given_up || self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
+                        stepper.abandon(&outcome.cost);
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
                     }
                 }
@@ -338,7 +341,10 @@ impl Control {
         }
     }
 
-    /// Makes one step exactly to `until` (s), if it is accepted at once; returns its outcome and the iterations of a refused attempt.
+    /// Makes one step exactly to `until` (s), if it is accepted at once.
+    ///
+    /// # Errors
+    /// The cost of a refused attempt: nothing without an attempt.
     pub(crate) fn span(
         &mut self,
         stepper: &mut Stepper,
@@ -346,28 +352,36 @@ impl Control {
         inputs: Inputs,
         state: &mut State,
         until: f64,
-    ) -> (Option<StepOutcome>, usize) {
+    ) -> Result<StepOutcome, Cost> {
         let length = until - state.time;
         if length > stepper.watch.safe_step() {
-            return (None, 0);
+            return Err(Cost::default());
         }
         self.memory.step = length;
         let guess = stepper.first_guess();
         let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule(), guess);
         let Attempt::Converged { exact, legendre, .. } = attempt else {
             self.forget();
-            return (None, attempt.iterations());
+            let mut cost = Cost::of(attempt.iterations());
+            cost.reject(refusal(&attempt));
+            return Err(cost);
         };
         let energies = stepper.finish(mechanism, state);
-        let mut outcome = StepOutcome { iterations: attempt.iterations(), exact, ..StepOutcome::default() };
-        let accepted = self.judge(&attempt, Some(energies), length, guess) == Decision::Accept
-            && stepper.accept(mechanism, state, length, until, &mut outcome).is_ok();
-        if !accepted {
+        let mut outcome = StepOutcome { cost: Cost::of(attempt.iterations()), exact, ..StepOutcome::default() };
+        let refused = match self.judge(&attempt, Some(energies), length, guess) {
+            Decision::Retry { why, .. } => Some(why),
+            Decision::Accept => {
+                let accepted = stepper.keep(mechanism, state, length, until, &mut outcome);
+                accepted.is_err().then_some(Rejected::NotConverged)
+            }
+        };
+        if let Some(why) = refused {
             self.forget();
-            return (None, outcome.iterations);
+            outcome.cost.reject(why);
+            return Err(outcome.cost);
         }
         self.look_inside(stepper, mechanism, legendre);
-        (Some(outcome), 0)
+        Ok(outcome)
     }
 
     /// Whether a solved step with this E is likely to be kept, by its energy, too: the work of a companion in a rejected step is lost. After a step

@@ -4,7 +4,7 @@
 //! that has come out on another branch of a singular position, which its energy shows, is treated the same way. If the shortest step fails, too, the
 //! run ends.
 
-use crate::length::stepper::{HALVINGS, Stepper};
+use crate::length::stepper::{HALVINGS, Stepper, refusal};
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;
@@ -81,7 +81,7 @@ impl FixedSteps {
         let (mut halvings, mut guess) = (0, stepper.first_guess());
         loop {
             let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule, guess);
-            outcome.iterations += attempt.iterations();
+            outcome.cost.iterations += attempt.iterations();
             if let Attempt::Converged { exact, .. } = attempt {
                 let before = stepper.kernel.energy().kinetic;
                 let energies = stepper.finish(mechanism, state);
@@ -96,7 +96,7 @@ impl FixedSteps {
                     return Ok(outcome);
                 }
             }
-            outcome.rejected += 1;
+            outcome.cost.reject(refusal(&attempt));
             if guess == Guess::Past {
                 guess = Guess::Plain;
                 continue;
@@ -105,6 +105,7 @@ impl FixedSteps {
                 stepper.look_after_failure(mechanism, state, length);
             }
             if halvings == HALVINGS {
+                stepper.abandon(&outcome.cost);
                 return Err(stepper.failure(mechanism, state.time, length, &attempt));
             }
             halvings += 1;

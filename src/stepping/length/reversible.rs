@@ -16,7 +16,7 @@
 //! Source: E. Hairer and G. Söderlind, SIAM J. Sci. Comput. 26 (2005), with logarithms in place of reciprocals, which cannot
 //! lead to negative steps.
 
-use crate::length::stepper::{HALVINGS, Stepper, Stride};
+use crate::length::stepper::{HALVINGS, Stepper, Stride, refusal};
 use crate::watching::pace::{Pace, STEEPEST};
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
@@ -95,7 +95,7 @@ impl Reversible {
         loop {
             let Stride { length, end, reaches } = Stride::towards(until, state.time, self.step);
             let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, guess);
-            outcome.iterations += attempt.iterations();
+            outcome.cost.iterations += attempt.iterations();
             if let Attempt::Converged { exact, .. } = attempt {
                 stepper.finish(mechanism, state);
                 outcome.exact = exact;
@@ -106,7 +106,7 @@ impl Reversible {
                 }
                 return Ok(outcome);
             }
-            outcome.rejected += 1;
+            outcome.cost.reject(refusal(&attempt));
             if guess == Guess::Past {
                 guess = Guess::Plain;
                 continue;
@@ -115,6 +115,7 @@ impl Reversible {
             halvings += 1;
             stepper.look_after_failure(mechanism, state, length);
             if halvings > HALVINGS {
+                stepper.abandon(&outcome.cost);
                 return Err(stepper.failure(mechanism, state.time, length, &attempt));
             }
             guess = stepper.first_guess();

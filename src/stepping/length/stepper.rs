@@ -25,7 +25,7 @@ use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Cost, Rejected, SingularPosition, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
@@ -52,6 +52,16 @@ impl Stride {
         } else {
             Stride { length: step, end: time + step, reaches: false }
         }
+    }
+}
+
+/// Why an attempt is thrown away; a solved one for its energy.
+pub(crate) fn refusal(attempt: &Attempt) -> Rejected {
+    match attempt {
+        Attempt::Failed { .. } => Rejected::NotConverged,
+        Attempt::TurnedTooFar { .. } => Rejected::TurnedTooFar,
+        Attempt::Inaccurate { .. } => Rejected::NotSmooth,
+        Attempt::Converged { .. } => Rejected::EnergyJump,
     }
 }
 
@@ -90,6 +100,8 @@ pub(crate) struct Stepper {
     pub counted: Option<Arc<Counted>>,
     /// The companion, if there is one.
     pub companion: Option<Box<Companion>>,
+    /// The cost of steps that failed, which no outcome has.
+    abandoned: Cost,
 }
 
 impl Stepper {
@@ -114,7 +126,19 @@ impl Stepper {
             efforts: 0.0,
             counted: None,
             companion: None,
+            abandoned: Cost::default(),
         }
+    }
+
+    /// Counts the cost of a step that fails.
+    pub fn abandon(&mut self, cost: &Cost) {
+        self.abandoned.add(cost);
+        self.abandoned.kept += self.kernel.take_kept();
+    }
+
+    /// The cost of steps that failed since this was asked last.
+    pub fn take_abandoned(&mut self) -> Cost {
+        std::mem::take(&mut self.abandoned)
     }
 
     /// Goes on with another kernel of the same scheme, which has no past.
@@ -228,7 +252,7 @@ impl Stepper {
         let mut outcome = StepOutcome::default();
         for guess in [Guess::Longer(self.length), Guess::Plain] {
             let attempt = self.attempt(mechanism, inputs, state, length, &StopRule::ROUNDING, guess);
-            outcome.iterations += attempt.iterations();
+            outcome.cost.iterations += attempt.iterations();
             if let Attempt::Converged { exact, .. } = attempt {
                 outcome.exact = exact;
                 self.finish(mechanism, state);
@@ -239,8 +263,9 @@ impl Stepper {
                 }
                 return Ok(outcome);
             }
-            outcome.rejected += 1;
+            outcome.cost.reject(refusal(&attempt));
             if guess == Guess::Plain {
+                self.abandon(&outcome.cost);
                 return Err(self.failure(mechanism, state.time, length, &attempt));
             }
         }
@@ -313,13 +338,29 @@ impl Stepper {
         time: f64,
         outcome: &mut StepOutcome,
     ) -> Result<(), StepError> {
+        let accepted = self.keep(mechanism, state, length, time, outcome);
+        if accepted.is_err() {
+            self.abandon(&outcome.cost);
+        }
+        accepted
+    }
+
+    /// The same; an error leaves the cost in the outcome.
+    pub fn keep(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        length: f64,
+        time: f64,
+        outcome: &mut StepOutcome,
+    ) -> Result<(), StepError> {
         if let Some(freedom) = self.end.velocity.iter().position(|rate| !rate.is_finite()) {
             let joint = mechanism.joint_of_freedom(freedom).to_string();
             return Err(StepError::NotFinite { time: state.time, step: length, joint });
         }
         outcome.step = length;
         outcome.exchange = self.kernel.exchange();
-        outcome.kept = self.kernel.take_kept();
+        outcome.cost.kept += self.kernel.take_kept();
         if let Some(redundant) = self.kernel.redundant() {
             self.ranks.see(redundant, mechanism, &self.end, time);
         }

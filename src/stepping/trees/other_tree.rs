@@ -22,7 +22,7 @@ use catena_mechanism::description::forces::Forces;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
-use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::other_tree::{Found, OtherTree};
 use catena_mechanism::structure::plane::Plane;
@@ -280,6 +280,14 @@ impl Integrator for OnOtherTree {
         }
         self.inside.dense(mechanism, time, position, velocity);
         self.turns.unwrap(time, position, velocity);
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        let mut cost = self.inside.lobatto.take_abandoned();
+        if let Some(on_file) = &mut self.on_file {
+            cost.add(&on_file.take_abandoned());
+        }
+        cost
     }
 
     fn description(&self) -> MethodDescription {

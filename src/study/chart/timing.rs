@@ -156,8 +156,8 @@ fn single_run(
         match advanced {
             Ok(outcome) => {
                 run.steps += 1;
-                run.iterations += outcome.iterations;
-                run.rejected += outcome.rejected;
+                run.iterations += outcome.cost.iterations;
+                run.rejected += outcome.cost.rejected.total();
                 run.exchange += outcome.exchange;
             }
             Err(error) => {

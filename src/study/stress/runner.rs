@@ -74,7 +74,7 @@ impl<'m> Runner<'m> {
         {
             let (mut spent, unit) = (0.0, runner.unit);
             let go_on = &mut |_, outcome: &StepOutcome| {
-                spent += unit * outcome.iterations.max(1) as f64;
+                spent += unit * outcome.cost.iterations.max(1) as f64;
                 spent < PILOTS * case.budget && !interrupt.load(Ordering::Relaxed)
             };
             match calibrate(&case.mechanism, state, case.duration, tolerance, &[], go_on) {
@@ -152,7 +152,7 @@ impl<'m> Runner<'m> {
             Work::Joint { integrator, state, lost } => {
                 let outcome = integrator.advance(self.mechanism, state, until).map_err(|error| Failure::of(&error))?;
                 *lost += outcome.exchange;
-                Ok(self.unit * outcome.iterations.max(1) as f64)
+                Ok(self.unit * outcome.cost.iterations.max(1) as f64)
             }
             Work::Maximal { integrator, .. } => {
                 integrator.advance(until).map_err(|error| Failure::of_textbook(&error))?;

@@ -177,7 +177,7 @@ impl<'s> Runner<'s> {
             Cell::Nothing,
             Cell::Number(state.time),
             Cell::Count(summary.steps as u64),
-            Cell::Count(summary.iterations as u64),
+            Cell::Count(summary.cost.iterations as u64),
             Cell::Number(summary.max_relative_energy_error),
             Cell::Number(summary.max_violation.position),
             known(accuracy.as_ref().map(|accuracy| accuracy.estimated)),

@@ -41,7 +41,7 @@ fn visit(model: &Model, method: Method, times: &[f64], mut look: impl FnMut(usiz
     for (index, &time) in times.iter().enumerate() {
         let summary = run_until(&model.mechanism, &mut state, integrator.as_mut(), time);
         worst.max_relative_energy_error = worst.max_relative_energy_error.max(summary.max_relative_energy_error);
-        worst.rejected_steps += summary.rejected_steps;
+        worst.cost.add(&summary.cost);
         look(index, &body_states(&model.mechanism, &state));
     }
     worst

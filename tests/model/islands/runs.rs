@@ -60,7 +60,7 @@ fn every_island_moves_as_if_it_were_alone_bit_for_bit_on_any_number_of_threads()
             }
             (steps, iterations) = (steps + figures.steps, iterations + figures.iterations);
         }
-        assert_eq!((steps, iterations), (summary.steps, summary.iterations));
+        assert_eq!((steps, iterations), (summary.steps, summary.cost.iterations));
     }
 }
 
@@ -203,7 +203,7 @@ fn small_islands_are_run_together_and_move_as_if_they_were_one_mechanism() {
     let (mut all, _) = Islands::new(plan, &apart, Threads::Exactly(1), 0.0, fixed).expect("integrators");
     all.run(&model.mechanism, &mut apart, &options, &mut []).1.expect("a run");
     let mut lobatto = Lobatto::fixed(&model.mechanism, 5, 0.01).expect("five stages");
-    assert_eq!(common::run_until(&model.mechanism, &mut whole, &mut lobatto, 0.3).rejected_steps, 0);
+    assert_eq!(common::run_until(&model.mechanism, &mut whole, &mut lobatto, 0.3).cost.rejected.total(), 0);
     let distance =
         models::pose_distance(&body_states(&model.mechanism, &apart), &body_states(&model.mechanism, &whole));
     // Roundings, which this fall amplifies a hundredfold.

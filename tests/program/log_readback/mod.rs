@@ -10,6 +10,7 @@ mod messages;
 use crate::common::scratch;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::nonsmooth::Nonsmooth;
+use catena::mechanism::forces::total::Exchange;
 use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena::mechanism::motion::state::State;
@@ -61,7 +62,7 @@ impl Integrator for Coasting {
         state.displace(mechanism, &increment);
         let step = end - state.time;
         state.time = end;
-        Ok(StepOutcome { step, iterations: 1, ..StepOutcome::default() })
+        Ok(StepOutcome::new(step, 1, Exchange::default()))
     }
 
     fn dense(&mut self, _: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {

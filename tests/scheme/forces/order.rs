@@ -37,7 +37,7 @@ fn nine_stages_agree_with_dop853_for_every_force_and_every_joint() {
                 "{name}, {kind}: {poses:.1e} {velocities:.1e}, heat {heat:.1e} work {work:.1e}, balance {:.1e} {:.1e}, halved {}",
                 our_summary.max_relative_energy_error,
                 their_summary.max_relative_energy_error,
-                our_summary.rejected_steps
+                our_summary.cost.rejected.total()
             );
             // As without forces: a hundred and more roundings of each, and the tolerance of DOP853.
             assert!(poses < 1e-11 && velocities < 1e-11, "{name}, {kind}: {poses:.1e}, {velocities:.1e}");
@@ -50,7 +50,7 @@ fn nine_stages_agree_with_dop853_for_every_force_and_every_joint() {
 
 fn after(model: &Model, stages: usize, step: f64, time: f64) -> (Vec<BodyState>, Summary) {
     let (state, summary) = run(model, &mut fixed(model, stages, step), time);
-    assert_eq!(summary.rejected_steps, 0, "s={stages} h={step}: a step was halved, the order would not be seen");
+    assert_eq!(summary.cost.rejected.total(), 0, "s={stages} h={step}: a step was halved, the order would not be seen");
     (body_states(&model.mechanism, &state), summary)
 }
 

@@ -71,7 +71,11 @@ fn slow_motion_under_a_stiff_damper_keeps_its_accuracy_at_thousands_of_its_time_
         let (end, summary) = run(&model, &mut fixed(&model, stages, 0.1), 100.0);
         let expected = 2.0 * (1.0_f64.tan() * (-100.0 * fall).exp()).atan();
         let error = (end.position[0] - expected).abs();
-        println!("s={stages}: {error:.1e}, {} iterations, halved {}", summary.iterations, summary.rejected_steps);
+        println!(
+            "s={stages}: {error:.1e}, {} iterations, halved {}",
+            summary.cost.iterations,
+            summary.cost.rejected.total()
+        );
         // The inertia left out of the formula changes the motion by (m g l / c)² I / (m g l) of itself: below 1e-8.
         assert!(error < 1e-7, "s={stages}: {error:.1e}");
         // No step is halved: with nine stages the simplified iteration gives up now and then before the exact one is asked.

@@ -36,7 +36,7 @@ fn run_keeping(
     let (mut iterations, mut steps, mut gap) = (0, 0, 0.0_f64);
     while state.time < until {
         let outcome = lobatto.advance(mechanism, state, until).unwrap();
-        (iterations, steps) = (iterations + outcome.iterations, steps + 1);
+        (iterations, steps) = (iterations + outcome.cost.iterations, steps + 1);
         let bodies = body_states(mechanism, state);
         for joint in &mechanism.loops {
             gap = gap.max(loop_gaps(joint, &bodies).largest().0);

@@ -98,7 +98,7 @@ fn fixed_steps_of_closed_loops_in_the_plane_are_those_in_space() {
             // start that is moved by four roundings ends 7e-12 away in either run, so that no computation of the same steps can promise less.
             assert!(of_positions < 1e-12, "{name}, {stages} stages: {of_positions:e}");
             assert!(difference < 1e-11, "{name}, {stages} stages: {difference:e}");
-            let iterations = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.iterations).sum::<usize>();
+            let iterations = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.cost.iterations).sum::<usize>();
             // A step ends where an increment is at rounding (2e-16), or where one below 1e-11 is more than half of the one before. Guesses of
             // seven stages are that good: then steps have two iterations or five, as roundings will (in all 47 in the plane and 36 in space).
             let (own, full) = (iterations(&ours), iterations(&theirs));

@@ -54,7 +54,7 @@ fn run(model: &Model, mut lobatto: Lobatto, until: f64) -> (State, Vec<StepOutco
 
 /// Iterations and rejected attempts of each step.
 fn counts(outcomes: &[StepOutcome]) -> Vec<(usize, usize)> {
-    outcomes.iter().map(|outcome| (outcome.iterations, outcome.rejected)).collect()
+    outcomes.iter().map(|outcome| (outcome.cost.iterations, outcome.cost.rejected.total())).collect()
 }
 
 /// The run in the plane, and that of the full model.
@@ -182,7 +182,11 @@ fn steps_that_need_the_exact_newton_method_or_are_too_long_are_those_in_space() 
     let [(flat, ours), (full, theirs)] = both(&damped, make, 0.1);
     assert_eq!(counts(&ours), counts(&theirs));
     // The first step tries the simplified iteration twice, which hard dampers do not let converge; all others do without it.
-    assert!(ours[0].iterations > 20 && ours[1..].iter().all(|one| one.iterations < 10), "{:?}", counts(&ours));
+    assert!(
+        ours[0].cost.iterations > 20 && ours[1..].iter().all(|one| one.cost.iterations < 10),
+        "{:?}",
+        counts(&ours)
+    );
     assert!(ours.iter().chain(&theirs).all(|one| one.exact), "the outcomes do not say so");
     let gap = apart(&flat, &full);
     assert!(gap < 1e-12, "{gap:e}");
@@ -195,7 +199,7 @@ fn steps_that_need_the_exact_newton_method_or_are_too_long_are_those_in_space() 
     heavy.state.velocity[4] = 3.0;
     let make = || Lobatto::fixed(&heavy.mechanism, 9, 0.1).expect("stages");
     let [(flat, ours), (full, theirs)] = both(&heavy, make, 0.3);
-    let rejected = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.rejected).collect::<Vec<_>>();
+    let rejected = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.cost.rejected.total()).collect::<Vec<_>>();
     assert_eq!(rejected(&ours), rejected(&theirs));
     assert!(rejected(&ours).iter().sum::<usize>() > 0, "no step was too long");
     // Rounding, amplified by masses of one to ten thousand.
@@ -210,7 +214,7 @@ fn bodies_that_turn_far_within_a_step_do_so_as_in_space() {
     model.state.velocity = vec![55.0, 30.0];
     let make = || Lobatto::fixed(&model.mechanism, 9, 0.02).expect("stages");
     let [(flat, ours), (full, _)] = both(&model, make, 0.1);
-    assert!(ours.iter().all(|one| one.rejected == 0 && !one.exact), "{:?}", counts(&ours));
+    assert!(ours.iter().all(|one| one.cost.rejected.total() == 0 && !one.exact), "{:?}", counts(&ours));
     // Rounding of velocities of a hundred. (Of 96 starts the middle one is 1.4e-12, the worst 1.0e-11.)
     let gap = apart(&flat, &full);
     assert!(gap < 2e-11, "{gap:e}");

@@ -56,7 +56,7 @@ fn run(mechanism: &Mechanism, start: &State, duration: f64, kept: &[Rule]) -> (S
     let options = SimulationOptions { duration, steps, switched_off: kept, interrupt: None };
     let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
     simulation.run().expect("steps");
-    let iterations = simulation.summary().iterations;
+    let iterations = simulation.summary().cost.iterations;
     let finished = simulation.finish();
     (finished.state, finished.events, iterations)
 }
@@ -216,7 +216,7 @@ fn controllers_at_every_instant_steer_rows_the_same_whichever_joints_are_cut() {
             } else {
                 simulation.run_under_continuous(&Back { joints, start: &start }).expect("steps");
             }
-            (simulation.state().clone(), simulation.summary().iterations)
+            (simulation.state().clone(), simulation.summary().cost.iterations)
         };
         let ((own, iterations), (kept, expected)) = (run(&[], 1.0), run(&[Rule::Tree], 1.0));
         let off = |a: &State, b: &State| {

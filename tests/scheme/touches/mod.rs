@@ -76,7 +76,7 @@ fn run(mechanism: &Mechanism, state: &mut State, stages: usize, steps: usize, un
     let (mut gap, mut rate) = (0.0_f64, 0.0_f64);
     while state.time < until {
         let outcome = lobatto.advance(mechanism, state, until).unwrap();
-        (iterations, made, given) = (iterations + outcome.iterations, made + 1, given + outcome.exchange.lost());
+        (iterations, made, given) = (iterations + outcome.cost.iterations, made + 1, given + outcome.exchange.lost());
         let worst = violation(mechanism, state, &body_states(mechanism, state));
         (gap, rate) = (gap.max(worst.position), rate.max(worst.velocity));
     }

@@ -1,0 +1,97 @@
+//! Efforts that jump between two steps, or at the end of one: the mode goes on under them, or is decided anew.
+//!
+//! ```text
+//!     λ(q, v, τ) stays in its set for all held joints and closed contacts     ─▶ the mode goes on
+//!     otherwise, or for a motor that changes its law                          ─▶ decided anew
+//! ```
+//!
+//! Efforts jump where a program sets others, at ticks of motors, and at given instants of targets.
+
+use crate::events::effects::noted::{note_bound, side_of_bound};
+use crate::events::finding::detection::ONE_INSTANT;
+use crate::events::finding::watched::{Seen, Watched};
+use crate::events::integrator::Eventful;
+use crate::events::modes::instants::Evaluated;
+use crate::events::modes::mode::{JointMode, MotorMode};
+use crate::events::modes::present::Present;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::state::State;
+
+impl Eventful {
+    /// Takes other efforts from outside: the mode is decided anew if it cannot go on under them.
+    pub(super) fn heed(&mut self, inputs: Inputs, state: &mut State) {
+        if self.outside == inputs.efforts {
+            return;
+        }
+        self.outside.clear();
+        self.outside.extend_from_slice(inputs.efforts);
+        if !self.goes_on_under(inputs, state) {
+            self.lost_at_start += self.pass(inputs, state, &[]);
+        }
+    }
+
+    /// Whether the mode goes on under efforts that have jumped: the forces that hold joints and contacts stay in their sets. A mode that was entered
+    /// at this very instant was decided under the efforts before, and is decided anew.
+    pub(super) fn goes_on_under(&mut self, inputs: Inputs, state: &State) -> bool {
+        let held = self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
+        if !held && self.mode.contacts.is_empty() {
+            return true;
+        }
+        if self.asleep || self.undecided || self.repeats.are_at(state.time) || self.left.is_none() {
+            return false;
+        }
+        self.evaluated = Evaluated::default();
+        let Eventful {
+            whole,
+            elements,
+            touching,
+            mode,
+            response,
+            pieces,
+            current,
+            holding,
+            efforts,
+            watched,
+            bodies,
+            slips,
+            ..
+        } = self;
+        mode.efforts_at(elements, inputs, state.time, state, efforts);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        holding.evaluate(&present, response, state, efforts);
+        if watched.contains(&Watched::Margin) {
+            holding.evaluate_margin();
+        }
+        let time = state.time;
+        let seen = Seen { elements, touching, mode, holding, since: time, time, state, bodies, slips };
+        watched.iter().filter(|watched| watched.needs_efforts()).all(|watched| watched.value(&seen) >= 0.0)
+    }
+
+    /// At a given instant of a target or a tick: the efforts that begin there. Whether the mode has to be decided anew.
+    pub(super) fn meet_instants(&mut self, inputs: Inputs, state: &State) -> bool {
+        let (before, now) = (self.origin.time, state.time);
+        let (mut changed, mut jumped) = (false, false);
+        for index in 0..self.elements.motors.len() {
+            let next = self.elements.motors[index].next_instant(before);
+            if (next - now).abs() > ONE_INSTANT * now.abs().max(1.0) {
+                continue;
+            }
+            let mode = self.motor_mode(index, state);
+            let follows = |mode: &MotorMode| matches!(mode, MotorMode::Given(_));
+            // A new effort alone leaves the modes of moving joints unchanged.
+            changed |= !(follows(&mode) && follows(&self.mode.motors[index])) && mode != self.mode.motors[index];
+            self.note_bound_at_tick(index, mode, now);
+            self.mode.motors[index] = mode;
+            jumped = true;
+        }
+        changed || jumped && !self.goes_on_under(inputs, state)
+    }
+
+    /// Notes that a sampled motor reaches its bound at a tick (s), or comes back from it.
+    fn note_bound_at_tick(&mut self, index: usize, mode: MotorMode, time: f64) {
+        let motor = &self.elements.motors[index];
+        if let (MotorMode::Given(before), MotorMode::Given(now)) = (self.mode.motors[index], mode) {
+            note_bound(motor, [before, now].map(|effort| side_of_bound(motor, effort)), time, &mut self.events);
+        }
+    }
+}

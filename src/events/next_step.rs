@@ -1,0 +1,73 @@
+//! The kind of the next step, and how a step ended: each is decided in one place, for the loop in [`crate::events::steps`].
+
+use crate::events::finding::watched::Watched;
+use crate::events::integrator::Eventful;
+use crate::mechanism::motion::state::State;
+
+/// A step that does not look at all functions is no shorter than this (s).
+const BLIND: f64 = 1e-9;
+
+/// The kind of the next step. A mode in which all bodies rest has steps, too: only the time goes on in them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum NextStep {
+    /// All watched functions are looked at.
+    Watched,
+    /// Some are not, because their last events have left the mode as it was, or come back; the step is no longer than this (s).
+    Passing { at_most: f64 },
+    /// Of first order: events crowd, or no mode was decided.
+    FirstOrder,
+}
+
+/// How a step ended.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Ending {
+    /// As far as it was to go.
+    Full,
+    /// At events: these functions are zero there.
+    AtEvent(Vec<Watched>),
+    /// At events where it began: no time has passed.
+    AtStart(Vec<Watched>),
+    /// At a gap that closes sooner than a step can be solved: under constant accelerations.
+    Ballistic(Vec<Watched>),
+}
+
+impl Ending {
+    /// The functions that are zero there.
+    pub fn triggers(&self) -> &[Watched] {
+        match self {
+            Ending::Full => &[],
+            Ending::AtEvent(triggers) | Ending::AtStart(triggers) | Ending::Ballistic(triggers) => triggers,
+        }
+    }
+
+    /// Whether no time has passed.
+    pub fn is_at_start(&self) -> bool {
+        matches!(self, Ending::AtStart(_))
+    }
+
+    /// Whether the scheme has made a step.
+    pub fn is_of_scheme(&self) -> bool {
+        matches!(self, Ending::Full | Ending::AtEvent(_))
+    }
+}
+
+impl Eventful {
+    /// Decides from the steps before of which kind the next one is, and counts it among those that may crowd.
+    pub(super) fn next_step(&mut self, state: &State) -> NextStep {
+        if self.is_crowded(state) {
+            return NextStep::FirstOrder;
+        }
+        if self.repeats.are_to_be_passed() {
+            let pairs = !self.touching.pairs.is_empty();
+            let at_most = self.repeats.passing_length(self.shortest_passing(state.time), pairs);
+            return NextStep::Passing { at_most };
+        }
+        self.repeats.look_at_all();
+        NextStep::Watched
+    }
+
+    /// An event that is nearer to the start of a step than this is there (s).
+    pub(super) fn shortest_passing(&self, since: f64) -> f64 {
+        BLIND.max(self.shortest(since))
+    }
+}
