@@ -24,7 +24,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
 /// A mode of H̃ is light if its eigenvalue is below this: axes that are 14 mrad from parallel.
 const LIGHT: f64 = 1e-4;
@@ -71,6 +71,12 @@ impl Eventful {
         self.stepped += step;
         let exchange = Exchange { work, impacts, ..Exchange::default() };
         StepOutcome::new(step, 1, exchange)
+    }
+
+    /// Whether the last step began near such a position.
+    pub(super) fn starts_singular(&self) -> bool {
+        let mass = mass_matrix(&self.whole, &self.origin);
+        modes(&mass).is_some_and(|(_, eigen)| eigen.eigenvalues.iter().any(|value| *value < LIGHT))
     }
 
     /// Linear and angular momentum of each body about its centre of mass after the forces on it have acted for a step (s).
@@ -130,16 +136,26 @@ impl Eventful {
     }
 }
 
-/// Rates without the part of light modes by which a joint would move by more than [`REACH`] in a step (s).
-fn regular_rates(mass: &DMatrix<f64>, velocity: &[f64], step: f64) -> Vec<f64> {
+/// D^½, and the modes of H̃; `None` without freedoms, and if a number is not finite.
+fn modes(mass: &DMatrix<f64>) -> Option<(Vec<f64>, SymmetricEigen<f64, Dyn>)> {
     let count = mass.nrows();
-    if count == 0 || !mass.iter().chain(velocity).all(|number| number.is_finite()) {
-        return velocity.to_vec();
+    if count == 0 || !mass.iter().all(|number| number.is_finite()) {
+        return None;
     }
     let scale: Vec<f64> = (0..count).map(|row| mass[(row, row)].max(0.0).sqrt()).collect();
     let inverse: Vec<f64> = scale.iter().map(|scale| if *scale > 0.0 { 1.0 / scale } else { 0.0 }).collect();
     let scaled = DMatrix::from_fn(count, count, |row, column| mass[(row, column)] * inverse[row] * inverse[column]);
-    let eigen = scaled.symmetric_eigen();
+    Some((scale, scaled.symmetric_eigen()))
+}
+
+/// Rates without the part of light modes by which a joint would move by more than [`REACH`] in a step (s).
+fn regular_rates(mass: &DMatrix<f64>, velocity: &[f64], step: f64) -> Vec<f64> {
+    let count = mass.nrows();
+    if !velocity.iter().all(|rate| rate.is_finite()) {
+        return velocity.to_vec();
+    }
+    let Some((scale, eigen)) = modes(mass) else { return velocity.to_vec() };
+    let inverse: Vec<f64> = scale.iter().map(|scale| if *scale > 0.0 { 1.0 / scale } else { 0.0 }).collect();
     let mut regular = velocity.to_vec();
     for (mode, &value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value < LIGHT) {
         let shape = eigen.eigenvectors.column(mode);

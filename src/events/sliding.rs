@@ -63,6 +63,10 @@ const SHORTEST: f64 = 1e-8;
 /// A step on closed contacts that would have to be shorter than this (s) fails, because roundings of gaps are forces as large as weights in it.
 const NO_DIGITS: f64 = 1e-9;
 
+/// So does a step without closed contacts that would have to be shorter than this (s): in a gimbal lock joints turn at 1e7 rad/s and more, and the energy
+/// of the bodies is a rounding of theirs.
+const TOO_QUICK: f64 = 1e-11;
+
 /// How the first slip that stops bounds a step.
 pub(super) struct Stopping {
     /// A time soon after its stop (s); infinite if none slows down.
@@ -112,8 +116,14 @@ impl Eventful {
         match self.slides() {
             true => JAM_STEP,
             false if !self.mode.contacts.is_empty() => NO_DIGITS,
-            false => 0.0,
+            false => TOO_QUICK,
         }
+    }
+
+    /// Whether a gimbal lock has made the last step shorter than its energy has digits for.
+    fn is_too_quick(&self, since: f64, until: f64) -> bool {
+        let length = self.pieces[self.current].small.time - since;
+        length < TOO_QUICK && until - since > TOO_QUICK && self.touching.pairs.is_empty() && self.starts_singular()
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
@@ -126,12 +136,17 @@ impl Eventful {
         let mut until = until;
         loop {
             let piece = &mut self.pieces[self.current];
-            match piece.step(&self.whole, inputs, until) {
+            let made = piece.step(&self.whole, inputs, until);
+            match made {
+                Ok(outcome) if self.is_too_quick(since, until) => {
+                    self.pieces[self.current].go_back(since, &self.recipe);
+                    return Err(StepError::NotAccurate { time: since, step: outcome.step });
+                }
                 Ok(outcome) => return Ok(outcome),
                 Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
                     if closed && until - since > SOONEST.max(least) =>
                 {
-                    piece.go_back(since, &self.recipe);
+                    self.pieces[self.current].go_back(since, &self.recipe);
                     until = since + SLOWER * (until - since);
                 }
                 Err(error) => return Err(error),

@@ -182,7 +182,12 @@ fn alone(scene: &Scene, run: &Run) -> Vec<(&'static str, String)> {
     }
     let energy = &report.energy;
     let scale = f64::max(energy.parts.kinetic, energy.initial.abs()).max(1e-9);
-    if energy.max_relative_error.is_nan() || energy.max_relative_error > BALANCE {
+    // Hard dampers take nearly all that springs and motors store with next to no motion: a displacement of the tolerance changes those energies.
+    let hardly_moves = seen.balance.is_some_and(|(least, most)| {
+        (energy.initial - least).max(most - energy.initial) <= BALANCE * seen.kinetic.max(scene.stored)
+    });
+    let balances = energy.max_relative_error <= BALANCE || hardly_moves;
+    if !balances {
         faults.push(("energy", format!("the balance is off by {:.1e}", energy.max_relative_error)));
     }
     for (what, lost) in [("impacts", energy.impacts), ("friction", energy.friction), ("dampers", energy.dissipated)] {

@@ -36,6 +36,9 @@ pub struct Seen {
     /// All events.
     pub events: usize,
     pub steps: usize,
+    /// The least and the largest energy at ends of steps, with all that has gone, and the largest kinetic energy (J).
+    pub balance: Option<(f64, f64)>,
+    pub kinetic: f64,
     /// The time (s) at which the run took too many attempts.
     pub slow: Option<f64>,
     /// Position of joints at the start.
@@ -184,6 +187,10 @@ impl Observer for Watch {
     fn step(&mut self, end: &StepEnd) {
         let mut seen = self.seen.lock().expect("one thread at a time");
         seen.steps += 1;
+        let all = end.energy.total() + end.exchange.lost();
+        let (least, most) = seen.balance.unwrap_or((all, all));
+        seen.balance = Some((least.min(all), most.max(all)));
+        seen.kinetic = seen.kinetic.max(end.energy.kinetic);
         if end.so_far.steps + end.so_far.rejected > ATTEMPTS && seen.slow.is_none() {
             seen.slow = Some(end.time);
             self.interrupt.store(true, Ordering::Relaxed);

@@ -7,12 +7,13 @@
 //!     v⁺ = v⁻ + Y Wᵀ P,  lost = −½ (u⁻ + u⁺)ᵀ P ≥ 0  (J)
 //! ```
 //!
-//! in the rounds of [`crate::instant::cone::impact`]. Efforts that are finite, of friction in joints and of motors, give no impulse.
+//! in the rounds of [`crate::instant::cone::impact`]. Near gimbal lock the joints of limits have the rates u⁺ of the law, and the others follow from
+//! the mass matrix ([`crate::events::effects::resting`]). Efforts that are finite, of friction in joints and of motors, give no impulse.
 //!
 //! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
 
 use crate::events::effects::decision::Scene;
-use crate::events::effects::resting::energy;
+use crate::events::effects::resting::{energy, give_rates};
 use crate::events::forces::closed_forces::Chosen;
 use crate::instant::cone::impact::impact;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
@@ -24,6 +25,8 @@ const STOPPED: f64 = 1e-9;
 
 /// An impact that gains more than this part of the kinetic energy is wrong.
 const GAIN: f64 = 1e-6;
+/// Limits of a tree whose impact is off balance by more than this part of the kinetic energy are near gimbal lock: D is a difference of large numbers.
+const OFF: f64 = 1e-10;
 
 /// Rates that are this part of the terms that they are the sum of are roundings.
 const ROUNDING: f64 = 1e-14;
@@ -72,17 +75,21 @@ pub(crate) fn holding_impulses(scene: &mut Scene, state: &State, meetings: &[Mee
     blocks.iter().map(normal).collect()
 }
 
-/// Whether limits of a tree have given energy: near gimbal lock their response is rounding. `before` are the velocities before the impact.
-fn gains(scene: &Scene, before: &[f64], state: &State) -> bool {
-    if scene.whole.has_closures() || !scene.touching.pairs.is_empty() {
-        return false;
-    }
-    let kinetic = |velocity: &[f64]| {
-        let state = State { velocity: velocity.to_vec(), ..state.clone() };
-        energy(scene.whole, &state).kinetic
-    };
-    let (before, after) = (kinetic(before), kinetic(&state.velocity));
-    after.is_nan() || after > (1.0 + GAIN) * before
+/// Whether all that can be met are limits of a tree.
+fn is_of_limits(scene: &Scene) -> bool {
+    !scene.whole.has_closures() && scene.touching.pairs.is_empty()
+}
+
+/// The kinetic energy of a state with these velocities (J).
+fn kinetic_energy(scene: &Scene, state: &State, velocity: &[f64]) -> f64 {
+    energy(scene.whole, &State { velocity: velocity.to_vec(), ..state.clone() }).kinetic
+}
+
+/// The freedom of the joint of a block with its rate, along the freedom instead of the row.
+fn rate_of_joint(block: &Block, rate: f64) -> Option<(usize, f64)> {
+    let row = block.rows.first()?;
+    let freedom = row.iter().position(|entry| *entry != 0.0)?;
+    Some((freedom, rate / row[freedom]))
 }
 
 /// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
@@ -103,11 +110,24 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
     let found = impact(&problem, &restitution, scene.solvers)?;
     let velocity = state.velocity.clone();
     rows.add(&found.impulses, &mut state.velocity);
-    if gains(scene, &velocity, state) {
-        state.velocity = velocity;
-        return Err(Unsolved::Numbers { block: 0 });
-    }
     (done.lost, done.cut) = (found.lost, found.cut);
+    if is_of_limits(scene) {
+        let kinetic = kinetic_energy(scene, state, &velocity);
+        let off = |done: &Impulses, state: &State| {
+            (kinetic - kinetic_energy(scene, state, &state.velocity) - done.lost).abs()
+        };
+        // NaN is off, too.
+        if !(off(&done, state) <= OFF * kinetic) {
+            state.velocity.copy_from_slice(&velocity);
+            let rates = blocks.iter().zip(&found.rates).zip(&found.impulses).filter(|(_, impulse)| **impulse != 0.0);
+            let rates: Vec<(usize, f64)> = rates.filter_map(|((block, rate), _)| rate_of_joint(block, *rate)).collect();
+            done.lost = give_rates(scene.whole, state, &rates);
+        }
+        if !(done.lost >= -GAIN * kinetic) {
+            state.velocity = velocity;
+            return Err(Unsolved::Numbers { block: 0 });
+        }
+    }
     let terms = rows.square.row_iter().map(|row| row.iter().zip(&found.impulses).map(|(d, p)| (d * p).abs()).sum());
     done.rounding = ROUNDING * terms.fold(0.0, f64::max);
     let largest = before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));

@@ -3,7 +3,7 @@
 //! ```text
 //!     minimise ½ dvᵀ H dv   subject to  W (v + dv) = 0          dv = Y Wᵀ P,   D P = −W v
 //!
-//!     of joints S in a tree, F the other freedoms:               dv_S = −v_S,   H_FF dv_F = −H_FS dv_S
+//!     of joints S in a tree, F the other freedoms:               dv_S = v_S⁺ − v_S,   H_FF dv_F = −H_FS dv_S        v_S⁺ = 0
 //! ```
 //!
 //! Near gimbal lock D is a difference of large numbers, and the second form is taken, which has no such difference. It is needed if the first one
@@ -74,9 +74,17 @@ fn joints_of_tree(whole: &Mechanism, rows: &[Vec<f64>]) -> Option<Vec<usize>> {
 
 /// Brings joints of a tree to rest by the mass matrix; returns the energy that this takes (J).
 pub(crate) fn bring_joints_to_rest(whole: &Mechanism, state: &mut State, joints: &[usize]) -> f64 {
+    let rates: Vec<(usize, f64)> = joints.iter().map(|&joint| (joint, 0.0)).collect();
+    give_rates(whole, state, &rates)
+}
+
+/// Gives joints of a tree, by their freedoms, these rates; all others change by the least motion in the metric of the mass matrix, as after impulses
+/// along these joints alone. Returns the energy that this takes (J).
+pub(crate) fn give_rates(whole: &Mechanism, state: &mut State, rates: &[(usize, f64)]) -> f64 {
     let mass = mass_matrix(whole, state);
     let before = energy(whole, state).kinetic;
-    let others: Vec<usize> = (0..mass.nrows()).filter(|freedom| !joints.contains(freedom)).collect();
+    let given = |freedom: usize| rates.iter().any(|(joint, _)| *joint == freedom);
+    let others: Vec<usize> = (0..mass.nrows()).filter(|freedom| !given(*freedom)).collect();
     if !others.is_empty() {
         // To a unit diagonal, so that units and light links do not count.
         let unit =
@@ -84,9 +92,9 @@ pub(crate) fn bring_joints_to_rest(whole: &Mechanism, state: &mut State, joints:
         let units: Vec<f64> = others.iter().map(|&freedom| unit(freedom)).collect();
         let entry = |row: usize, column: usize| mass[(others[row], others[column])] * units[row] * units[column];
         let square = DMatrix::from_fn(others.len(), others.len(), entry);
-        // −H_FS dv_S = H_FS v_S.
+        // −H_FS dv_S = H_FS (v_S − v_S⁺).
         let held = |row: usize| -> f64 {
-            joints.iter().map(|&joint| mass[(others[row], joint)] * state.velocity[joint]).sum()
+            rates.iter().map(|&(joint, rate)| mass[(others[row], joint)] * (state.velocity[joint] - rate)).sum()
         };
         let right = DVector::from_fn(others.len(), |row, _| units[row] * held(row));
         if let Some((change, _)) = least_norm(&square, &right) {
@@ -94,6 +102,6 @@ pub(crate) fn bring_joints_to_rest(whole: &Mechanism, state: &mut State, joints:
             changes.for_each(|(&freedom, (change, unit))| state.velocity[freedom] += unit * change);
         }
     }
-    joints.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+    rates.iter().for_each(|&(joint, rate)| state.velocity[joint] = rate);
     before - energy(whole, state).kinetic
 }

@@ -35,6 +35,7 @@ pub fn settles(draw: &mut Draw, mut scene: Scene) -> Scene {
     };
     scene.answers.push(Answer::Joint { joint: "j".to_string(), right, bound: 2e-5 });
     scene.is_calm = true;
+    scene.stored = 0.5 * stiffness * from * from;
     scene
 }
 
@@ -59,6 +60,7 @@ pub fn arm(draw: &mut Draw, mut scene: Scene) -> Scene {
     for (name, (_, at)) in names.iter().zip(&start.positions) {
         let (kp, kd) = (draw.log(60.0, 1000.0), draw.log(20.0, 200.0));
         let target = at + draw.range(-0.2, 0.2);
+        scene.stored += 0.5 * kp * (target - at).powi(2);
         scene.table(format!(
             "[[motor]]\njoint = \"{name}\"\nkind = \"position\"\ntarget = {target:?}\nkp = {kp:?}\nkd = {kd:?}\nmax_effort = 1e5"
         ));
