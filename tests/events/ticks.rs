@@ -4,10 +4,11 @@ use crate::exact::near;
 use crate::mechanisms::*;
 use catena::mechanism::description::nonsmooth::MotorLaw;
 use catena::mechanism::description::target::{Interpolation, Target};
+use catena::mechanism::motion::contact_point::ContactPoint;
 use catena::mechanism::motion::event::EventKind;
 use catena::model::Model;
 use catena::scene::{PackagePath, read_scene};
-use catena::simulation::{Finished, Simulation, SimulationOptions, StepChoice};
+use catena::simulation::{Finished, Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -52,6 +53,8 @@ fn standing(steps: StepChoice) -> Finished {
         // Softer than in the file: there a sampled damper is unstable, and every difference grows.
         motor.law = MotorLaw::Position { kp: 60.0, kd: 0.6 };
     }
+    // Pairs that are far apart are looked at seldom: each step is asked at many instants whether they are.
+    catena::events::check_certificates();
     let options = SimulationOptions { duration: 0.3, steps, switched_off: &[], interrupt: None };
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("it runs");
@@ -73,6 +76,60 @@ fn spans_between_ticks_have_three_stages_and_end_within_the_tolerance_of_steps_o
         // 300 ticks and some events. The finest tolerance leaves no span to three stages while the robot lands.
         assert!(found.method.few_stage_steps >= least, "{}", found.method.few_stage_steps);
     }
+}
+
+/// The largest force of all contacts at all samples (N), and by how much one was outside its cone (N).
+#[derive(Default)]
+struct Cones {
+    samples: usize,
+    largest: f64,
+    outside: f64,
+}
+
+impl Observer for Cones {
+    fn sample(&mut self, _sample: &Sample) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.samples += usize::from(points.len() > 3);
+        for point in points {
+            self.largest = self.largest.max(point.force.norm());
+            self.outside = self.outside.max(point.cone_violation(0.6));
+        }
+    }
+}
+
+#[test]
+fn forces_that_are_known_to_hold_a_box_at_ticks_are_inside_their_cones_where_they_are_worked_out() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/gripper_holds_box.toml");
+    let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
+    let (mut model, start) = Model::from_scene(&scene).expect("a model");
+    let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+    model.mechanism.nonsmooth.motors.iter_mut().for_each(|motor| motor.period = 1e-3);
+    let found = [None, Some(1e3)].map(|rate| {
+        let options = SimulationOptions {
+            duration: 0.1,
+            steps: StepChoice::Unestimated(1e-6),
+            switched_off: &[],
+            interrupt: None,
+        };
+        let mut simulation = Simulation::new(&model.mechanism, start.clone(), options).expect("a run");
+        let mut cones = Cones::default();
+        if let Some(rate) = rate {
+            simulation.sample_at(rate);
+            simulation.observe(&mut cones);
+        }
+        simulation.run().expect("it runs");
+        let done = simulation.finish();
+        (done.state, done.summary.contact, cones)
+    });
+    let [(state, figures, _), (sampled, same, cones)] = found;
+    assert_eq!((state, figures.cone_violation), (sampled, same.cone_violation));
+    println!("{figures:?}, {} samples, {} N, outside by {:e} N", cones.samples, cones.largest, cones.outside);
+    // Two faces of fingers against two of the box: eight forces, of which the law leaves many free. The fingers close within 25 ticks.
+    assert!(cones.samples >= 75 && cones.largest > 2.0);
+    assert!(cones.outside <= 1e-9 * cones.largest && figures.cone_violation <= 1e-9 * cones.largest);
 }
 
 #[test]

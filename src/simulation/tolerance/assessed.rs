@@ -12,7 +12,8 @@
 //! that is [`RATIO`] times coarser; errors are proportional to the stop. Motions further apart than a hundredth of the mechanism's size have parted
 //! and give no estimate.
 //!
-//! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds.
+//! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
+//! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]).
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -28,6 +29,7 @@ use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, RATIO};
 use crate::simulation::tolerance::event_order::first_difference;
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
+use crate::simulation::tolerance::horizon::Horizon;
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::length::stage_choice::StageChoice;
@@ -90,6 +92,8 @@ pub struct Assessed<'a> {
     /// The events so far, and the time from which the separate run has met different ones (s), if any.
     events: Vec<Event>,
     differ: Option<f64>,
+    /// From when on no steps carry it on.
+    horizon: Horizon,
     /// Whether external efforts have acted, which the companion does not have.
     driven: bool,
 }
@@ -123,6 +127,7 @@ impl<'a> Assessed<'a> {
             parted: false,
             events: Vec::new(),
             differ: None,
+            horizon: Horizon::default(),
             driven: false,
             terms,
         };
@@ -149,6 +154,7 @@ impl<'a> Assessed<'a> {
     /// [`MethodError`] for invalid steps.
     pub(crate) fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
         self.begun += usize::from(self.next.is_some());
+        self.horizon.begin_again(self.difference().map(|differ| (differ, self.stop)));
         (self.stop, self.stages) = self.next.take().unwrap_or((self.stop, self.stages));
         self.run = self.terms.run(mechanism, self.stop, self.stages)?;
         self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
@@ -225,6 +231,7 @@ impl<'a> Assessed<'a> {
         };
         let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
+        self.horizon.see(state.time, apart.min(PARTED * self.size));
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
@@ -250,6 +257,7 @@ impl<'a> Assessed<'a> {
         if self.may_begin_again
             && self.stop > FINEST
             && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error, ringing)
+            && self.gains_by_finer_steps()
         {
             let stop = self.forecast.finer(predicted, self.begun > 1);
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
@@ -259,6 +267,13 @@ impl<'a> Assessed<'a> {
             self.by = By::Nothing;
             self.run.leave_companion();
         }
+    }
+
+    /// Whether finer steps may carry the run on, as far as is known; it does not restart any more if they do not.
+    fn gains_by_finer_steps(&mut self) -> bool {
+        let Some(differ) = self.difference() else { return true };
+        self.may_begin_again = self.horizon.is_worth(differ, self.stop, self.terms.end - self.terms.start);
+        self.may_begin_again
     }
 
     /// When the run and its separate companion first meet different events (s).
