@@ -19,6 +19,7 @@ mod error;
 #[cfg(feature = "urdf-rs")]
 mod from_urdf_rs;
 mod held_start;
+mod linear;
 mod loaded;
 mod many;
 mod model;
@@ -53,6 +54,7 @@ pub use error::{ControllerFailure, Error};
 pub use held_start::Hold;
 #[cfg(feature = "scene")]
 pub(crate) use held_start::mechanism_from;
+pub use linear::{Linear, Mode, Stability};
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
 pub use many::{Rollout, Trajectories};
