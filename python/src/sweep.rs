@@ -2,7 +2,6 @@
 
 use crate::refusal::named;
 use crate::signals::watched;
-use catena::lobatto::numbers::lanes::Isa;
 use catena::scene::PackagePath;
 use catena::study::sweep::{Done, Folder, Format, Shard, SweepError, Work, merge as merge_folders, read_sweep};
 use pyo3::prelude::*;
@@ -114,6 +113,6 @@ pub fn merge(py: Python<'_>, folders: Vec<PathBuf>, output: PathBuf) -> PyResult
 
 /// The vector instructions of this processor, on which the last bits of rows depend.
 #[pyfunction]
-pub fn instructions() -> &'static str {
-    Isa::detect().name()
+pub fn instructions() -> String {
+    catena::kernels::instructions()
 }

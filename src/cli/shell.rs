@@ -2,7 +2,7 @@
 
 use crate::cli::terminal::printing::Failure;
 use anyhow::Context;
-use catena::lobatto::numbers::lanes::Isa;
+use catena::kernels::instructions;
 use clap::{Args, Command};
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -28,7 +28,7 @@ pub fn version() -> &'static str {
     static VERSION: OnceLock<String> = OnceLock::new();
     VERSION.get_or_init(|| {
         let commit = option_env!("CATENA_COMMIT").map_or_else(String::new, |commit| format!("commit {commit}, "));
-        format!("{} ({commit}{})", env!("CARGO_PKG_VERSION"), Isa::detect().name())
+        format!("{} ({commit}{})", env!("CARGO_PKG_VERSION"), instructions())
     })
 }
 

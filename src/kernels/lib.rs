@@ -10,6 +10,25 @@ use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 
+/// Whether all vectors that a processor of this kind takes are compiled. Without the feature `every-processor` they are for processors like the one
+/// that built the program; on others, steps are right and take slower vectors.
+pub fn are_complete_for(isa: Isa) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    match isa {
+        Isa::Avx512 => return catena_kernels_avx512::COMPILED,
+        Isa::Avx2 => return catena_kernels_avx2::WIDE,
+        Isa::Portable => {}
+    }
+    let _ = isa;
+    catena_kernels_portable::NARROW
+}
+
+/// The vector instructions of this processor that steps take, on which their last bits depend.
+pub fn instructions() -> String {
+    let isa = Isa::detect();
+    if are_complete_for(isa) { isa.name().to_string() } else { format!("{}, built for another processor", isa.name()) }
+}
+
 /// A step of the scheme for this mechanism on this processor: the planar kernel if the mechanism has a plane. `kept` lists the rules that are
 /// disabled.
 ///

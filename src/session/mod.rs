@@ -16,6 +16,8 @@ mod description;
 mod dynamics;
 mod engine;
 mod error;
+#[cfg(feature = "urdf-rs")]
+mod from_urdf_rs;
 mod held_start;
 mod linear;
 mod loaded;

@@ -128,6 +128,11 @@ impl Loader {
         let loaded = self.world.load(path)?;
         Ok(Model::of_loaded(loaded, path.to_path_buf(), self.world))
     }
+
+    #[cfg(feature = "urdf-rs")]
+    pub(crate) fn world(&self) -> &World {
+        &self.world
+    }
 }
 
 impl Model {
@@ -147,6 +152,15 @@ impl Model {
     pub(crate) fn of_loaded(loaded: Loaded, path: PathBuf, world: World) -> Self {
         let coordinates = Coordinates::of(&loaded.model);
         Model { shared: Arc::new(Shared { loaded, coordinates, path, world, scene: OnceLock::new() }) }
+    }
+
+    /// The same model, whose numbers are found in this scene and in no file.
+    #[cfg(feature = "urdf-rs")]
+    pub(crate) fn of_scene(mut self, scene: Scene) -> Self {
+        if let Some(shared) = Arc::get_mut(&mut self.shared) {
+            shared.scene = Arc::new(scene).into();
+        }
+        self
     }
 
     /// The same model with other numbers, by their key paths: `link7.mass`, `spring.band.stiffness`, `gravity.z` (`catena model INPUT --parameters`

@@ -61,7 +61,8 @@ impl World {
         Ok(read_input(input, self.keyframe.as_deref(), &self.packages()?)?)
     }
 
-    fn packages(&self) -> Result<PackagePath, Error> {
+    /// The ROS packages and their folders.
+    pub(crate) fn packages(&self) -> Result<PackagePath, Error> {
         match self.packages.iter().find(|(_, folder)| !folder.is_dir()) {
             Some((name, folder)) => Err(Error::Package { name: name.clone(), folder: folder.clone() }),
             None => Ok(PackagePath::from_environment(self.packages.clone())),

@@ -37,6 +37,11 @@ impl Source {
         Source { of_crate: of_crate.to_string(), file: format!("{folder}/{file}"), module, text: text.join("\n") }
     }
 
+    /// Its text without comments and tests.
+    pub fn code(&self) -> &str {
+        &self.text
+    }
+
     /// Paths of all `use` trees, and whether they are re-exports.
     fn uses(&self) -> Vec<(Vec<String>, bool)> {
         let mut found = Vec::new();

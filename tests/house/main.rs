@@ -2,6 +2,7 @@
 //! are in plain words.
 
 mod imports;
+mod touched;
 mod words;
 
 use imports::{House, Source};

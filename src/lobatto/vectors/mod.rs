@@ -97,10 +97,33 @@ pub fn in_avx2<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     })
 }
 
+/// Runs work in the narrowest AVX2 vectors with at least this many `lanes`, up to four; `None` without AVX2, and for more lanes.
+#[cfg(target_arch = "x86_64")]
+pub fn in_avx2_up_to_four<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
+    if Isa::detect() == Isa::Portable {
+        return None;
+    }
+    match lanes {
+        ..=2 => Some(work.with::<x86::Avx128>()),
+        3..=4 => Some(work.with::<x86::Avx256>()),
+        _ => None,
+    }
+}
+
 /// Runs work in eight lanes of AVX2; `None` on processors without it.
 #[cfg(target_arch = "x86_64")]
 pub fn eight_in_avx2<W: InVectors>(work: W) -> Option<W::Output> {
     (Isa::detect() != Isa::Portable).then(|| work.with::<pair::Pair<x86::Avx256, 8>>())
+}
+
+/// Runs no work: the vectors are not compiled.
+pub fn no_vectors<W: InVectors>(_work: W) -> Option<W::Output> {
+    None
+}
+
+/// The same, for any number of lanes.
+pub fn no_vectors_of<W: InVectors>(_lanes: usize, _work: W) -> Option<W::Output> {
+    None
 }
 
 /// Runs work in the narrowest vectors of every processor with at least this many `lanes`. On x86-64 there are only two types: few processors lack
