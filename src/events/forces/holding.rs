@@ -10,7 +10,7 @@
 //! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of
 //! the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::events::forces::closed_forces::{ClosedForces, Load, are_unique, closed_forces};
+use crate::events::forces::closed_forces::{ClosedForces, Closing, Load, are_unique, closed_forces};
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
@@ -185,6 +185,8 @@ impl Holding {
         if self.recall(state, efforts).is_some() {
             return;
         }
+        let same = |known: &State| known.position == state.position && known.velocity == state.velocity;
+        let stands = self.known.as_ref().is_some_and(|(known, _)| same(known));
         match &mut self.known {
             Some((known, before)) => {
                 known.copy_from(state);
@@ -210,20 +212,27 @@ impl Holding {
                 }
             }
             How::Closed { unique, last } => {
-                let ClosedForces { joints, contacts, weights, size, load } =
-                    closed_forces(at, response, state, efforts, *unique);
+                let held = match last.take().filter(|_| stands) {
+                    Some(load) => {
+                        let mut held = load.held;
+                        held.drive(at, response, state, efforts);
+                        held
+                    }
+                    None => Closing::at(at, response, state, efforts),
+                };
+                let ClosedForces { joints, contacts, weights, size, load } = closed_forces(at, held, *unique);
                 for (joint, effort) in joints {
                     (found[joint], sizes[joint]) = (effort, size);
                 }
                 (self.contacts, self.weights, self.contact_size) = (contacts, weights, size);
-                *last = (!*unique).then(|| Box::new(load));
+                *last = Some(Box::new(load));
             }
         }
     }
 
     /// Works out m where the efforts have been worked out last: it may take as long as all of them.
     pub fn evaluate_margin(&mut self) {
-        if let How::Closed { last: Some(load), .. } = &self.how {
+        if let How::Closed { last: Some(load), unique: false } = &self.how {
             self.margin = load.margin();
         }
     }
