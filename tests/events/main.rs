@@ -48,6 +48,7 @@ mod reactions;
 mod robots;
 mod robots_on_floor;
 mod scene_files;
+mod self_contact;
 mod singular_places;
 mod slides;
 mod throws;

@@ -67,8 +67,7 @@ impl Model {
 
     /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds, and joints that were locked move.
     pub(crate) fn forget_reach(&mut self) {
-        let out_of_reach =
-            |left: &LeftOutPair| matches!(left.because, NeverTouch::OutOfReach | NeverTouch::Locked);
+        let out_of_reach = |left: &LeftOutPair| matches!(left.because, NeverTouch::OutOfReach | NeverTouch::Locked);
         let pairs = &mut self.mechanism.nonsmooth.pairs;
         pairs.extend(self.contact.left_out.iter().filter(|left| out_of_reach(left)).map(|left| left.pair));
         pairs.sort_by_key(|pair| (pair.a, pair.b));

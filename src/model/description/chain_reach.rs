@@ -20,7 +20,7 @@ use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Boxes of joint positions that are looked at for one pair, at most.
-const BOXES: usize = 2000;
+const BOXES: usize = 500;
 /// Joints between two shapes, at most: more of them are never proved apart with so few boxes.
 const JOINTS: usize = 6;
 /// The relative rounding error of a bound.

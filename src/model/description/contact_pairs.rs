@@ -104,7 +104,9 @@ pub(crate) fn contact_pairs(
     for (a, one) in colliders.iter().enumerate() {
         for (b, other) in colliders.iter().enumerate().skip(a + 1) {
             let own = owners[a] == owners[b];
-            if never_asked(settings.touching, itself, [owners[a], owners[b]]).is_some() || (own && one.name == other.name) {
+            if never_asked(settings.touching, itself, [owners[a], owners[b]]).is_some()
+                || (own && one.name == other.name)
+            {
                 continue;
             }
             let is_obstacle = matches!(owners[b], Owner::Obstacle(_));
@@ -112,9 +114,8 @@ pub(crate) fn contact_pairs(
                 manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
             let joined = || if own { kinship.reason([one.body, other.body]) } else { None };
-            let apart = || {
-                reach.never_meet(one, other) || (own && never_meet_within_limits(reach.mechanism(), one, other))
-            };
+            let apart =
+                || reach.never_meet(one, other) || (own && never_meet_within_limits(reach.mechanism(), one, other));
             let because = match ignored {
                 _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
                 Some(line) => Some(NeverTouch::Ignored(line)),
@@ -136,7 +137,9 @@ pub(crate) enum NeverAsked {
     NoContact,
     #[error("obstacles do not touch each other")]
     Obstacles,
-    #[error("links of one robot touch each other with self_contact = true in [contact] only, and a link never touches itself")]
+    #[error("a link does not touch itself")]
+    OneLink,
+    #[error("links of one robot touch each other with self_contact = true in [contact] only")]
     OneRobot,
     #[error("links of different robots touch with pairs = \"all\" in [contact] only")]
     Robots,
@@ -169,8 +172,9 @@ pub(crate) fn rules_of_nothing(
         };
         let (ones, others) = (of(&rule.a), of(&rule.b));
         let pairs = ones.iter().flat_map(|one| others.iter().map(move |other| [*one, *other]));
-        let never = |[one, other]: [&(&str, Owner); 2]| {
-            never_asked(settings.touching, itself && one != other, [one.1, other.1])
+        let never = |[one, other]: [&(&str, Owner); 2]| match one.1 {
+            Owner::Robot(_) if one == other => Some(NeverAsked::OneLink),
+            _ => never_asked(settings.touching, itself, [one.1, other.1]),
         };
         let reasons: Option<Vec<_>> = pairs.map(never).collect();
         reasons?.into_iter().max()

@@ -18,7 +18,8 @@ impl<'m> Kinship<'m> {
     /// Of a mechanism, with its limits.
     pub fn new(mechanism: &'m Mechanism) -> Self {
         let limits = &mechanism.nonsmooth.limits;
-        let locked = |body: usize| limits.iter().any(|limit| limit.coordinate.body == body && limit.lower == limit.upper);
+        let locked =
+            |body: usize| limits.iter().any(|limit| limit.coordinate.body == body && limit.lower == limit.upper);
         let mut head: Vec<Option<usize>> = Vec::with_capacity(mechanism.bodies.len());
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let above = body.parent.and_then(|parent| head[parent]);
