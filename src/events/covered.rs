@@ -49,6 +49,15 @@ impl Approaching for GapInside<'_, '_> {
         value[0]
     }
 
+    fn least_gap(&mut self, time: f64, enough: f64) -> f64 {
+        self.eventful.place(Inside { time, roughly: self.roughly });
+        let least = self.eventful.touching.least_distance(self.pair, &self.eventful.bodies, enough);
+        if time == self.end {
+            self.at_end = Some(least);
+        }
+        least
+    }
+
     fn bodies(&mut self, time: f64) -> [BodyState; 2] {
         self.eventful.place(Inside { time, roughly: self.roughly });
         let Eventful { touching, bodies, .. } = &*self.eventful;

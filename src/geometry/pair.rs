@@ -28,6 +28,9 @@ const CROSSES: f64 = 1e-6;
 /// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
 const STANDS_IN: f64 = 5e-12;
 
+/// The relative rounding error of a lower bound of a distance.
+const ROUNDED: f64 = 1e-13;
+
 /// The prepared surfaces of triangles.
 static MESHES: Prepared<Surface, Mesh> = Prepared::new();
 
@@ -114,6 +117,36 @@ impl PairGeometry {
     /// The lengths from which tolerances are made.
     pub fn extents(&self) -> Extents {
         self.extents
+    }
+
+    /// A lower bound of the distance (m): by the balls about the shapes, and of dense hulls by GJK if that is not more than `enough`; not a number if a
+    /// pose is not finite.
+    pub fn least_distance(&self, a: &Pose, b: &Pose, enough: f64) -> f64 {
+        let (_, in_first) = self.relative(a, b);
+        let (rotation, translation) = &in_first;
+        let centre = rotation * self.second.centre + translation;
+        let (apart, scale) = match &self.first {
+            First::HalfSpace(half_space) => {
+                let from = centre - half_space.point;
+                (half_space.normal.dot(&from) - self.second.size, from.norm())
+            }
+            First::Mesh(_) => return f64::NEG_INFINITY,
+            First::Convex(convex) => {
+                let from = (centre - convex.centre).norm();
+                (from - convex.size - self.second.size, from + convex.size)
+            }
+        };
+        let rounded = ROUNDED * (scale + self.second.size + translation.norm());
+        let by_balls = apart - rounded;
+        match &self.first {
+            First::Convex(convex) if by_balls <= enough && convex.is_dense().max(self.second.is_dense()) => {
+                let both = both(convex, &self.second, &in_first);
+                let separation = both.hint(&Vector3::zeros()).map(|normal| both.separation(&normal));
+                let by_normal = separation.map(|apart| apart - convex.radius - self.second.radius - rounded);
+                by_normal.map_or(by_balls, |apart| apart.max(by_balls))
+            }
+            _ => by_balls,
+        }
     }
 
     /// The distance of the two for these poses of their bodies; not a number if a pose is not finite.

@@ -52,6 +52,7 @@ impl Model {
         let state = model.initial_state(&start.positions, &start.velocities, None)?;
         model.build_couplings(Some(scene), &state)?;
         model.set_contact(&scene.contact)?;
+        model.leave_out_overlaps(&state);
         Ok((model, start))
     }
 

@@ -138,6 +138,8 @@ pub struct SceneLink {
 pub struct ContactSettings {
     /// Which shapes may touch.
     pub touching: Touching,
+    /// Whether links of one robot touch each other; `None`: wherever shapes touch anything else.
+    pub self_contact: Option<bool>,
     /// The default of μ.
     pub friction: f64,
     /// The default of e.
@@ -156,6 +158,7 @@ impl Default for ContactSettings {
     fn default() -> Self {
         ContactSettings {
             touching: Touching::Environment,
+            self_contact: None,
             friction: 0.5,
             restitution: 0.0,
             larger: false,
@@ -167,6 +170,20 @@ impl Default for ContactSettings {
 }
 
 impl ContactSettings {
+    /// Whether shapes of one robot touch what is not of that robot, in a scene with this number of robots.
+    pub fn touches_others(&self, robots: usize) -> bool {
+        match self.touching {
+            Touching::None => false,
+            Touching::Environment => !self.obstacles.is_empty(),
+            Touching::All => !self.obstacles.is_empty() || robots > 1,
+        }
+    }
+
+    /// Whether links of one robot touch each other, in a scene with this number of robots.
+    pub fn touches_itself(&self, robots: usize) -> bool {
+        self.touching != Touching::None && self.self_contact.unwrap_or(self.touches_others(robots))
+    }
+
     /// The choice for a collision shape of a link, by its place among the shapes of the link from 1: its own setting, else the setting of the link.
     pub fn choice(&self, link: LinkReference, number: usize) -> LinkShapes {
         let of = |shape| self.links.iter().find(|said| said.link == link && said.shape == shape);

@@ -54,7 +54,9 @@ impl Loaded {
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, Error> {
-        let assembled = self.assembled(positions, velocities, base_velocity)?;
+        let (given, wanted) = self.given(positions, velocities, base_velocity)?;
+        self.model.leave_out_overlaps(&given);
+        let assembled = self.settled(given, &wanted)?;
         Ok(self.begun(assembled))
     }
 
@@ -63,6 +65,7 @@ impl Loaded {
     /// # Errors
     /// As of [`Loaded::assembled`].
     pub fn settled_from(&mut self, state: State) -> Result<State, Error> {
+        self.model.leave_out_overlaps(&state);
         let assembled = self.settled(state, &Start::default())?;
         Ok(self.begun(assembled))
     }
@@ -88,11 +91,22 @@ impl Loaded {
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<Assembled, Error> {
+        let (given, wanted) = self.given(positions, velocities, base_velocity)?;
+        self.settled(given, &wanted)
+    }
+
+    /// The start of the file, overridden by the given positions and velocities, without assembly.
+    fn given(
+        &self,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<(State, Start), Error> {
         refuse_repeated("position", positions)?;
         refuse_repeated("velocity", velocities)?;
         let wanted = self.wanted(positions, velocities, base_velocity)?;
         let state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
-        self.settled(state, &wanted)
+        Ok((state, wanted))
     }
 
     /// A state, moved to satisfy limits, loops and mimic relations, and warnings about the changes from `wanted`.

@@ -97,6 +97,7 @@ impl World {
         };
         let mut model = Model::new(robot, &options)?;
         model.set_contact(&self.contact_settings(ContactSettings::default())?)?;
+        model.leave_out_overlaps(&model.initial_state(&[], &[], None)?);
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "--base floating"));
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })

@@ -50,6 +50,7 @@ mod robots;
 mod robots_on_floor;
 mod rotors;
 mod scene_files;
+mod self_contact;
 mod singular_places;
 mod slides;
 mod throws;

@@ -43,6 +43,8 @@ pub struct Scene {
     pub duration: f64,
     /// Whether links of different robots touch.
     pub all_pairs: bool,
+    /// Pairs of links of one robot that touch, if links of one robot do.
+    pub itself: Vec<[String; 2]>,
     /// Of all contacts; `None`: there are no shapes.
     pub contact: Option<(f64, f64)>,
     pub solids: Vec<Solid>,
@@ -162,7 +164,8 @@ impl Scene {
     pub fn contacts(&mut self, all_pairs: bool, friction: f64, restitution: f64) {
         let touching = if all_pairs { "all" } else { "environment" };
         self.table(format!(
-            "[contact]\npairs = \"{touching}\"\nfriction = {friction:?}\nrestitution = {restitution:?}"
+            "[contact]\npairs = \"{touching}\"\nself_contact = {}\nfriction = {friction:?}\nrestitution = {restitution:?}",
+            !self.itself.is_empty()
         ));
         (self.all_pairs, self.contact) = (all_pairs, Some((friction, restitution)));
     }
@@ -177,10 +180,14 @@ impl Scene {
         format!("{}\n\n[simulation]\nduration = {:?}\n", self.tables.join("\n\n"), self.duration)
     }
 
-    /// Which solids may touch: a link and an obstacle, or links of different robots.
+    /// Which solids may touch: a link and an obstacle, links of different robots, or some links of one robot.
     pub fn may_touch(&self, one: usize, other: usize) -> bool {
         match (self.solids[one].robot, self.solids[other].robot) {
-            (Some(one), Some(other)) => self.all_pairs && one != other,
+            (Some(a), Some(b)) if a == b => {
+                let names = [one, other].map(|solid| self.solids[solid].name.as_str());
+                self.itself.iter().any(|[a, b]| names == [a, b] || names == [b, a])
+            }
+            (Some(_), Some(_)) => self.all_pairs,
             (one, other) => self.contact.is_some() && (one.is_some() || other.is_some()),
         }
     }

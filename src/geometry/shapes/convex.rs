@@ -25,6 +25,8 @@ static HULLS: Prepared<Vec<Vector3<f64>>, Convex> = Prepared::new();
 /// Farthest point of a shape from its origin (m): beyond it coordinates are rounded to more than 1e-10 m, and gaps count as closed up to more than
 /// 1e-5 m.
 const FARTHEST: f64 = 1e6;
+/// Polytopes with more vertices are dense.
+const DENSE: usize = 24;
 
 /// A cylinder in the frame of its body.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,6 +126,11 @@ impl Convex {
             }
             Core::Cylinder(_) => self.centre.norm() + self.size,
         }
+    }
+
+    /// Whether it has so many vertices that GJK alone is much less work than the exact distance.
+    pub fn is_dense(&self) -> bool {
+        matches!(&self.core, Core::Polytope(polytope) if polytope.vertices.len() > DENSE)
     }
 
     /// Diameter of a ball that fits in about the centre (m): in every direction the shape is at least as wide.

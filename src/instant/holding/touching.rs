@@ -153,8 +153,17 @@ impl Touching {
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
     }
 
+    /// A lower bound of the distance of a pair (m) for little work, and for a little more if the first one is at most `enough` (m).
+    pub fn least_distance(&self, pair: usize, bodies: &[BodyState], enough: f64) -> f64 {
+        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        geometry.least_distance(&pose(*a, bodies), &pose(*b, bodies), enough)
+    }
+
     /// The contacts of a pair with a gap of at most `within` (m), and their gaps.
     pub fn near(&self, pair: usize, bodies: &[BodyState], within: f64) -> Vec<(Contact, f64)> {
+        if self.least_distance(pair, bodies, within) > within {
+            return Vec::new();
+        }
         let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
         let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
         places.into_iter().map(|place| (place.gap, place)).map(|(gap, place)| (contact(pair, of, place), gap)).collect()

@@ -6,6 +6,7 @@
 use crate::mechanism::description::contact::Collider;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
+use crate::model::coupling::overlaps::number;
 use crate::model::description::contact_pairs::{
     ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, rules_of_nothing,
 };
@@ -14,7 +15,7 @@ use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
 use crate::scene::pattern::matches;
-use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Touching, Warning, listed};
+use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Warning, listed};
 
 impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
@@ -24,12 +25,12 @@ impl Model {
     /// link. Meshes of links that are not found are left out, with a warning.
     pub fn set_contact(&mut self, settings: &ContactSettings) -> Result<(), ModelError> {
         let of_rules = self.check_contact_names(settings)?;
-        let moving = settings.touching == Touching::All && self.robots.len() > 1;
+        let robots = self.robots.len();
         let mut colliders = Vec::new();
         let (mut owners, mut surfaces) = (Vec::new(), Vec::new());
         let mut reader = ShapeReader::default();
-        if settings.touching != Touching::None && (moving || !settings.obstacles.is_empty()) {
-            for number in 0..self.robots.len() {
+        if settings.touches_others(robots) || settings.touches_itself(robots) {
+            for number in 0..robots {
                 self.link_colliders(number, settings, &mut reader, &mut colliders, &mut surfaces)?;
                 owners.resize(colliders.len(), Owner::Robot(number));
             }
@@ -42,7 +43,7 @@ impl Model {
         }
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
-        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, &reach);
+        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
         self.warnings.extend(of_rules);
@@ -64,13 +65,13 @@ impl Model {
         Ok((colliders, reader.warnings))
     }
 
-    /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds.
+    /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds, and joints that were locked move.
     pub(crate) fn forget_reach(&mut self) {
-        let out_of_reach = |left: &LeftOutPair| left.because == NeverTouch::OutOfReach;
+        let out_of_reach = |left: &LeftOutPair| matches!(left.because, NeverTouch::OutOfReach | NeverTouch::Locked);
         let pairs = &mut self.mechanism.nonsmooth.pairs;
         pairs.extend(self.contact.left_out.iter().filter(|left| out_of_reach(left)).map(|left| left.pair));
         pairs.sort_by_key(|pair| (pair.a, pair.b));
-        pairs.iter_mut().enumerate().for_each(|(number, pair)| pair.number = number);
+        number(pairs);
         self.contact.left_out.retain(|left| !out_of_reach(left));
     }
 
@@ -138,7 +139,7 @@ impl Model {
                 }
             }
         }
-        let of_nothing = rules_of_nothing(settings, &named).into_iter().map(|(number, why)| {
+        let of_nothing = rules_of_nothing(settings, self.robots.len(), &named).into_iter().map(|(number, why)| {
             let rule = &settings.rules[number];
             let message = format!("this [[contact.pair]] changes nothing: {why}");
             Warning::odd(&file, Some(rule.line), Some(element(rule)), message)

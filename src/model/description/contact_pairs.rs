@@ -1,10 +1,13 @@
 //! Which shapes may touch, and with which friction and restitution.
 //!
-//! Candidates are shapes of links with obstacles, and with `pairs = "all"` shapes of links of different robots. The last `[[contact.pair]]` that
+//! Candidates are shapes of links with obstacles, shapes of different links of one robot, and with `pairs = "all"` shapes of links of different
+//! robots. The last `[[contact.pair]]` that
 //! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
 
 use crate::mechanism::description::contact::{Collider, ContactPair};
+use crate::model::description::chain_reach::never_meet_within_limits;
 use crate::model::description::contact_reach::ContactReach;
+use crate::model::description::kinship::Kinship;
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, MeshSource, PairRule, Surface, Touching};
 
@@ -17,6 +20,14 @@ pub enum NeverTouch {
     Ignored(usize),
     /// No motion of the joints brings them together.
     OutOfReach,
+    /// Links of one robot without a joint that moves between them.
+    OneBody,
+    /// Links of one robot with one joint between them.
+    Neighbours,
+    /// The same only because joints are locked by their limits.
+    Locked,
+    /// Links of one robot that overlap where all joints are at zero, and also at the start.
+    Overlap,
 }
 
 impl NeverTouch {
@@ -26,6 +37,10 @@ impl NeverTouch {
             NeverTouch::BothFixed => "both are fixed in the world".to_string(),
             NeverTouch::Ignored(line) => format!("ignored by the [[contact.pair]] of line {line}"),
             NeverTouch::OutOfReach => "the joints cannot bring them together".to_string(),
+            NeverTouch::OneBody => "no joint moves between them".to_string(),
+            NeverTouch::Neighbours => "one joint joins them".to_string(),
+            NeverTouch::Locked => "locked joints hold them together, or leave one joint between them".to_string(),
+            NeverTouch::Overlap => "they overlap where all joints are at zero, and at the start".to_string(),
         }
     }
 
@@ -35,6 +50,10 @@ impl NeverTouch {
             NeverTouch::BothFixed => "both_fixed",
             NeverTouch::Ignored(_) => "ignored",
             NeverTouch::OutOfReach => "out_of_reach",
+            NeverTouch::OneBody => "one_body",
+            NeverTouch::Neighbours => "neighbours",
+            NeverTouch::Locked => "locked",
+            NeverTouch::Overlap => "overlap",
         }
     }
 }
@@ -76,22 +95,31 @@ pub(crate) fn contact_pairs(
     colliders: &[Collider],
     owners: &[Owner],
     surfaces: &[Surface],
+    robots: usize,
     reach: &ContactReach,
 ) -> (Vec<ContactPair>, Vec<LeftOutPair>) {
     let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
+    let kinship = Kinship::new(reach.mechanism());
+    let itself = settings.touches_itself(robots);
     for (a, one) in colliders.iter().enumerate() {
         for (b, other) in colliders.iter().enumerate().skip(a + 1) {
-            if never_asked(settings.touching, [owners[a], owners[b]]).is_some() {
+            let own = owners[a] == owners[b];
+            if never_asked(settings.touching, itself, [owners[a], owners[b]]).is_some()
+                || (own && one.name == other.name)
+            {
                 continue;
             }
             let is_obstacle = matches!(owners[b], Owner::Obstacle(_));
-            let Manner { friction, restitution, ignored } =
+            let Manner { friction, restitution, ignored, .. } =
                 manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
+            let joined = || if own { kinship.reason([one.body, other.body]) } else { None };
+            let apart =
+                || reach.never_meet(one, other) || (own && never_meet_within_limits(reach.mechanism(), one, other));
             let because = match ignored {
                 _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
                 Some(line) => Some(NeverTouch::Ignored(line)),
-                None => reach.never_meet(one, other).then_some(NeverTouch::OutOfReach),
+                None => joined().or_else(|| apart().then_some(NeverTouch::OutOfReach)),
             };
             match because {
                 Some(because) => left_out.push(LeftOutPair { pair, because }),
@@ -109,35 +137,46 @@ pub(crate) enum NeverAsked {
     NoContact,
     #[error("obstacles do not touch each other")]
     Obstacles,
-    #[error("links of one robot do not touch each other")]
+    #[error("a link does not touch itself")]
+    OneLink,
+    #[error("links of one robot touch each other with self_contact = true in [contact] only")]
     OneRobot,
     #[error("links of different robots touch with pairs = \"all\" in [contact] only")]
     Robots,
 }
 
 /// Why the shapes of these two are not even looked at; `None` if they are.
-fn never_asked(touching: Touching, owners: [Owner; 2]) -> Option<NeverAsked> {
+fn never_asked(touching: Touching, itself: bool, owners: [Owner; 2]) -> Option<NeverAsked> {
     match owners {
         _ if touching == Touching::None => Some(NeverAsked::NoContact),
         [Owner::Obstacle(_), Owner::Obstacle(_)] => Some(NeverAsked::Obstacles),
-        [Owner::Robot(one), Owner::Robot(other)] if one == other => Some(NeverAsked::OneRobot),
+        [Owner::Robot(one), Owner::Robot(other)] if one == other => (!itself).then_some(NeverAsked::OneRobot),
         [Owner::Robot(_), Owner::Robot(_)] if touching != Touching::All => Some(NeverAsked::Robots),
         _ => None,
     }
 }
 
 /// The rules that name no two things that may touch, by number, and why: among `named`, all links with collision shapes and all obstacles.
-pub(crate) fn rules_of_nothing(settings: &ContactSettings, named: &[(&str, Owner)]) -> Vec<(usize, NeverAsked)> {
+pub(crate) fn rules_of_nothing(
+    settings: &ContactSettings,
+    robots: usize,
+    named: &[(&str, Owner)],
+) -> Vec<(usize, NeverAsked)> {
+    let itself = settings.touches_itself(robots);
     if settings.touching == Touching::None {
         return Vec::new();
     }
     let why = |rule: &PairRule| {
-        let of = |pattern: &str| -> Vec<Owner> {
-            named.iter().filter(|(name, _)| matches(pattern, name)).map(|(_, owner)| *owner).collect()
+        let of = |pattern: &str| -> Vec<&(&str, Owner)> {
+            named.iter().filter(|(name, _)| matches(pattern, name)).collect()
         };
         let (ones, others) = (of(&rule.a), of(&rule.b));
-        let pairs = ones.iter().flat_map(|one| others.iter().map(|other| [*one, *other]));
-        let reasons: Option<Vec<_>> = pairs.map(|owners| never_asked(settings.touching, owners)).collect();
+        let pairs = ones.iter().flat_map(|one| others.iter().map(move |other| [*one, *other]));
+        let never = |[one, other]: [&(&str, Owner); 2]| match one.1 {
+            Owner::Robot(_) if one == other => Some(NeverAsked::OneLink),
+            _ => never_asked(settings.touching, itself, [one.1, other.1]),
+        };
+        let reasons: Option<Vec<_>> = pairs.map(never).collect();
         reasons?.into_iter().max()
     };
     settings.rules.iter().enumerate().filter_map(|(number, rule)| Some((number, why(rule)?))).collect()
@@ -148,6 +187,8 @@ struct Manner {
     friction: f64,
     restitution: f64,
     ignored: Option<usize>,
+    /// Whether a rule says that they do touch.
+    wanted: bool,
 }
 
 /// Friction and restitution of a pair. If both shapes have a coefficient, the smaller one counts, or the larger one with `settings.larger`; of a link
@@ -163,13 +204,20 @@ fn manner(settings: &ContactSettings, surfaces: [Surface; 2], is_obstacle: bool,
         friction: of_both(surfaces.map(|surface| surface.friction), settings.friction),
         restitution: of_both(surfaces.map(|surface| surface.restitution), settings.restitution),
         ignored: None,
+        wanted: false,
     };
     for rule in settings.rules.iter().filter(|rule| names(rule, a, b)) {
         manner.friction = rule.friction.unwrap_or(manner.friction);
         manner.restitution = rule.restitution.unwrap_or(manner.restitution);
+        manner.wanted = rule.ignore.map_or(manner.wanted, |ignore| !ignore);
         manner.ignored = rule.ignore.map_or(manner.ignored, |ignore| ignore.then_some(rule.line));
     }
     manner
+}
+
+/// Whether a rule says that two shapes of links do touch: `ignore = false`.
+pub(crate) fn are_wanted(settings: &ContactSettings, names: [&str; 2]) -> bool {
+    manner(settings, [Surface::default(); 2], false, names).wanted
 }
 
 /// Whether a rule names two shapes, in either order.

@@ -57,6 +57,11 @@ impl<'m> ContactReach<'m> {
         ContactReach { mechanism, joints, placed }
     }
 
+    /// The mechanism.
+    pub fn mechanism(&self) -> &'m Mechanism {
+        self.mechanism
+    }
+
     /// Whether two colliders never meet.
     pub fn never_meet(&self, a: &Collider, b: &Collider) -> bool {
         let (ball_a, ball_b) = (self.ball(a), self.ball(b));

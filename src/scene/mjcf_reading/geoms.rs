@@ -105,6 +105,7 @@ impl Reader<'_> {
             form,
             pose,
             touches: own != 0.0 || others != 0.0,
+            masks: [own as u32, others as u32],
             is_shown: integer("group", 0.0)? <= LAST_SHOWN,
             color,
             friction,

@@ -217,8 +217,7 @@ impl Reader<'_> {
                         let links = self.trees.iter().flat_map(|tree| &tree.links);
                         links.filter(|link| link.name == name).any(|link| link.geoms.iter().any(|geom| geom.touches))
                     };
-                    // Links of one robot do not touch each other anyway.
-                    if tree(a).is_some() && tree(b).is_some() && tree(a) != tree(b) && touches(a) && touches(b) {
+                    if tree(a).is_some() && tree(b).is_some() && a != b && touches(a) && touches(b) {
                         let pair = (self.link_name(a), self.link_name(b));
                         self.excluded.push(pair);
                     }
@@ -272,16 +271,8 @@ impl Reader<'_> {
         }
         all.extend(kinds.into_iter().filter_map(|(_, same)| Warning::of_kind(same, "element", "elements")));
         if self.masks {
-            let message = "bits of contype and conaffinity are read as whether a geom touches anything at all";
+            let message = "bits of contype and conaffinity count between links of one child of the world; elsewhere they say whether a geom touches anything";
             all.push(Warning::odd(self.path, None, None, message));
-        }
-        let touches = self
-            .trees
-            .iter()
-            .filter(|tree| tree.links.iter().filter(|link| link.geoms.iter().any(|geom| geom.touches)).count() > 1);
-        if touches.count() > 0 {
-            let message = "contacts of links of one child of the world with each other are not simulated";
-            all.push(Warning::odd(self.path, None, None, message).in_group(WarningGroup::NotSimulated));
         }
         all.extend(self.ignored.into_iter().map(|(what, (file, line, count))| {
             let times = if count == 1 { String::new() } else { format!(" ({count} times)") };

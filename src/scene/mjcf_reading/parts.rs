@@ -50,6 +50,8 @@ pub(crate) struct Geom {
     /// Its frame in its body.
     pub pose: Pose,
     pub touches: bool,
+    /// The bits of `contype` and `conaffinity`.
+    pub masks: [u32; 2],
     pub is_shown: bool,
     pub color: Option<[f64; 4]>,
     pub friction: f64,

@@ -131,6 +131,27 @@ impl Reader<'_> {
         }
     }
 
+    /// Whether bits of contact let any two links of one tree touch, and the pairs of such links that they keep from it.
+    fn masked(&self) -> (bool, Vec<(String, String)>) {
+        let (mut itself, mut masked) = (false, Vec::new());
+        for (index, tree) in self.trees.iter().enumerate() {
+            let touching: Vec<_> =
+                tree.links.iter().filter(|link| link.geoms.iter().any(|geom| geom.touches)).collect();
+            for (place, one) in touching.iter().enumerate() {
+                for other in &touching[place + 1..] {
+                    let meet = |[a, b]: [&Geom; 2]| (a.masks[0] & b.masks[1]) | (b.masks[0] & a.masks[1]) != 0;
+                    let pairs = one.geoms.iter().flat_map(|a| other.geoms.iter().map(move |b| [a, b]));
+                    if pairs.into_iter().any(meet) {
+                        itself = true;
+                    } else {
+                        masked.push((self.called(index, &one.name), self.called(index, &other.name)));
+                    }
+                }
+            }
+        }
+        (itself, masked)
+    }
+
     /// Obstacles, surfaces of links and pairs.
     fn write_contact(&self, text: &mut String) {
         let several = self.trees.len() > 1;
@@ -139,8 +160,9 @@ impl Reader<'_> {
             (true, true) => "all",
             (true, false) => "environment",
         };
-        let _ = writeln!(text, "\n[contact]\npairs = \"{pairs}\"\ncombine = \"larger\"");
-        for (a, b) in &self.excluded {
+        let (itself, masked) = self.masked();
+        let _ = writeln!(text, "\n[contact]\npairs = \"{pairs}\"\nself_contact = {itself}\ncombine = \"larger\"");
+        for (a, b) in self.excluded.iter().chain(masked.iter().filter(|_| itself)) {
             let _ = writeln!(text, "\n[[contact.pair]]\na = {}\nb = {}\nignore = true", quoted(a), quoted(b));
         }
         let mut names: Vec<String> = Vec::with_capacity(self.obstacles.len());

@@ -315,6 +315,7 @@ impl Keys {
         }
         self.put("contact", "friction", Range::Friction, Place::ContactFriction);
         self.put("contact", "restitution", Range::Fraction, Place::ContactRestitution);
+        self.put("contact", "self_contact", Range::Flag, Place::SelfContact);
         for rule in 0..scene.contact.rules.len() {
             let called = |what: &str| format!("pair.{}.{what}", rule + 1);
             self.put("contact", &called("friction"), Range::Friction, Place::PairFriction(rule));

@@ -30,6 +30,7 @@
 //! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll` | as `[[obstacle]]` |
 //! | `obstacle.NAME.shape.radius`, `.length`, `.size.x`, `.normal.x`, `.scale.x` | as the `shape` of `[[obstacle]]` |
 //! | `contact.friction`, `contact.restitution`, `contact.pair.1.friction`  | as `[contact]` and its pairs, from 1                        |
+//! | `contact.self_contact`                                                | 1: links of one robot touch each other, 0: they do not       |
 //! | `simulation.duration`, `.tolerance`, `.stages`, `.step`, `.rate`      | as `[simulation]`                                           |
 //!
 //! The first word of a key path, or the first two for robots, may be left out if the rest names one number: `link7.mass`, `positions.joint1`,
@@ -73,6 +74,8 @@ enum Range {
     Limit,
     /// A number of stages.
     Stages,
+    /// 1 for yes, 0 for no.
+    Flag,
 }
 
 impl Range {
@@ -86,6 +89,7 @@ impl Range {
             Range::Friction => Friction::try_from(number).err(),
             Range::Fraction => Fraction::try_from(number).err(),
             Range::Limit => number.is_nan().then(|| "a limit must not be NaN".to_string()),
+            Range::Flag => (number != 0.0 && number != 1.0).then(|| format!("{number} must be 1 (yes) or 0 (no)")),
             Range::Stages => (number.fract() != 0.0 || !STAGES.contains(&(number as usize)))
                 .then(|| format!("{number} must be a whole number from {} to {}", STAGES.start(), STAGES.end())),
         }

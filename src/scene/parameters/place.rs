@@ -193,6 +193,7 @@ pub(crate) enum Place {
     },
     ContactFriction,
     ContactRestitution,
+    SelfContact,
     PairFriction(usize),
     PairRestitution(usize),
     Duration,

@@ -163,6 +163,7 @@ impl Place {
             }
             Place::ContactFriction => Number(&mut scene.contact.friction),
             Place::ContactRestitution => Number(&mut scene.contact.restitution),
+            Place::SelfContact => Slot::Flag(&mut scene.contact.self_contact),
             Place::PairFriction(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.friction),
             Place::PairRestitution(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.restitution),
             Place::Duration => Optional(&mut scene.simulation.duration),

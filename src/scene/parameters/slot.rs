@@ -18,6 +18,8 @@ pub(crate) enum Slot<'s> {
     Target(&'s mut Target),
     /// A whole number.
     Count(&'s mut usize),
+    /// 1 for yes, 0 for no.
+    Flag(&'s mut Option<bool>),
 }
 
 impl Slot<'_> {
@@ -30,6 +32,7 @@ impl Slot<'_> {
             Slot::Symmetric { matrix, row, column } => Some(matrix[(*row, *column)]),
             Slot::Target(target) => target.is_constant().then(|| target.value(0.0)),
             Slot::Count(count) => Some(**count as f64),
+            Slot::Flag(flag) => flag.map(f64::from),
         }
     }
 
@@ -45,6 +48,7 @@ impl Slot<'_> {
             }
             Slot::Target(target) => **target = Target::constant(wanted),
             Slot::Count(count) => **count = wanted as usize,
+            Slot::Flag(flag) => **flag = Some(wanted != 0.0),
         }
     }
 }

@@ -89,6 +89,7 @@ impl Place {
             Place::Gravity(_)
             | Place::ContactFriction
             | Place::ContactRestitution
+            | Place::SelfContact
             | Place::Duration
             | Place::Tolerance
             | Place::Stages

@@ -37,6 +37,7 @@ impl CouplingReader<'_> {
         let rules = table.pair.into_iter().map(|pair| self.pair_rule(pair)).collect::<Result<_, _>>()?;
         Ok(ContactSettings {
             touching: table.pairs,
+            self_contact: table.self_contact,
             friction: table.friction.map_or(defaults.friction, |friction| friction.0),
             restitution: table.restitution.map_or(defaults.restitution, |restitution| restitution.0),
             larger: table.combine == CombineKey::Larger,

@@ -43,6 +43,7 @@ pub(crate) enum ShapeKind {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct ContactTable {
     pub pairs: Touching,
+    pub self_contact: Option<bool>,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
     pub combine: CombineKey,

@@ -105,7 +105,8 @@ fn what_touches_has_the_larger_friction_and_what_has_no_counterpart_is_said_with
     said("bench.xml:21: an ellipsoid touches nothing");
     said("bench.xml:38: a constraint that is not active");
     said("bench.xml:45: the scene starts as its bodies are; --keyframe home");
-    said("contacts of links of one child of the world with each other are not simulated");
+    // Links of the arm touch each other, but for neighbours.
+    assert_eq!(model.description().contact.settings.self_contact, Some(true));
     said("ignored: line 15: <light> of <worldbody>");
 }
 
@@ -139,7 +140,11 @@ fn free_bodies_loops_excluded_pairs_and_followers_become_those_of_a_scene() {
     assert_eq!((mimic.joint.as_str(), mimic.multiplier, mimic.offset), ("a", -2.0, 0.1));
     let rules: Vec<_> =
         scene.contact.rules.iter().map(|rule| (rule.a.as_str(), rule.b.as_str(), rule.ignore)).collect();
-    assert_eq!(rules, [("cube/cube", "arm/rod", Some(true))]);
+    assert_eq!(rules, [("cube/cube", "arm/rod", Some(true)), ("arm/arm", "arm/rod", Some(true))]);
+    assert_eq!(scene.contact.self_contact, Some(true));
+    // Bits of contact that never meet: the robot touches the floor alone.
+    let masked = text.replace("<geom type", "<geom contype='1' conaffinity='2' type");
+    assert_eq!(read("mjcf_masked", &masked).expect("a scene").contact.self_contact, Some(false));
     assert_eq!(scene.contact.touching, Touching::All);
     let off = text.replace("<worldbody>", "<option><flag contact='disable' gravity='disable'/></option><worldbody>");
     let scene = read("mjcf_flags", &off).expect("a scene");

@@ -123,7 +123,7 @@ fn wrong_settings_of_joints_are_refused_with_file_line_and_key() {
     // Lines 1 and 2 are the robot, line 3 is [[joint]] and line 4 its name.
     let cases: Vec<(String, &[&str])> = vec![
         (scene("friction = 1"), &["scene.toml:3: joint: missing field `name`"]),
-        (hinge(""), &["scene.toml:3: joint \"hinge\": give its limit, restitution, friction or damping"]),
+        (hinge(""), &["scene.toml:3: joint \"hinge\": give its limit, restitution, friction, damping or armature"]),
         (hinge("stiffness = 1"), &["scene.toml:5: joint \"hinge\": joint.stiffness: unknown field"]),
         (
             hinge("limit = [1, -1]"),

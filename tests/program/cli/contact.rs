@@ -306,8 +306,8 @@ fn a_contact_pair_that_changes_nothing_is_a_warning_with_its_line_and_the_reason
     let (default, all, none) = ("", "[contact]\npairs = \"all\"\n", "[contact]\npairs = \"none\"\n");
     for (contact, rule, reason) in [
         (default, pair("one/tip", "two/tip"), Some("pairs = \"all\" in [contact]")),
-        (default, pair("one/*", "one/tip"), Some("links of one robot do not touch each other")),
-        (all, pair("one/tip", "one/tip"), Some("links of one robot do not touch each other")),
+        (default, pair("one/*", "one/tip"), Some("a link does not touch itself")),
+        (all, pair("one/tip", "one/tip"), Some("a link does not touch itself")),
         (all, pair("fl*", "floor"), Some("obstacles do not touch each other")),
         (all, pair("one/tip", "two/tip"), None),
         (all, pair("one/tip", "*"), None),

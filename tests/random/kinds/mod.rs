@@ -2,6 +2,7 @@
 
 mod balls;
 mod hinges;
+mod itself;
 mod locked;
 mod loops;
 mod robots;
@@ -43,7 +44,12 @@ const KINDS: [Kind; 20] = [
 
 /// The scene of a seed.
 pub fn scene(seed: u64) -> Scene {
-    let (kind, make) = KINDS[seed as usize % KINDS.len()];
+    let (turn, place) = (seed as usize / KINDS.len(), seed as usize % KINDS.len());
+    // Every other tree on a floor is a robot that falls on itself.
+    let (kind, make) = match KINDS[place] {
+        ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
+        kind => kind,
+    };
     let mut draw = Draw::new(seed);
     make(&mut draw, Scene::new(kind, 0.0))
 }
