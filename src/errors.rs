@@ -1,5 +1,7 @@
 //! The causes that an [`Error`] may hold.
 
+pub use crate::derivatives::forward::failure::SensitivityError;
+pub use crate::derivatives::linear::about::LinearizeError;
 pub use crate::instant::start::assembly::AssemblyError;
 pub use crate::mechanism::description::mechanism::MechanismError;
 pub use crate::mechanism::motion::step_error::StepError;

@@ -73,6 +73,41 @@ def _params(params):
         raise InputError(f"params: {error}") from None
 
 
+class Linear:
+    """Linear equations of motion ``d/dt x = A x + B u``; x holds the independent joint coordinates, then their velocities.
+
+    Attributes
+    ----------
+    A, B : (2d, 2d) and (2d, n), B for efforts along ``freedoms``
+    B_targets : (2d, m), for targets of the motors of the joints ``targets``
+    inertia, damping, stiffness : (d, d)
+    names, units : of the d independent coordinates; ``JOINT.x`` where a joint has several
+    q, v : the state; ``largest_acceleration`` is zero at an equilibrium
+    eigenvalues : of the modes, complex, the slowest first; one for each pair of conjugates
+    frequencies, damping_ratios : of the modes, Hz and −Re λ/|λ| (nan for free motions)
+    shapes : (modes, n), complex, along ``freedoms``
+    stable : "yes", "neutral", "no" or "free" for each mode
+    stuck, saturated : joints that do not move, with the reason; joints whose motor is at its bound
+    """
+
+    def __init__(self, told):
+        self.A, self.B, self.B_targets = told["A"], told["B"], told["B_targets"]
+        self.inertia, self.damping, self.stiffness = told["inertia"], told["damping"], told["stiffness"]
+        self.names, self.units, self.freedoms, self.targets = told["names"], told["units"], told["freedoms"], told["targets"]
+        self.q, self.v, self.largest_acceleration = told["q"], told["v"], told["largest_acceleration"]
+        self.iterations, self.stuck, self.saturated, self.stable = told["iterations"], told["stuck"], told["saturated"], told["stable"]
+        self.eigenvalues = told["eigenvalues_re"] + 1j * told["eigenvalues_im"]
+        self.frequencies = told["eigenvalues_im"] / (2 * np.pi)
+        size = np.abs(self.eigenvalues)
+        self.damping_ratios = np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1), np.nan)
+        parts = np.array(told["shapes"], dtype=float).reshape(len(size), len(self.freedoms), 2)
+        self.shapes = parts[..., 0] + 1j * parts[..., 1]
+
+    def __repr__(self):
+        modes = ", ".join(f"{frequency:.4g} Hz ({stable})" for frequency, stable in zip(self.frequencies, self.stable))
+        return f"Linear({', '.join(self.names)}; modes: {modes})"
+
+
 class Model:
     """A robot or scene, ready to be simulated; it never changes. Made by :func:`load`.
 
@@ -136,6 +171,28 @@ class Model:
     def start(self):
         """q and v where the file starts it, with all loops closed."""
         return self._inner.start()
+
+    def linearize(self, q=None, v=None, efforts=None, *, at=None):
+        """Linear equations of motion and their modes: a :class:`Linear`.
+
+        Parameters
+        ----------
+        q, v : the state; the start of the file if they are left out
+        efforts : besides motors, springs and dampers; zero if they are left out
+        at : ``"rest"`` for the equilibrium near q, ``"state"`` for q and v themselves; "rest" unless v or efforts are given
+
+        Raises
+        ------
+        InputError : if there is no equilibrium near q, or contacts slide or roll
+        """
+        if at is None:
+            at = "rest" if v is None and efforts is None else "state"
+        if at not in ("rest", "state"):
+            raise InputError(f"at is {at!r}: give 'rest' or 'state'")
+        if at == "rest" and not (v is None and efforts is None):
+            raise InputError("at is 'rest': v and efforts are for at='state'")
+        given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v), ("efforts", efforts))]
+        return Linear(self._inner.linearize(*given, at == "rest"))
 
     def mass_matrix(self, q):
         """The mass matrix M(q), (n, n)."""

@@ -4,9 +4,10 @@ use crate::refusal::{input, refuse};
 use catena::model::Left;
 use catena::nalgebra::DVector;
 use catena::scene::Touching;
-use catena::session::{Error, JointPlace, Loader};
+use catena::session::{Error, JointPlace, Linear, Loader, Mode};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -231,11 +232,73 @@ impl Model {
         vector(py, self.inner.gravity_efforts(&numbers(&q)))
     }
 
+    /// Linear equations of motion about q, v and efforts, or about the equilibrium near q.
+    #[pyo3(signature = (q, v, efforts, rest))]
+    fn linearize<'py>(
+        &self,
+        py: Python<'py>,
+        q: Option<Given<'py>>,
+        v: Option<Given<'py>>,
+        efforts: Option<Given<'py>>,
+        rest: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let [q, v, efforts] = [q, v, efforts].map(|given| given.map(|given| numbers(&given)));
+        let found = py.detach(|| {
+            if rest {
+                return self.inner.linearize_at_rest(q.as_deref());
+            }
+            let start = self.inner.start()?;
+            let q = q.unwrap_or(start.0);
+            let v = v.unwrap_or(start.1);
+            self.inner.linearize(&q, &v, efforts.as_deref().unwrap_or(&[]))
+        });
+        told(py, &found.map_err(|error| refuse(py, error))?)
+    }
+
     /// x, y, z, w, x, y, z of a link frame.
     fn pose<'py>(&self, py: Python<'py>, link: &str, q: Given<'py>) -> PyResult<Vector<'py>> {
         let pose = self.inner.pose(link, &numbers(&q)).map_err(|error| refuse(py, error))?;
         Ok(seven(&pose).to_pyarray(py))
     }
+}
+
+/// Linear equations of motion, by name.
+fn told<'py>(py: Python<'py>, linear: &Linear) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    let matrices = [
+        ("A", &linear.a),
+        ("B", &linear.b),
+        ("B_targets", &linear.b_targets),
+        ("inertia", &linear.inertia),
+        ("damping", &linear.damping),
+        ("stiffness", &linear.stiffness),
+    ];
+    for (name, of) in matrices {
+        let array = PyArray2::from_owned_array(
+            py,
+            numpy::ndarray::Array2::from_shape_fn(of.shape(), |(row, column)| of[(row, column)]),
+        );
+        out.set_item(name, array)?;
+    }
+    out.set_item("names", &linear.names)?;
+    out.set_item("units", &linear.units)?;
+    out.set_item("freedoms", &linear.freedoms)?;
+    out.set_item("targets", &linear.targets)?;
+    out.set_item("q", linear.q.to_pyarray(py))?;
+    out.set_item("v", linear.v.to_pyarray(py))?;
+    out.set_item("largest_acceleration", linear.largest_acceleration)?;
+    out.set_item("iterations", linear.iterations)?;
+    out.set_item("stuck", linear.stuck.iter().cloned().collect::<BTreeMap<_, _>>())?;
+    out.set_item("saturated", &linear.saturated)?;
+    let modes: Vec<_> = linear.modes.iter().collect();
+    let parts = |of: &dyn Fn(&Mode) -> f64| modes.iter().map(|mode| of(mode)).collect::<Vec<f64>>().to_pyarray(py);
+    out.set_item("eigenvalues_re", parts(&|mode| mode.eigenvalue.re))?;
+    out.set_item("eigenvalues_im", parts(&|mode| mode.eigenvalue.im))?;
+    let shapes: Vec<Vec<(f64, f64)>> =
+        modes.iter().map(|mode| mode.shape.iter().map(|entry| (entry.re, entry.im)).collect()).collect();
+    out.set_item("shapes", shapes)?;
+    out.set_item("stable", modes.iter().map(|mode| mode.stability.word()).collect::<Vec<_>>())?;
+    Ok(out)
 }
 
 impl Model {

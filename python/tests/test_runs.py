@@ -236,3 +236,15 @@ def test_the_command_line_is_the_same(robots, tmp_path):
     with pytest.raises(catena.InputError) as raised:
         catena.load("nowhere.urdf")
     assert wrong.stderr == f"catena: error: {raised.value}\n"
+
+
+def test_the_linear_equations_of_an_oscillator_have_its_frequency_and_damping(robots):
+    # x'' + 4 x' + 100 x = u.
+    linear = catena.load(robots / "damped_oscillator.toml").linearize()
+    assert np.allclose(linear.A, [[0, 1], [-100, -4]], rtol=0, atol=1e-12)
+    assert np.allclose(linear.B, [[0], [1]], rtol=0, atol=1e-14)
+    assert abs(linear.frequencies[0] - np.sqrt(96) / (2 * np.pi)) < 1e-14
+    assert abs(linear.damping_ratios[0] - 0.2) < 1e-14
+    assert linear.stable == ["yes"] and linear.shapes.shape == (1, 1)
+    with pytest.raises(catena.InputError, match="rest"):
+        catena.load(robots / "damped_oscillator.toml").linearize(v=[0.0], at="rest")

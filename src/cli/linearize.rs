@@ -9,7 +9,7 @@ use crate::cli::terminal::printing::{Failure, print, print_json};
 use anyhow::anyhow;
 use catena::mechanism::ground::words::counted;
 use catena::mechanism::motion::state::State;
-use catena::session::{Linear, Mode, Model, Simulation, Stability};
+use catena::session::{Linear, Mode, Model, Simulation};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -87,7 +87,9 @@ fn is_log(path: &Path) -> bool {
 fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
     let log = &args.input.input;
     if !args.position.is_empty() || !args.velocity.is_empty() {
-        return Err(Failure::input(anyhow!("--position and --velocity: a log has its own states; take one with --at T")));
+        return Err(Failure::input(anyhow!(
+            "--position and --velocity: a log has its own states; take one with --at T"
+        )));
     }
     let recorded = Recorded::open(log).map_err(Failure::input)?;
     let time = match args.at {
@@ -138,9 +140,11 @@ fn as_text(linear: &Linear) -> String {
         None => format!("about t = {} s", number(linear.time)),
     };
     // Writing into a String cannot fail.
-    let _ = writeln!(text, "{}: {}", counted(linear.names.len(), "independent coordinate", "independent coordinates"), at);
+    let _ =
+        writeln!(text, "{}: {}", counted(linear.names.len(), "independent coordinate", "independent coordinates"), at);
     if linear.iterations.is_none() && linear.largest_acceleration > 0.0 {
-        let _ = writeln!(text, "not an equilibrium: joints accelerate by up to {}", number(linear.largest_acceleration));
+        let _ =
+            writeln!(text, "not an equilibrium: joints accelerate by up to {}", number(linear.largest_acceleration));
     }
     for (joint, reason) in &linear.stuck {
         let _ = writeln!(text, "{joint} is stuck: {reason}");
@@ -159,21 +163,12 @@ fn as_text(linear: &Linear) -> String {
             number(mode.frequency),
             mode.damping_ratio.map_or(String::new(), number),
             mode.time_constant.map_or(String::new(), number),
-            stable(mode.stability).to_string(),
+            mode.stability.word().to_string(),
             largest_parts(linear, mode),
         ]);
     }
     table.write(&mut text);
     text
-}
-
-fn stable(stability: Stability) -> &'static str {
-    match stability {
-        Stability::Stable => "yes",
-        Stability::Neutral => "neutral",
-        Stability::Unstable => "no",
-        Stability::Free => "free",
-    }
 }
 
 /// The three largest parts of a mode.
@@ -202,7 +197,7 @@ fn as_json(args: &LinearizeArgs, linear: &Linear) -> Value {
                 "frequency": mode.frequency,
                 "damping_ratio": mode.damping_ratio,
                 "time_constant": mode.time_constant,
-                "stable": stable(mode.stability),
+                "stable": mode.stability.word(),
                 "shape": mode.shape.iter().map(|entry| [entry.re, entry.im]).collect::<Vec<_>>(),
             })
         })

@@ -4,6 +4,7 @@
 //! springs, dampers and efforts, closed contacts that stick are closures. Sampled motors count as motors that follow their laws at every instant.
 
 use crate::events::integrator::Eventful;
+use crate::events::modes::drives::Drives;
 use crate::events::modes::mode::{Closed, JointMode, MotorMode};
 use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -56,8 +57,11 @@ pub struct Moving {
     held: Arc<Held>,
     /// The state of the mechanism that moves.
     pub state: State,
-    /// Efforts along its degrees of freedom that do not depend on the state [N m or N].
+    /// Efforts along its degrees of freedom that do not depend on the state, at its time [N m or N].
     pub efforts: DVector<f64>,
+    /// The part that is the same at all times, and motors with targets that change.
+    constant: DVector<f64>,
+    drives: Drives,
     pub stuck: Vec<Stuck>,
     pub motors: Vec<Driving>,
     /// Contacts that are closed and stick at a point.
@@ -106,6 +110,16 @@ impl Moving {
         self.held.spread(&self.whole, own, state);
     }
 
+    /// The efforts that do not depend on the state at a time (s), with the pieces of targets that begin at or before `since` (s).
+    pub fn efforts_at(&mut self, since: f64, time: f64) -> DVector<f64> {
+        self.drives.begin(since);
+        let mut efforts = self.constant.clone();
+        for (entry, &freedom) in self.drives.freedoms().iter().enumerate() {
+            efforts[freedom] += self.drives.effort(entry, time);
+        }
+        efforts
+    }
+
     /// The degree of freedom of the whole mechanism for each one of this mechanism.
     pub fn freedoms_of_whole(&self) -> Vec<usize> {
         let mut freedoms = vec![0; self.held.mechanism.velocity_count];
@@ -137,11 +151,6 @@ impl Eventful {
         self.mode.add_constant_efforts(&self.elements, &mut of_whole);
         let mut own = vec![0.0; held.mechanism.velocity_count];
         held.gather_velocities(&whole, &of_whole, &mut own);
-        let mut drives = piece.drives.clone();
-        drives.begin(state.time);
-        for (entry, &freedom) in drives.freedoms().iter().enumerate() {
-            own[freedom] += drives.effort(entry, state.time);
-        }
         let joints = self.elements.joints.iter().zip(&self.mode.joints);
         let stuck = joints.filter_map(|(joint, mode)| match mode {
             JointMode::Free { .. } => None,
@@ -161,15 +170,19 @@ impl Eventful {
         });
         let motors = motors.collect();
         let sticks = |closed: &&Closed| closed.slides.is_none();
-        Ok(Moving {
+        let mut moving = Moving {
             state: held.gather(&whole, state),
-            efforts: DVector::from_vec(own),
+            efforts: DVector::zeros(own.len()),
+            constant: DVector::from_vec(own),
+            drives: piece.drives.clone(),
             stuck,
             motors,
             sticking: self.mode.contacts.iter().filter(sticks).count(),
             held,
             whole: Arc::new(whole),
-        })
+        };
+        moving.efforts = moving.efforts_at(state.time, state.time);
+        Ok(moving)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The errors of a session: in its input, the start, the run, or the log.
 
+use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::linear::about::LinearizeError;
 use crate::instant::start::assembly::AssemblyError;
 use crate::model::ModelError;
@@ -131,6 +132,9 @@ pub enum Error {
     /// A state has no linear equations of motion.
     #[error(transparent)]
     Linear(#[from] LinearizeError),
+    /// A run has no derivatives.
+    #[error(transparent)]
+    Sensitivity(#[from] SensitivityError),
     /// A setting must be made before the first step.
     #[error("{0}: the run has begun; set it before the first step")]
     Begun(&'static str),

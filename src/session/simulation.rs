@@ -15,8 +15,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 mod now;
+mod sensitivity;
 mod state;
 mod steps;
+
+pub use sensitivity::Sensitivity;
 
 /// A run of a model. Its settings come first; the first step begins the run.
 ///

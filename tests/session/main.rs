@@ -4,8 +4,10 @@ mod bad_input;
 mod control;
 mod dynamics;
 mod forces_at_jumps;
+mod linear;
 mod quantities;
 mod runs;
+mod sensitivity;
 mod sensors;
 mod states;
 

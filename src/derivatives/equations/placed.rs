@@ -4,9 +4,9 @@
 //!     R = R_p F_p.R Rj F_c.Rᵀ        a = x_p + R_p (F_p.t + F_p.R t)        x = a − R F_c.t
 //! ```
 //!
-//! A motion starts in a known state. Each degree of freedom moves from there by an offset; a ball joint turns by the product of slight rotations
-//! about the axes of the child, `Rj = Rj₀ exp(δ̂) exp(θ̂)`. Offsets are zero but for their derivatives, so that with θ = w t + ẇ t²/2 the velocity of
-//! a ball joint is w, and its acceleration ẇ.
+//! A motion goes from one known state to another, which may be the same. Each degree of freedom has slight offsets in both; a ball joint turns by
+//! the product of rotations `Rj = Rj₀ exp(δ̂) (Rj₀ᵀ Rj₁) exp(θ̂)`, about the axes of the child. Offsets are zero but for their derivatives: with
+//! θ = w t + ẇ t²/2 the velocity of a ball joint is w, and its acceleration ẇ.
 
 use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame};
 use crate::derivatives::numbers::number::Number;
@@ -30,8 +30,10 @@ pub struct Placed<T> {
 /// How a mechanism has moved away from a state.
 #[derive(Clone, Copy)]
 pub struct Offsets<'o, T> {
-    /// Where it was.
+    /// Where the first offsets begin.
     pub from: &'o State,
+    /// Where the second offsets begin.
+    pub to: &'o State,
     /// δ: one entry a degree of freedom (rad or m).
     pub first: &'o [T],
     /// θ, after the other (rad or m).
@@ -44,9 +46,10 @@ impl<T: Number> Offsets<'_, T> {
         self.scalar(at.position, at.freedom)
     }
 
-    fn scalar(&self, position: usize, freedom: usize) -> T {
+    /// The value of a scalar coordinate, by its entries of position and velocity vectors.
+    pub fn scalar(&self, position: usize, freedom: usize) -> T {
         // The rounding error of a position is a part of it.
-        let value = T::of(self.from.position[position]) + T::of(self.from.compensation[position]);
+        let value = T::of(self.to.position[position]) + T::of(self.to.compensation[position]);
         value + self.first[freedom] + self.second[freedom]
     }
 }
@@ -84,9 +87,11 @@ fn on_parent<T: Number>(body: &BodyFigures<T>, parent: &Frame<T>, offsets: &Offs
             Matrix([Vector([cosine, sine, zero]), Vector([-sine, cosine, zero]), Vector([zero, zero, one])])
         }
         FreeRotation::Ball => {
-            let start = Matrix::of(&rotation_from_wxyz(&offsets.from.position[position..position + 4]));
+            let rotation = |of: &State| rotation_from_wxyz(&of.position[position..position + 4]);
+            let (from, to) = (rotation(offsets.from), rotation(offsets.to));
             let slight = |by: &[T]| Matrix::turned_slightly(Vector([by[freedom], by[freedom + 1], by[freedom + 2]]));
-            start.product(&slight(offsets.first)).product(&slight(offsets.second))
+            let between = Matrix::of(&(from.transpose() * to));
+            Matrix::of(&from).product(&slight(offsets.first)).product(&between).product(&slight(offsets.second))
         }
     };
     let joint = within(parent, &body.on_parent);

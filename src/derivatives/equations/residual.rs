@@ -10,7 +10,7 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 5.
 
-use crate::derivatives::equations::figures::{End, Figures};
+use crate::derivatives::equations::figures::{End, Figures, Frame};
 use crate::derivatives::equations::placed::{Offsets, Placed, end_frame};
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
@@ -18,32 +18,34 @@ use crate::derivatives::numbers::vector::{Matrix, Vector};
 
 /// A force on a body, and its torque about the origin of the body's frame.
 #[derive(Clone, Copy)]
-struct Load<T> {
-    force: Vector<T>,
-    torque: Vector<T>,
+pub struct Load<T> {
+    /// N.
+    pub force: Vector<T>,
+    /// N m.
+    pub torque: Vector<T>,
 }
 
 /// ρ (n) of a motion whose offsets have their rates and accelerations; without the efforts of closures and of efforts from outside.
-pub fn residual<T: Number>(
-    figures: &Figures<Jet<T>>,
-    placed: &[Placed<Jet<T>>],
-    offsets: &Offsets<Jet<T>>,
-) -> Vec<T> {
-    let mut loads: Vec<Load<T>> = placed.iter().zip(&figures.bodies).map(|(at, body)| {
-        let mass = body.mass.value;
-        let moment = body.moment.map(|entry| entry.value);
-        let second = body.second_moments.map(|column| column.map(|entry| entry.value));
-        let fall = at.frame.origin.map(|entry| entry.acceleration) - figures.gravity.map(|entry| entry.value);
-        let turn = at.frame.axes.map(|column| column.map(|entry| entry.acceleration));
-        let force = fall.scaled(mass) + turn.apply(moment);
-        let axes = values(&at.frame.axes);
-        let mut torque = Vector::zero();
-        for (column, axis) in axes.0.iter().enumerate() {
-            let pull = fall.scaled(moment.0[column]) + turn.apply(second.0[column]);
-            torque = torque + axis.cross(pull);
-        }
-        Load { force, torque }
-    }).collect();
+pub fn residual<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<T>>], offsets: &Offsets<Jet<T>>) -> Vec<T> {
+    let mut loads: Vec<Load<T>> = placed
+        .iter()
+        .zip(&figures.bodies)
+        .map(|(at, body)| {
+            let mass = body.mass.value;
+            let moment = body.moment.map(|entry| entry.value);
+            let second = body.second_moments.map(|column| column.map(|entry| entry.value));
+            let fall = at.frame.origin.map(|entry| entry.acceleration) - figures.gravity.map(|entry| entry.value);
+            let turn = at.frame.axes.map(|column| column.map(|entry| entry.acceleration));
+            let force = fall.scaled(mass) + turn.apply(moment);
+            let axes = values(&at.frame.axes);
+            let mut torque = Vector::zero();
+            for (column, axis) in axes.0.iter().enumerate() {
+                let pull = fall.scaled(moment.0[column]) + turn.apply(second.0[column]);
+                torque = torque + axis.cross(pull);
+            }
+            Load { force, torque }
+        })
+        .collect();
     add_point_springs(figures, placed, &mut loads);
     for wrench in &figures.wrenches {
         let force = wrench.force.map(|entry| entry.value);
@@ -52,7 +54,7 @@ pub fn residual<T: Number>(
         load.force = load.force - force;
         load.torque = load.torque - arm.cross(force) - wrench.torque.map(|entry| entry.value);
     }
-    let mut rows = along_freedoms(figures, placed, loads);
+    let mut rows = along_freedoms(figures, &still(placed), loads);
     for &(freedom, coefficient) in &figures.dampers {
         rows[freedom] = rows[freedom] + coefficient.value * offsets.second[freedom].rate;
     }
@@ -74,8 +76,8 @@ fn add_point_springs<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<
         let [a, b] = ends.map(|end| end_frame(end, placed).origin);
         let gap = b - a;
         let length = gap.dot(gap).square_root();
-        let tension = spring.stiffness.value * (length.value - spring.rest_length.value)
-            + spring.damping.value * length.rate;
+        let tension =
+            spring.stiffness.value * (length.value - spring.rest_length.value) + spring.damping.value * length.rate;
         let pull = gap.map(|entry| entry.value).scaled(tension / length.value);
         let mut add = |end: &End<Jet<T>>, place: Vector<Jet<T>>, need: Vector<T>| {
             let Some(body) = end.body else { return };
@@ -89,31 +91,38 @@ fn add_point_springs<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<
 }
 
 /// The loads of each subtree along the degrees of freedom of its joint.
-fn along_freedoms<T: Number>(
-    figures: &Figures<Jet<T>>,
-    placed: &[Placed<Jet<T>>],
-    mut loads: Vec<Load<T>>,
-) -> Vec<T> {
+pub fn along_freedoms<F, T: Number>(figures: &Figures<F>, placed: &[Placed<T>], mut loads: Vec<Load<T>>) -> Vec<T> {
     let mut rows = vec![T::zero(); figures.freedoms];
     for (index, body) in figures.bodies.iter().enumerate().rev() {
         let at = &placed[index];
-        let origin = at.frame.origin.map(|entry| entry.value);
+        let origin = at.frame.origin;
         let Load { force, torque } = loads[index];
         let slides = body.kind.translation_axes();
-        let about_anchor = torque + (origin - at.anchor.map(|entry| entry.value)).cross(force);
+        let about_anchor = torque + (origin - at.anchor).cross(force);
         for (offset, &axis) in slides.iter().enumerate() {
-            rows[body.velocity_index + offset] = values(&at.on_parent).0[axis].dot(force);
+            rows[body.velocity_index + offset] = at.on_parent.0[axis].dot(force);
         }
         for (offset, &axis) in body.kind.rotation_axes().iter().enumerate() {
-            rows[body.velocity_index + slides.len() + offset] = values(&at.on_child).0[axis].dot(about_anchor);
+            rows[body.velocity_index + slides.len() + offset] = at.on_child.0[axis].dot(about_anchor);
         }
         if let Some(parent) = body.parent {
-            let arm = origin - placed[parent].frame.origin.map(|entry| entry.value);
+            let arm = origin - placed[parent].frame.origin;
             loads[parent].force = loads[parent].force + force;
             loads[parent].torque = loads[parent].torque + torque + arm.cross(force);
         }
     }
     rows
+}
+
+/// Placed bodies without their motion.
+pub fn still<T: Number>(placed: &[Placed<Jet<T>>]) -> Vec<Placed<T>> {
+    let of = |at: &Placed<Jet<T>>| Placed {
+        frame: Frame { axes: values(&at.frame.axes), origin: at.frame.origin.map(|entry| entry.value) },
+        anchor: at.anchor.map(|entry| entry.value),
+        on_parent: values(&at.on_parent),
+        on_child: values(&at.on_child),
+    };
+    placed.iter().map(of).collect()
 }
 
 fn values<T: Number>(matrix: &Matrix<Jet<T>>) -> Matrix<T> {

@@ -1,7 +1,7 @@
 //! Linear equations about an instant of a run, or about the equilibrium near a state.
 //!
-//! They hold within a mode: joints that are stuck stay so, motors keep to their laws or bounds, and contacts stay as they are. An equilibrium is
-//! that of its own mode: joints that Newton's iteration moves beyond a limit are put on it, and the mode is decided again.
+//! They hold within a mode: joints that are stuck stay so, motors keep to their laws or bounds, and contacts stay as they are. An equilibrium belongs to
+//! its own mode: joints that Newton's iteration moves beyond a limit are put on it, and the mode is decided again.
 
 use crate::derivatives::linear::equilibrium::{EquilibriumError, settle};
 use crate::derivatives::linear::linearised::{LinearError, Linearised};
@@ -91,7 +91,7 @@ fn of(moving: Moving, state: State, iterations: Option<usize>) -> Result<About, 
     Ok(About { moving, state, linearised, modes, iterations })
 }
 
-/// Puts joints that are beyond a limit on it; returns whether there were none.
+/// Puts joints that are beyond a limit on it; returns whether all were within.
 fn put_within_limits(mechanism: &Mechanism, state: &mut State) -> bool {
     let mut within = true;
     for limit in &mechanism.nonsmooth.limits {

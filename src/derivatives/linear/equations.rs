@@ -121,7 +121,7 @@ impl Equations {
             acceleration: part(point.accelerations[freedom], By::Accelerations, freedom),
         };
         let second: Vec<Jet<Part>> = (0..self.freedoms).map(moving).collect();
-        let offsets = Offsets { from: point.state, first: &first, second: &second };
+        let offsets = Offsets { from: point.state, to: point.state, first: &first, second: &second };
         let placed = place(&self.figures, &offsets);
         let mut efforts = residual(&self.figures, &placed, &offsets);
         for (row, value) in closures(&self.figures, &placed, &offsets).into_iter().enumerate() {

@@ -27,7 +27,7 @@ const ITERATIONS: usize = 300;
 const LARGEST_MOTION: f64 = 0.3;
 /// Newton's method stays within this distance of where it starts (rad or m).
 const NEAR: f64 = 0.5;
-/// From motions this small on (rad or m), the way downhill is left for Newton's method.
+/// Newton's method takes over for motions this small (rad or m).
 const NEARLY_THERE: f64 = 1e-2;
 /// Motions this small (rad or m) that do not shrink any more are rounding.
 const ROUNDING: f64 = 1e-9;

@@ -24,7 +24,7 @@ pub struct Independent {
 }
 
 impl Independent {
-    /// Of a gradient G (m × n); degrees of freedom with larger weights (n) are more likely to depend on others.
+    /// The split for a gradient G (m × n); degrees of freedom with larger weights (n) are more likely to depend on others.
     pub fn of(gradient: &DMatrix<f64>, weights: &[f64]) -> Self {
         let (m, n) = gradient.shape();
         let mut left = DMatrix::from_fn(m, n, |row, column| gradient[(row, column)] * weights[column]);
@@ -35,7 +35,8 @@ impl Independent {
             let places = (0..m).filter(|&row| free(&rows, row));
             let places = places.flat_map(|row| (0..n).map(move |column| (row, column)));
             let places = places.filter(|&(_, column)| free(&dependent, column));
-            let Some((row, column)) = places.max_by(|&one, &other| left[one].abs().total_cmp(&left[other].abs())) else {
+            let Some((row, column)) = places.max_by(|&one, &other| left[one].abs().total_cmp(&left[other].abs()))
+            else {
                 break;
             };
             let pivot = left[(row, column)];

@@ -23,7 +23,9 @@ const NEUTRAL: f64 = 1e-10;
 /// Eigenvalues this near to each other, as a part of the largest, are one.
 const EQUAL: f64 = 1e-7;
 /// Sweeps of Schur's decomposition, for each eigenvalue.
-const SWEEPS: usize = 200;
+const SWEEPS: usize = 100;
+/// Attempts of it.
+const ATTEMPTS: usize = 10;
 
 /// How a mode goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,18 @@ pub enum Stability {
     Unstable,
     /// It moves without a restoring force: λ = 0.
     Free,
+}
+
+impl Stability {
+    /// The answer to whether it is stable.
+    pub fn word(self) -> &'static str {
+        match self {
+            Stability::Stable => "yes",
+            Stability::Neutral => "neutral",
+            Stability::Unstable => "no",
+            Stability::Free => "free",
+        }
+    }
 }
 
 /// A mode; those that swing stand for both λ and its conjugate.
@@ -104,7 +118,8 @@ impl Linearised {
         let lower = inertia.clone().cholesky()?.l();
         let half = lower.solve_lower_triangular(&(0.5 * (stiffness + stiffness.transpose())))?;
         let symmetric = lower.solve_lower_triangular(&half.transpose())?;
-        let SymmetricEigen { eigenvalues, eigenvectors } = (0.5 * (&symmetric + symmetric.transpose())).symmetric_eigen();
+        let SymmetricEigen { eigenvalues, eigenvectors } =
+            (0.5 * (&symmetric + symmetric.transpose())).symmetric_eigen();
         let shapes = lower.transpose().solve_upper_triangular(&eigenvectors)?;
         let mut modes = Vec::new();
         for (index, &square) in eigenvalues.iter().enumerate() {
@@ -127,9 +142,7 @@ impl Linearised {
         let d = self.inertia.nrows();
         let mut balanced = self.state.clone();
         nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced);
-        let sweeps = SWEEPS * 2 * d;
-        let schur = Schur::try_new(balanced, f64::EPSILON, sweeps).ok_or(NoModes)?;
-        let mut values: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+        let mut values = eigenvalues(balanced)?;
         values.sort_by(|one, other| one.norm().total_cmp(&other.norm()));
         let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let zeros = self.zeros();
@@ -220,4 +233,19 @@ impl Linearised {
         let turn = if norm > 0.0 { largest.conj() / (largest.norm() * norm) } else { Complex::new(1.0, 0.0) };
         LinearMode { eigenvalue, stability, shape: whole * turn }
     }
+}
+
+/// The eigenvalues of a matrix. The sweeps may stand still on matrices that turn vectors into each other; then they begin again after a reflection
+/// `1 − 2 u uᵀ/uᵀu` of both sides, which leaves the eigenvalues as they are.
+fn eigenvalues(mut matrix: DMatrix<f64>) -> Result<Vec<Complex<f64>>, NoModes> {
+    let count = matrix.nrows();
+    for attempt in 1..=ATTEMPTS {
+        if let Some(schur) = Schur::try_new(matrix.clone(), f64::EPSILON, SWEEPS * count) {
+            return Ok(schur.complex_eigenvalues().iter().copied().collect());
+        }
+        let normal = DVector::from_fn(count, |row, _| ((attempt * (row + 1)) as f64).sin());
+        let reflection = DMatrix::identity(count, count) - &normal * normal.transpose() * (2.0 / normal.norm_squared());
+        matrix = &reflection * matrix * &reflection;
+    }
+    Err(NoModes)
 }

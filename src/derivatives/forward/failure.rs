@@ -1,0 +1,43 @@
+//! The reasons for which a run has no derivatives.
+
+use crate::events::MovingError;
+
+/// Why a run has no derivatives.
+#[derive(Debug, thiserror::Error)]
+pub enum SensitivityError {
+    /// There is no such parameter.
+    #[error(
+        "there is no parameter {key:?}: give start.q, start.v, start.q.JOINT, start.v.JOINT, effort.JOINT, or a key path of `catena model INPUT --parameters`"
+    )]
+    Unknown { key: String },
+    /// The number cannot vary in both directions.
+    #[error("{key}: there is no derivative by it at {value}, because it cannot be {other}: {reason}")]
+    Edge { key: String, value: f64, other: f64, reason: String },
+    /// No file has a value for the number.
+    #[error("{key}: no file says this number; set it with --set or with_params first")]
+    NoValue { key: String },
+    /// The structure changes with the number.
+    #[error(
+        "{key}: other values than {value} change the structure of the mechanism, so that there is no derivative by it"
+    )]
+    Structure { key: String, value: f64 },
+    /// The run has events.
+    #[error(
+        "the run has an event at t = {time} s, and derivatives through events are not offered yet: end the run before it, or leave its cause out (--without)"
+    )]
+    Event { time: f64 },
+    /// Parts of mechanisms that are not known here.
+    #[error("derivatives of runs are for trees of joints without {part}: {advice}")]
+    Unsupported { part: &'static str, advice: &'static str },
+    /// A step was not solved again.
+    #[error("the step at t = {time} s could not be solved to rounding again; take shorter steps")]
+    Step { time: f64 },
+    /// The repeated steps do not end where the run ended.
+    #[error(
+        "the repeated steps end {apart:.1e} rad or m away from the run: take a finer --tolerance, or fixed steps that converge"
+    )]
+    Apart { apart: f64 },
+    /// The mode of the start cannot be told.
+    #[error(transparent)]
+    Moving(#[from] MovingError),
+}

@@ -1,0 +1,6 @@
+//! Derivatives of a run by its start and its numbers, through its own steps.
+
+pub mod failure;
+pub mod stage_equations;
+pub mod step;
+pub mod tangent;

@@ -1,0 +1,273 @@
+//! The equations of one step of the scheme in joint coordinates, over numbers with derivatives.
+//!
+//! Unknowns are the displacements of all stages i = 2..s and the velocities v̄ at the end. With z_i = Q_i − q₀ in R¹² a body, and
+//! `w_i = z_i − h c_i q̇₀`, elimination of the momenta from (2.5.11a–g) leaves for the stages k = 1..s−1, and for the end
+//!
+//! ```text
+//!     J(Q_k)ᵀ (M Σ_i B_ki w_i − h² F_k) − h² τ_k = 0
+//!     J(q̄)ᵀ (M q̇(v̄) − M q̇₀ − M Σ_i ω_i w_i / h − h b_s F_s) − h b_s τ_s = 0
+//! ```
+//!
+//! J: motions that the joints allow; M: the constant mass matrix of R¹²; F: gravity, springs between points, wrenches; τ: efforts in the joints, with
+//! springs, and dampers at the rates of the scheme `ẏ_j = ẏ₀ + Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀)/h`. B, ω and Ā B are those of
+//! [`crate::lobatto::tableau::butcher`].
+//!
+//! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, section 2.5 (`doc/method.md`).
+
+use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame};
+use crate::derivatives::equations::placed::{Offsets, Placed, end_frame, place};
+use crate::derivatives::equations::residual::{Load, along_freedoms, still};
+use crate::derivatives::numbers::jet::Jet;
+use crate::derivatives::numbers::number::Number;
+use crate::derivatives::numbers::vector::{Matrix, Vector};
+use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::motion::state::State;
+
+/// The figures of a mechanism for places, and for places with their rates.
+pub struct BothFigures<T> {
+    pub plain: Figures<T>,
+    pub moving: Figures<Jet<T>>,
+}
+
+/// A step, with everything that its equations depend on.
+pub struct StepMotion<'s, T> {
+    pub figures: &'s BothFigures<T>,
+    pub tableau: &'s Tableau,
+    /// h (s).
+    pub step: T,
+    /// The start; slight offsets of its coordinates, and its velocities (n each).
+    pub start: &'s State,
+    pub start_offsets: &'s [T],
+    pub start_velocities: &'s [T],
+    /// The stages i = 2..s, and slight offsets of each (n).
+    pub stages: &'s [State],
+    pub offsets: &'s [Vec<T>],
+    /// v̄ (n).
+    pub end_velocities: &'s [T],
+    /// Efforts from outside at all stages i = 1..s (n each) [N m or N].
+    pub efforts: &'s [Vec<T>],
+}
+
+/// Place and rate of a body in R¹².
+#[derive(Clone, Copy)]
+struct Twelve<T> {
+    origin: Vector<T>,
+    axes: Matrix<T>,
+}
+
+impl<T: Number> StepMotion<'_, T> {
+    /// The residuals: n for each k = 1..s−1, then n of the end.
+    pub fn residual(&self) -> Vec<T> {
+        let (s, h) = (self.tableau.stages, self.step);
+        let unmoved = vec![T::zero(); self.start_velocities.len()];
+        let started = self.place_moving(self.start, &unmoved, self.start_velocities);
+        let begin: Vec<Twelve<T>> = started.iter().map(place_of).collect();
+        let rates: Vec<Twelve<T>> = started.iter().map(rate_of).collect();
+        let mut placed = vec![still(&started)];
+        for (stage, offsets) in self.stages.iter().zip(self.offsets) {
+            placed.push(place(&self.figures.plain, &self.at(stage, offsets)));
+        }
+        // w_i of all bodies.
+        let ahead: Vec<Vec<Twelve<T>>> = (1..s)
+            .map(|i| {
+                let gone = h.times(self.tableau.nodes[i]);
+                let of = |body: usize| {
+                    let at = &placed[i][body].frame;
+                    let z = Twelve { origin: at.origin, axes: at.axes }.minus(&begin[body]);
+                    z.minus(&rates[body].scaled(gone))
+                };
+                (0..begin.len()).map(of).collect()
+            })
+            .collect();
+        let mixed = |weights: &dyn Fn(usize) -> f64, body: usize| {
+            let mut sum = Twelve::zero();
+            for (i, ahead) in ahead.iter().enumerate() {
+                sum = sum.plus(&ahead[body].scaled(T::of(weights(i))));
+            }
+            sum
+        };
+        let efforts = self.efforts_at_stages();
+        let square = h * h;
+        let mut rows = Vec::with_capacity(s * self.start_velocities.len());
+        for k in 0..s - 1 {
+            let weights = |i: usize| self.tableau.b_matrix[k * (s - 1) + i];
+            let mut loads: Vec<Load<T>> = (0..begin.len())
+                .map(|body| {
+                    momentum(&self.figures.plain.bodies[body], &placed[k][body].frame.axes, &mixed(&weights, body))
+                })
+                .collect();
+            self.add_forces(k, &placed, &started, -square, &mut loads);
+            let along = along_freedoms(&self.figures.plain, &placed[k], loads);
+            rows.extend(along.into_iter().zip(&efforts[k]).map(|(row, &effort)| row - square * effort));
+        }
+        let ended = self.place_moving(&self.stages[s - 2], &self.offsets[s - 2], self.end_velocities);
+        let last = h.times(self.tableau.weights[s - 1]);
+        let weights = |i: usize| self.tableau.momentum_weights[i];
+        let mut loads: Vec<Load<T>> = (0..begin.len())
+            .map(|body| {
+                let gained = mixed(&weights, body).scaled(T::of(1.0) / h);
+                let rate = rate_of(&ended[body]).minus(&rates[body]).minus(&gained);
+                momentum(&self.figures.plain.bodies[body], &placed[s - 1][body].frame.axes, &rate)
+            })
+            .collect();
+        self.add_forces(s - 1, &placed, &started, -last, &mut loads);
+        let along = along_freedoms(&self.figures.plain, &placed[s - 1], loads);
+        rows.extend(along.into_iter().zip(&efforts[s - 1]).map(|(row, &effort)| row - last * effort));
+        rows
+    }
+
+    fn at<'o>(&'o self, stage: &'o State, offsets: &'o [T]) -> Offsets<'o, T> {
+        Offsets { from: self.start, to: stage, first: self.start_offsets, second: offsets }
+    }
+
+    /// Bodies with their rates at an end of the step.
+    fn place_moving(&self, stage: &State, offsets: &[T], velocities: &[T]) -> Vec<Placed<Jet<T>>> {
+        let zero = T::zero();
+        let constant = |&value: &T| Jet { value, rate: zero, acceleration: zero };
+        let first: Vec<Jet<T>> = self.start_offsets.iter().map(constant).collect();
+        let second: Vec<Jet<T>> =
+            offsets.iter().zip(velocities).map(|(&value, &rate)| Jet { value, rate, acceleration: zero }).collect();
+        place(&self.figures.moving, &Offsets { from: self.start, to: stage, first: &first, second: &second })
+    }
+
+    /// Efforts in the joints at all stages, with springs and dampers.
+    fn efforts_at_stages(&self) -> Vec<Vec<T>> {
+        let plain = &self.figures.plain;
+        let mut efforts = self.efforts.to_vec();
+        let zero = vec![T::zero(); plain.freedoms];
+        let at_stage = |stage: usize| match stage {
+            0 => self.at(self.start, &zero),
+            later => self.at(&self.stages[later - 1], &self.offsets[later - 1]),
+        };
+        for spring in &plain.springs {
+            for (stage, efforts) in efforts.iter_mut().enumerate() {
+                let stretch = at_stage(stage).coordinate(spring.coordinate) - spring.rest;
+                let freedom = spring.coordinate.freedom;
+                efforts[freedom] = efforts[freedom] - spring.stiffness * stretch;
+            }
+        }
+        for &(freedom, coefficient) in &plain.dampers {
+            let Some(position) = position_of(plain, freedom) else { continue };
+            let along = |stage: usize| at_stage(stage).scalar(position, freedom);
+            let values: Vec<T> = (0..self.tableau.stages).map(along).collect();
+            for (stage, rate) in self.rates(&values, self.start_velocities[freedom]).into_iter().enumerate() {
+                efforts[stage][freedom] = efforts[stage][freedom] - coefficient * rate;
+            }
+        }
+        for &(freedom, effort) in &plain.loads {
+            efforts.iter_mut().for_each(|efforts| efforts[freedom] = efforts[freedom] + effort);
+        }
+        efforts
+    }
+
+    /// `ẏ_1 … ẏ_s` of a scalar with these values at the stages and this rate at the start.
+    fn rates(&self, values: &[T], start_rate: T) -> Vec<T> {
+        let (s, h) = (self.tableau.stages, self.step);
+        let ahead: Vec<T> =
+            (1..s).map(|i| values[i] - values[0] - h.times(self.tableau.nodes[i]) * start_rate).collect();
+        (0..s)
+            .map(|j| {
+                let sum = ahead
+                    .iter()
+                    .enumerate()
+                    .fold(T::zero(), |sum, (i, &ahead)| sum + ahead.times(self.tableau.velocity[j * (s - 1) + i]));
+                start_rate + sum / h
+            })
+            .collect()
+    }
+
+    /// Adds `factor · F` of a stage (0 is the start) to loads.
+    fn add_forces(
+        &self,
+        stage: usize,
+        placed: &[Vec<Placed<T>>],
+        started: &[Placed<Jet<T>>],
+        factor: T,
+        loads: &mut [Load<T>],
+    ) {
+        let plain = &self.figures.plain;
+        let gravity = plain.gravity.scaled(factor);
+        for ((load, body), at) in loads.iter_mut().zip(&plain.bodies).zip(&placed[stage]) {
+            load.force = load.force + gravity.scaled(body.mass);
+            load.torque = load.torque + at.frame.axes.apply(body.moment).cross(gravity);
+        }
+        let mut push = |body: Option<usize>, arm: Vector<T>, force: Vector<T>, torque: Vector<T>| {
+            if let Some(load) = body.map(|body| &mut loads[body]) {
+                load.force = load.force + force.scaled(factor);
+                load.torque = load.torque + (arm.cross(force) + torque).scaled(factor);
+            }
+        };
+        for (number, spring) in plain.point_springs.iter().enumerate() {
+            let gap = |placed: &[Placed<T>]| end_frame(&spring.b, placed).origin - end_frame(&spring.a, placed).origin;
+            let lengths: Vec<T> = placed.iter().map(|placed| gap(placed).dot(gap(placed)).square_root()).collect();
+            let rate = self.rates(&lengths, self.start_rate_of_spring(number, started))[stage];
+            let tension = spring.stiffness * (lengths[stage] - spring.rest_length) + spring.damping * rate;
+            let pull = gap(&placed[stage]).scaled(tension / lengths[stage]);
+            let arm = |end: &End<T>| match end.body {
+                Some(body) => end_frame(end, &placed[stage]).origin - placed[stage][body].frame.origin,
+                None => Vector::zero(),
+            };
+            push(spring.a.body, arm(&spring.a), pull, Vector::zero());
+            push(spring.b.body, arm(&spring.b), -pull, Vector::zero());
+        }
+        for wrench in &plain.wrenches {
+            let arm = placed[stage][wrench.body].frame.axes.apply(wrench.point);
+            push(Some(wrench.body), arm, wrench.force, wrench.torque);
+        }
+    }
+
+    fn start_rate_of_spring(&self, number: usize, started: &[Placed<Jet<T>>]) -> T {
+        let spring = &self.figures.moving.point_springs[number];
+        let gap = end_frame(&spring.b, started).origin - end_frame(&spring.a, started).origin;
+        gap.dot(gap).square_root().rate
+    }
+}
+
+/// The entry of the positions for a scalar degree of freedom.
+fn position_of<T>(figures: &Figures<T>, freedom: usize) -> Option<usize> {
+    let body = figures.bodies.iter().rfind(|body| body.velocity_index <= freedom)?;
+    Some(body.position_index + freedom - body.velocity_index)
+}
+
+/// `M w` as a load on a body whose axes are known.
+fn momentum<T: Number>(body: &BodyFigures<T>, axes: &Matrix<T>, w: &Twelve<T>) -> Load<T> {
+    let force = w.origin.scaled(body.mass) + w.axes.apply(body.moment);
+    let mut torque = Vector::zero();
+    for (column, axis) in axes.0.iter().enumerate() {
+        let pull = w.origin.scaled(body.moment.0[column]) + w.axes.apply(body.second_moments.0[column]);
+        torque = torque + axis.cross(pull);
+    }
+    Load { force, torque }
+}
+
+fn place_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
+    of_frame(&placed.frame, |jet| jet.value)
+}
+
+fn rate_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
+    of_frame(&placed.frame, |jet| jet.rate)
+}
+
+fn of_frame<T: Number>(frame: &Frame<Jet<T>>, part: impl Fn(Jet<T>) -> T + Copy) -> Twelve<T> {
+    Twelve { origin: frame.origin.map(part), axes: frame.axes.map(|column| column.map(part)) }
+}
+
+impl<T: Number> Twelve<T> {
+    fn zero() -> Self {
+        Twelve { origin: Vector::zero(), axes: Matrix([Vector::zero(); 3]) }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let axes = std::array::from_fn(|column| self.axes.0[column] + other.axes.0[column]);
+        Twelve { origin: self.origin + other.origin, axes: Matrix(axes) }
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        let axes = std::array::from_fn(|column| self.axes.0[column] - other.axes.0[column]);
+        Twelve { origin: self.origin - other.origin, axes: Matrix(axes) }
+    }
+
+    fn scaled(&self, factor: T) -> Self {
+        Twelve { origin: self.origin.scaled(factor), axes: self.axes.map(|column| column.scaled(factor)) }
+    }
+}
