@@ -93,10 +93,11 @@ impl Eventful {
         let end = self.pieces[self.current].small.time;
         self.evaluated.bodies = false;
         let mut least = self.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
-        let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
-        if !self.mode.contacts.is_empty() && end > since && (!short || self.steps % SELDOM == 0) {
-            let inside = since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64;
-            for time in [inside, end] {
+        if !self.mode.contacts.is_empty() && end > since {
+            let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
+            let inside = (!short || self.steps % SELDOM == 0)
+                .then(|| since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64);
+            for time in inside.into_iter().chain([end]) {
                 self.place(Inside::at(time));
                 let gaps =
                     self.mode.contacts.iter().map(|closed| touch_motion(&closed.contact.joint, &self.bodies).gap);

@@ -47,8 +47,9 @@ pub(crate) struct Holding {
     contact_size: f64,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     weights: Vec<f64>,
-    /// m.
+    /// m, and whether it belongs to the state and efforts of the forces.
     margin: f64,
+    margin_known: bool,
     /// The state and the efforts that they were worked out for last.
     known: Option<(State, Vec<f64>)>,
     how: How,
@@ -126,6 +127,7 @@ impl Holding {
             contact_size: 0.0,
             weights: Vec::new(),
             margin,
+            margin_known: false,
             known: None,
             how,
         }
@@ -194,6 +196,7 @@ impl Holding {
             }
             none => *none = Some((state.clone(), efforts.to_vec())),
         }
+        self.margin_known = false;
         let Present { whole, elements, moving, .. } = *at;
         let Holding { joints, efforts: found, sizes, how, .. } = self;
         match how {
@@ -232,9 +235,17 @@ impl Holding {
 
     /// Works out m where the efforts have been worked out last: it may take as long as all of them.
     pub fn evaluate_margin(&mut self) {
-        if let How::Closed { last: Some(load), unique: false } = &self.how {
+        if let How::Closed { last: Some(load), unique: false } = &self.how
+            && !self.margin_known
+        {
             self.margin = load.margin();
+            self.margin_known = true;
         }
+    }
+
+    /// Whether some admissible forces hold all in a state under these efforts, so far as that was worked out for them last.
+    pub fn holds_all(&self, state: &State, efforts: &[f64]) -> bool {
+        self.margin_known && self.margin > 0.0 && self.recall(state, efforts).is_some()
     }
 }
 

@@ -10,3 +10,4 @@ pub(crate) mod limits;
 pub(crate) mod loops;
 pub(crate) mod motors;
 pub(crate) mod overlaps;
+pub(crate) mod rotors;
