@@ -14,7 +14,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::present::Present;
 use crate::instant::holding::touching::TOUCHED;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 
 /// Attempts at the length of the way.
@@ -55,9 +55,13 @@ impl Eventful {
         let (mut until, mut first) = (longest, None);
         let gaps: Vec<Watched> = self.watched.iter().copied().filter(|watched| is_gap(*watched)).collect();
         for watched in gaps {
+            let end = self.after(origin, &moves, until);
+            if self.is_apart(watched, &end) {
+                continue;
+            }
             let start = self.gap(watched, origin);
             let closed = watched.nearly(CLOSED, &self.elements, &self.touching, &self.mode);
-            let after = self.gap(watched, &self.after(origin, &moves, until));
+            let after = self.gap(watched, &end);
             if start <= closed || after > 0.0 {
                 continue;
             }
@@ -95,6 +99,13 @@ impl Eventful {
         state.velocity.iter_mut().zip(accelerations).for_each(|(rate, a)| *rate += time * a);
         state.time += time;
         state
+    }
+
+    /// Whether little work tells that a pair without a closed contact is open in a state.
+    fn is_apart(&self, watched: Watched, state: &State) -> bool {
+        let Watched::Approach(pair) = watched else { return false };
+        let is_closed = self.mode.contacts.iter().any(|closed| closed.contact.pair == pair);
+        !is_closed && self.touching.least_distance(pair, &body_states(&self.whole, state), 0.0) > 0.0
     }
 
     /// A gap in a state (m or rad).

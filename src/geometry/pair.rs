@@ -114,6 +114,11 @@ impl PairGeometry {
         of_first + self.second.breadth()
     }
 
+    /// Whether two convex shapes have many vertices: GJK alone is much less work than the exact distance.
+    pub fn is_dense(&self) -> bool {
+        matches!(&self.first, First::Convex(convex) if convex.is_dense() || self.second.is_dense())
+    }
+
     /// The lengths from which tolerances are made.
     pub fn extents(&self) -> Extents {
         self.extents
@@ -139,7 +144,7 @@ impl PairGeometry {
         let rounded = ROUNDED * (scale + self.second.size + translation.norm());
         let by_balls = apart - rounded;
         match &self.first {
-            First::Convex(convex) if by_balls <= enough && convex.is_dense().max(self.second.is_dense()) => {
+            First::Convex(convex) if by_balls <= enough && self.is_dense() => {
                 let both = both(convex, &self.second, &in_first);
                 let separation = both.hint(&Vector3::zeros()).map(|normal| both.separation(&normal));
                 let by_normal = separation.map(|apart| apart - convex.radius - self.second.radius - rounded);

@@ -14,10 +14,11 @@ mod reduction;
 
 pub use assemble::Start;
 pub use description::at_start::AtStart;
-pub use description::contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner};
+pub use description::contact_pairs::{ContactRecord, LeftOutPair, Owner};
 pub use description::coordinates::{JointCoordinates, position_names, velocity_names};
 pub use description::coupling_error::{CouplingError, CouplingProblem};
 pub use description::model_error::ModelError;
+pub use description::never_touch::NeverTouch;
 pub use description::robot_model::{
     JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile,
 };

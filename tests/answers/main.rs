@@ -6,6 +6,7 @@ mod common;
 mod models;
 
 mod against_reduced;
+mod classics;
 mod published;
 mod reduced;
 mod reference_answers;

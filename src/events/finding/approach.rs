@@ -94,8 +94,8 @@ pub(crate) fn first_closing(
     let time = |j: usize| if j == samples { end } else { start + (end - start) * j as f64 / samples as f64 };
     // Lower bounds are enough for most pairs.
     let closes = measure.speed * (end - start);
-    let at_start = if measure.closed.is_finite() { pair.least_gap(start, closes) } else { f64::NEG_INFINITY };
-    if at_start > measure.closed {
+    let at_start = pair.least_gap(start, closes);
+    if at_start > measure.zero {
         let at_end = pair.least_gap(end, closes);
         if at_end > 0.0 && at_start + at_end >= closes {
             cover.take([start, end], at_start.min(at_end));
@@ -105,7 +105,6 @@ pub(crate) fn first_closing(
     let mut low = pair.look(start);
     // One look at the end is enough for distant bodies.
     let last = pair.look(end);
-    let closes = measure.speed * (end - start);
     let open = low.gap > measure.closed && low.gap + last.gap >= closes;
     // A pair that has just changed its state counts as closed at the start, unless its gap there lasts through the step.
     let lasts = low.gap > measure.zero && low.gap >= closes;

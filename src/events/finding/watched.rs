@@ -188,7 +188,7 @@ impl Watched {
                 let of = &touching.pairs[pair];
                 if closed.is_empty() {
                     let rounding = if mode.idle.contains(&pair) { of.within(COPLANAR) } else { 0.0 };
-                    return touching.distance(pair, bodies) + rounding;
+                    return touching.gap(pair, bodies) + rounding;
                 }
                 let within = of.size() * if of.reach.contains(&f64::INFINITY) { 1.0 } else { NEARBY };
                 touching.beside(&closed, within, bodies) + of.within(COPLANAR)

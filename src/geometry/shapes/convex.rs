@@ -128,7 +128,7 @@ impl Convex {
         }
     }
 
-    /// Whether it has so many vertices that GJK alone is much less work than the exact distance.
+    /// Whether it has many vertices.
     pub fn is_dense(&self) -> bool {
         matches!(&self.core, Core::Polytope(polytope) if polytope.vertices.len() > DENSE)
     }

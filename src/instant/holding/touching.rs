@@ -17,6 +17,8 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 pub(crate) const TOUCHED: f64 = 1e-11;
 /// The same in a state without a known mode, relative to the smaller shape.
 const TOUCHED_ANEW: f64 = 1e-9;
+/// Shapes whose gap is more than this part of the smaller one are well apart.
+const WELL_APART: f64 = 1e-3;
 
 /// The pairs of a mechanism.
 #[derive(Clone, Default)]
@@ -151,6 +153,18 @@ impl Touching {
     pub fn distance(&self, pair: usize, bodies: &[BodyState]) -> f64 {
         let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
+    }
+
+    /// The distance of a pair (m) for a search of roots; of dense hulls that are well apart a lower bound, which GJK gives to its tolerance.
+    pub fn gap(&self, pair: usize, bodies: &[BodyState]) -> f64 {
+        let Pair { geometry, extents, .. } = &self.pairs[pair];
+        if geometry.is_dense() {
+            let least = self.least_distance(pair, bodies, f64::INFINITY);
+            if least > WELL_APART * extents.smaller {
+                return least;
+            }
+        }
+        self.distance(pair, bodies)
     }
 
     /// A lower bound of the distance of a pair (m) for little work, and for a little more if the first one is at most `enough` (m).

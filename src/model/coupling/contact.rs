@@ -7,12 +7,11 @@ use crate::mechanism::description::contact::Collider;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::coupling::overlaps::number;
-use crate::model::description::contact_pairs::{
-    ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, rules_of_nothing,
-};
+use crate::model::description::contact_pairs::{ContactRecord, LeftOutPair, Owner, contact_pairs, rules_of_nothing};
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
+use crate::model::description::never_touch::NeverTouch;
 use crate::model::description::robot_model::Model;
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Warning, listed};

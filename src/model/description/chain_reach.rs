@@ -1,7 +1,7 @@
 //! Links of one tree that cannot meet, by proof from the limits of the joints between them.
 //!
 //! Shapes a and b are in balls of radii ρ_a, ρ_b about centers c_a, c_b. The center c goes up the chain of joints to the common ancestor of both
-//! bodies. With a joint position in `m ± δ`, all places of a center at height z and distance r from the axis of a joint lie in a ball:
+//! bodies. For joint positions in `m ± δ`, all places of a center at height z and distance r from the axis of a joint lie in a ball:
 //!
 //! ```text
 //!     revolute    center r cos δ in the direction m, radius r sin δ      (δ ≥ π/2: center on the axis, radius r)       [m]
@@ -21,7 +21,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Boxes of joint positions that are looked at for one pair, at most.
 const BOXES: usize = 500;
-/// Joints between two shapes, at most: more of them are never proved apart with so few boxes.
+/// Joints between two shapes, at most: these boxes are too few for more.
 const JOINTS: usize = 6;
 /// The relative rounding error of a bound.
 const MARGIN: f64 = 1e-9;

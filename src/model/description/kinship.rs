@@ -1,11 +1,11 @@
 //! Links of one robot that never touch because of the joints between them.
 //!
 //! Bodies that locked joints hold together are one group. Two links are neighbours if one joint joins their groups, perhaps with links without mass
-//! in between: a joint of the tree, or a loop joint (a rod of given length is none). Shapes of neighbours overlap at their joint by design.
+//! in between: a joint of the tree, or a loop joint other than a rod of given length. Shapes of neighbours overlap at their joint by design.
 
 use crate::mechanism::description::closure::LoopKind;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::model::description::contact_pairs::NeverTouch;
+use crate::model::description::never_touch::NeverTouch;
 
 /// The joints of a mechanism, as far as contact of one robot with itself depends on them.
 pub(crate) struct Kinship<'m> {

@@ -9,6 +9,7 @@ pub(crate) mod coupling_error;
 pub(crate) mod followers;
 pub(crate) mod kinship;
 pub(crate) mod model_error;
+pub(crate) mod never_touch;
 pub(crate) mod reported;
 pub(crate) mod robot_model;
 pub(crate) mod start_checks;

@@ -361,3 +361,50 @@ fn a_log_has_the_forces_of_what_stands_from_its_first_sample_on_and_curves_name_
     // What does not touch yet has a force of zero, so that the axis begins there.
     assert!(curves.contains(">0</text>") || curves.contains(">\n0\n</text>"), "no label 0 on the axis of forces");
 }
+
+#[test]
+fn links_of_one_robot_touch_but_for_those_that_joints_join_or_keep_apart_and_those_that_overlap_by_design() {
+    let folder = folder("itself");
+    let ball = |name: &str, x: f64| {
+        let origin = format!("<origin xyz=\"{x} 0 0\"/>");
+        let inertia = "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>";
+        format!(
+            "<link name=\"{name}\"><inertial><mass value=\"1\"/>{inertia}</inertial><collision>{origin}<geometry><sphere radius=\"0.1\"/></geometry></collision></link>"
+        )
+    };
+    let joint = |kind: &str, parent: &str, child: &str, x: f64| {
+        format!(
+            "<joint name=\"{parent}{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/><origin xyz=\"{x} 0 0\"/>\
+             <axis xyz=\"0 0 1\"/><limit lower=\"-0.5\" upper=\"0.5\" effort=\"0\" velocity=\"0\"/></joint>"
+        )
+    };
+    // a and d are one body; a, b, c, e follow each other, by hinges; the ball of e is in that of b.
+    let parts = [ball("a", 0.0), ball("d", 0.0), ball("b", 0.25), ball("c", 0.0), ball("e", 0.0)].concat()
+        + &[joint("fixed", "a", "d", -0.5), joint("revolute", "a", "b", 0.3)].concat()
+        + &[joint("revolute", "b", "c", 0.3), joint("revolute", "c", "e", 0.05)].concat();
+    std::fs::write(folder.join("itself.urdf"), format!("<robot name=\"itself\">{parts}</robot>")).expect("written");
+    let floor = ["a", "d", "b", "c", "e"].map(|link| format!("{link}|floor"));
+    let rules =
+        ["one_body", "neighbours", "out_of_reach", "out_of_reach", "neighbours", "out_of_reach", "out_of_reach"];
+    let rules = [&rules[..], &["neighbours", "neighbours", "overlap"]].concat();
+    let given = ["itself.urdf", "--base", "floating", "--floor", "-1"];
+    assert_eq!(pairs(&folder, &given), (floor.to_vec(), rules.iter().map(|rule| (*rule).to_string()).collect()));
+    let off = [&given[..], &["--set", "contact.self_contact=0"]].concat();
+    assert_eq!(pairs(&folder, &off), (floor.to_vec(), vec![]));
+    // The warning names the pair, and says what keeps it.
+    let output = run(&folder, &[&["model"], &given[..]].concat());
+    assert!(text(&output.stdout).contains("do not touch each other: \"b\" and \"e\"; a [[contact.pair]]"));
+    let scene = "[[robot]]\nurdf = \"itself.urdf\"\nbase = \"floating\"\n[contact]\nself_contact = true\n";
+    std::fs::write(folder.join("scene.toml"), scene).expect("written");
+    assert_eq!(pairs(&folder, &["scene.toml"]), (vec![], rules.iter().map(|rule| (*rule).to_string()).collect()));
+    let kept = format!("{scene}[[contact.pair]]\na = \"e\"\nb = \"b\"\nignore = false\n");
+    std::fs::write(folder.join("scene.toml"), kept).expect("written");
+    assert_eq!(pairs(&folder, &["scene.toml"]).0, ["b|e"]);
+    // Without limits a and d meet c and e.
+    let free = [&given[..], &["--without", "limits"]].concat();
+    assert_eq!(pairs(&folder, &free).0.len(), 5 + 4);
+    let wrong = [&["model"], &given[..], &["--set", "contact.self_contact=2"]].concat();
+    let output = run(&folder, &wrong);
+    assert_one_error(&output, 2, "self_contact");
+    assert!(text(&output.stderr).contains("must be 1 (yes) or 0 (no)"), "{}", text(&output.stderr));
+}
