@@ -17,7 +17,7 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
 pub(super) const SAME_END: f64 = 1e-9;
-/// Closed contacts are looked at inside one of so many spans: states inside them are projected on the contacts, which takes as long as the span.
+/// Closed contacts are looked at inside one span of this number: states inside spans are projected on the contacts, which takes as long as the span.
 const SELDOM: usize = 16;
 /// Instants at which a step that is checked is asked.
 const ASKED: usize = 48;

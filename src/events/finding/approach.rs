@@ -36,11 +36,6 @@ pub(crate) trait Approaching {
     /// Its gap at a time (s), in metres.
     fn gap(&mut self, time: f64) -> f64;
 
-    /// A lower bound of its gap at a time (s), in metres, for little work, and for a little more if the first one is at most `enough` (m).
-    fn least_gap(&mut self, _time: f64, _enough: f64) -> f64 {
-        f64::NEG_INFINITY
-    }
-
     /// Its two bodies there.
     fn bodies(&mut self, time: f64) -> [BodyState; 2];
 
@@ -92,23 +87,10 @@ pub(crate) fn first_closing(
     cover: &mut Cover,
 ) -> Option<Closing> {
     let time = |j: usize| if j == samples { end } else { start + (end - start) * j as f64 / samples as f64 };
-    // Lower bounds are enough for most pairs.
-    let closes = measure.speed * (end - start);
-    let at_start = pair.least_gap(start, closes);
-    if at_start > measure.zero {
-        let at_end = pair.least_gap(end, closes);
-        if at_end > 0.0 && at_start + at_end >= closes {
-            cover.take([start, end], at_start.min(at_end));
-            return None;
-        }
-    }
     let mut low = pair.look(start);
     // One look at the end is enough for distant bodies.
     let last = pair.look(end);
-    let open = low.gap > measure.closed && low.gap + last.gap >= closes;
-    // A pair that has just changed its state counts as closed at the start, unless its gap there lasts through the step.
-    let lasts = low.gap > measure.zero && low.gap >= closes;
-    if last.gap > 0.0 && (open || lasts) {
+    if low.gap > measure.closed && last.gap > 0.0 && low.gap + last.gap >= measure.speed * (end - start) {
         cover.take([start, end], low.gap.min(last.gap));
         return None;
     }
@@ -287,23 +269,6 @@ mod tests {
         let (found, cover) = look(gap, 1.0, [0.0, 1.0], 0.0, 1e-3);
         assert_eq!((found, looks), (None, 2));
         assert_eq!(cover, Cover { until: 1.0, least: 2.0 });
-    }
-
-    #[test]
-    fn a_pair_that_has_just_changed_its_state_is_looked_at_twice_while_its_gap_lasts_through_the_step() {
-        let looks = |gap: f64| {
-            let mut looks = 0;
-            let gap = |time: f64| {
-                looks += 1;
-                gap - 0.5 * time
-            };
-            let found = look(gap, 1.0, [0.0, 1.0], f64::INFINITY, 1e-3);
-            (found, looks)
-        };
-        assert_eq!(looks(1.0), ((None, Cover { until: 1.0, least: 0.5 }), 2));
-        // It might close.
-        let ((found, _), more) = looks(0.75);
-        assert!(found.is_none() && more > 2, "{more}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What pairs have in reserve: how far their gaps are from zero, by the looks at steps before.
+//! The reserves of pairs: lower bounds of their gaps, by the looks at steps before.
 //!
 //! ```text
 //!     φ(t₀ + τ) ≥ r,   r = φ(t₁) − Σ V_k h_k − V τ     t₁: when the gap was looked at last; h_k, V_k: the steps since then, and the bounds of their speeds
@@ -37,7 +37,7 @@ impl Reserves {
         self.end.known = false;
     }
 
-    /// A look at a step from a start to an end begins, for so many pairs; the same step may be looked at again with another end.
+    /// A look at a step from a start to an end begins, for a number of pairs. The same step may be looked at again with another end.
     pub fn begin(&mut self, start: &State, end: &State, pairs: usize) {
         if self.end.is_at(start) {
             std::mem::swap(&mut self.start, &mut self.end);
@@ -93,7 +93,7 @@ mod tests {
         reserves.begin(&at(0.0, 0.0), &at(1.0, 0.1), 2);
         assert_eq!(reserves.lasts(0, 0.0, 0.0), None);
         reserves.note(0, 1.0);
-        // The step is looked at five times with other ends: each time it has what it had at the start.
+        // The step is looked at five times with other ends: each time it has its reserve of the start.
         for end in [2.0, 1.8, 1.6, 1.4, 1.5] {
             reserves.begin(&at(1.0, 0.1), &at(end, 0.2 * end), 2);
             assert_eq!(reserves.lasts(0, 0.375, 0.0), Some(0.625));

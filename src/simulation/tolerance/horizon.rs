@@ -17,7 +17,7 @@ const WORTH: f64 = 1.0 / 8.0;
 /// Distances that grow by less than this factor between two looks do not show how fast they grow.
 const GROWS: f64 = 10.0;
 
-/// What is known of the horizon of a run, over all its beginnings.
+/// The horizon of a run, as far as it is known from all its beginnings.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Horizon {
     /// The time at which an earlier beginning met other events than its companion (s), and its stop.
