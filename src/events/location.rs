@@ -215,7 +215,8 @@ impl Eventful {
     /// What is left of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
     fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
         let of @ Pair { bodies, reach, .. } = &self.touching.pairs[pair];
-        if self.fresh_pairs[pair] {
+        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds.
+        if self.fresh_pairs[pair] || self.mode.contacts.iter().any(|closed| closed.contact.pair == pair) {
             return None;
         }
         self.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(AT_EVENT))

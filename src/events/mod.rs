@@ -43,6 +43,7 @@ mod jumps;
 mod last_step;
 mod location;
 mod modes;
+mod moving;
 mod next_step;
 mod quiet;
 mod repeats;
@@ -54,3 +55,4 @@ mod turning;
 
 pub use finding::cover::check_certificates;
 pub use integrator::Eventful;
+pub use moving::{Driving, Moving, MovingError, Stuck};
