@@ -236,6 +236,7 @@ fn largest_share(problem: &Problem, plastic: &[f64], newton: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::cascade::solve;
     use crate::instant::cone::problem::outside_cone;
     use crate::instant::cone::scenes::{Body, Random, Scene, random, stack};
     use nalgebra::Vector3;
