@@ -12,6 +12,7 @@ use crate::events::finding::watched::{Seen, Watched};
 use crate::events::forces::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::BALLISTIC_GAP;
 use crate::instant::holding::touching::TOUCHED;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
@@ -19,8 +20,6 @@ use crate::mechanism::motion::state::State;
 
 /// Attempts at the length of the way.
 const ATTEMPTS: usize = 40;
-/// Gaps of this part of what a pair is made of are closed.
-const CLOSED: f64 = 1e-15;
 
 impl Eventful {
     /// Goes from the start of the step to the first watched gap that closes within `longest` (s), and adds it to the triggers. False if no trigger is
@@ -60,7 +59,7 @@ impl Eventful {
                 continue;
             }
             let start = self.gap(watched, origin);
-            let closed = watched.nearly(CLOSED, &self.elements, &self.touching, &self.mode);
+            let closed = watched.nearly(BALLISTIC_GAP, &self.elements, &self.touching, &self.mode);
             let after = self.gap(watched, &end);
             if start <= closed || after > 0.0 {
                 continue;

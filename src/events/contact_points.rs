@@ -3,6 +3,7 @@
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::Mode;
 use crate::events::modes::present::Present;
+use crate::instant::cone::problem::outside_cone;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::body_states;
@@ -23,9 +24,9 @@ impl Eventful {
         let mut reporting = reporting.borrow_mut();
         let forces = reporting.forces(&present, state, &efforts, holding.is_unique());
         let largest = forces.iter().flatten().fold(0.0_f64, |most, force| most.max(force.abs()));
-        mode.contacts.iter().zip(forces).any(|(closed, &[pressure, along, across])| {
+        mode.contacts.iter().zip(forces).any(|(closed, &force)| {
             let friction = touching.pairs[closed.contact.pair].friction;
-            (along.hypot(across) - friction * pressure).max(-pressure) > FAR_OUT * largest
+            outside_cone(friction, force).max(-force[0]) > FAR_OUT * largest
         })
     }
 

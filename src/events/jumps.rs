@@ -12,13 +12,12 @@
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
+use crate::events::steps::SHORTER;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 
 /// A force jumps if its distance from the bound is more than this many times its roundings, and does not fall.
 pub(super) const JUMP: f64 = 1e4;
-/// A step in which it does is shorter by this factor.
-const SHORTER: f64 = 1.0 / 16.0;
 
 /// The result of the location of an event.
 pub(crate) enum Located {

@@ -19,6 +19,7 @@ use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::{Evaluated, Inside};
+use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
 use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
@@ -27,8 +28,6 @@ use crate::mechanism::motion::kinematics::place_bodies;
 
 /// Attempts at the length of a step that ends at an event.
 const ATTEMPTS: usize = 12;
-/// Functions this near to zero at an event, relative to their size, belong to it.
-const TOGETHER: f64 = 1e-11;
 
 /// Overlaps of this part of the size of a pair are not missed between samples.
 const RESOLUTION: f64 = 2e-3;
@@ -39,8 +38,6 @@ const FINEST: f64 = 1e-6;
 const ROUGHLY: f64 = 10.0;
 /// A pair that closes at the end of a step is looked at up to this part of it.
 const NEARLY: f64 = 0.999;
-/// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
-const STOPPED: f64 = 1e-10;
 /// Force roots are located to this part of the rounding error, past the bound, so that the constraint releases immediately.
 const WITHIN: f64 = 0.1;
 /// The smallest value of a function has fallen if it is less than this part of its value before. The search for a root ends after `STALE` attempts in
@@ -51,8 +48,6 @@ const STALE: usize = 3;
 const SHORT: f64 = 1e-6;
 /// For slips it also ends if the bracket is narrower than this part of the step.
 const NARROW: f64 = 1e-2;
-/// Slips slower than this part of the largest speed give no usable slope.
-const STEEP: f64 = 1e-7;
 
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.
@@ -115,7 +110,7 @@ impl Eventful {
                 | Watched::Slips(contact)
                 | Watched::Feature(contact) => self.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
-            if fresh { f64::INFINITY } else { watched.nearly(TOGETHER, &self.elements, &self.touching, &self.mode) }
+            if fresh { f64::INFINITY } else { watched.nearly(AT_EVENT, &self.elements, &self.touching, &self.mode) }
         }));
         let end = self.pieces[self.current].small.time;
         let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
@@ -164,7 +159,7 @@ impl Eventful {
             }
             let of @ Pair { bodies, reach, breadth, .. } = &self.touching.pairs[pair];
             let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
-            let zero = of.within(TOGETHER);
+            let zero = of.within(AT_EVENT);
             let measure = Measure {
                 closed: if self.fresh_pairs[pair] { f64::INFINITY } else { zero },
                 zero,
@@ -224,7 +219,7 @@ impl Eventful {
         if self.fresh_pairs[pair] || self.mode.contacts.iter().any(|closed| closed.contact.pair == pair) {
             return None;
         }
-        self.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(TOGETHER))
+        self.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(AT_EVENT))
     }
 
     /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.
@@ -289,7 +284,7 @@ impl Eventful {
                 Watched::Gap(joint, _) => {
                     self.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
                 }
-                _ => watched.nearly(TOGETHER, &self.elements, &self.touching, &self.mode),
+                _ => watched.nearly(AT_EVENT, &self.elements, &self.touching, &self.mode),
             };
             index == bracket.watched || values[index].abs() <= allowed
         };
@@ -311,7 +306,7 @@ impl Eventful {
         self.evaluated = Evaluated::default();
         let overlaps = |index: usize| match self.watched[index] {
             Watched::Approach(pair) => {
-                self.touching.distance(pair, &self.bodies) < -self.touching.pairs[pair].within(TOGETHER)
+                self.touching.distance(pair, &self.bodies) < -self.touching.pairs[pair].within(AT_EVENT)
             }
             Watched::Feature(contact) => {
                 let contact = &self.mode.contacts[contact].contact;
@@ -378,13 +373,13 @@ impl Eventful {
             if let Some((other, there)) = before
                 && other != length
                 && value != there
-                && (!stops || value.abs() > STEEP * self.memory.fastest)
+                && (!stops || value.abs() > STEEP_SLIP * self.memory.fastest)
             {
                 slope = (value - there) / (length - other);
             }
             if stops && value > 0.0 {
                 // The direction of one that has stopped is noise.
-                if value > STOPPED * self.memory.fastest {
+                if value > slip_at_rest(self.memory.fastest) {
                     self.turn_slips();
                 }
                 if before.is_none() {
@@ -392,7 +387,7 @@ impl Eventful {
                 }
             }
             let noise = (WITHIN * self.watched[bracket.watched].rounding(&self.holding)).max(2e-16 * scale);
-            if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
+            if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= slip_at_rest(self.memory.fastest) {
                 break;
             }
             stale = if value.abs() < FALLS * smallest { 0 } else { stale + 1 };

@@ -7,13 +7,13 @@
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
 use crate::events::crowding::JAM_STEP;
-use crate::events::effects::contacts::STOPPED;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
@@ -31,8 +31,6 @@ const SHORT_OF: f64 = 0.98;
 /// A step is no longer than this part of the time in which a slip turns by half a right angle: a slip that is slow turns faster than the polynomials
 /// through the stages can follow.
 const TURNS: f64 = 2.0;
-/// Slips below this part of the largest speed of any body so far count as rest.
-const NO_SLIP: f64 = 1e-10;
 /// A slip below this part of the largest speed is slow. It keeps its direction if the cosine of the angle to the direction before is larger than
 /// this.
 const SLOWED: f64 = 1e-3;
@@ -92,11 +90,11 @@ impl Eventful {
         let mut all = vec![0.0; efforts.len()];
         mode.efforts_at(elements, inputs, since, state, &mut all);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-        let rest = NO_SLIP * self.memory.fastest;
+        let rest = slip_at_rest(self.memory.fastest);
         let unique = holding.is_unique();
         let Slipping { first, turns } = slipping(&present, response, state, &all, unique, rest);
         let stops = first.map_or(f64::INFINITY, |stop| stop.time());
-        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= STOPPED * rest);
+        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= STOPPED_SLIP * rest);
         let straight = slow.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
         let slow = slow.and_then(|stop| {
             let slip = if unique { Watched::Slips(stop.contact) } else { Watched::SlipsTogether(stop.pair) };
@@ -220,7 +218,7 @@ impl Eventful {
             let begins = closed.slides.unwrap_or_default();
             let slip = touch_motion(&closed.contact.joint, &self.bodies).slip;
             // Slower than rest it has no direction of its own.
-            let moving = slip.norm() > NO_SLIP * self.memory.fastest;
+            let moving = slip.norm() > slip_at_rest(self.memory.fastest);
             self.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
         }
     }

@@ -24,8 +24,8 @@ use crate::mechanism::motion::state::State;
 
 /// A step is made shorter this often at most before an element is believed to change its state at once.
 const SHORTENED: usize = 8;
-/// Each shorter step has this part of the length before.
-const SHORTER: f64 = 1.0 / 16.0;
+/// A step with a defect is made again with this part of its length.
+pub(super) const SHORTER: f64 = 1.0 / 16.0;
 
 /// One step that is being made: kept while it is made again and again, thrown away with it.
 struct Trial {

@@ -15,6 +15,7 @@ use crate::events::effects::planar_rims::{land_opposite, touching_point};
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
+use crate::events::modes::tolerances::{SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
@@ -29,14 +30,6 @@ use nalgebra::Vector3;
 const OVERLAP: f64 = 1e-12;
 /// Gaps up to this are closed (m).
 const CLOSED: f64 = 1e-15;
-/// Slower than this part of the fastest that any body has been is rest.
-const REST: f64 = 1e-10;
-/// So is this [m/s].
-const SLOWEST: f64 = 1e-13;
-/// The contacts of a pair are at rest if each of them is slower than this many times the rest of one contact.
-pub(super) const TOGETHER: f64 = 100.0;
-/// Slips whose stop was found may be faster by this factor: a step that ends at the stop leaves the component across the slip.
-pub(crate) const STOPPED: f64 = 1e4;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
 /// A pair with more points than this at its flat ends is looked at without those that its load has needed before.
@@ -69,7 +62,7 @@ impl Contacts {
             gathered: 0,
             slid: Vec::new(),
             candidates: Vec::new(),
-            rest: SLOWEST,
+            rest: SLOWEST_SLIP,
             jam: 1.0,
         };
         let slid = before.contacts.iter().enumerate().filter(|(_, closed)| closed.slides.is_some());
@@ -79,7 +72,7 @@ impl Contacts {
         }
         let bodies = body_states(whole, state);
         let speeds = bodies.iter().map(|body| body.velocity.norm());
-        contacts.rest = SLOWEST.max(REST * speeds.fold(fastest, f64::max));
+        contacts.rest = SLOWEST_SLIP.max(slip_at_rest(speeds.fold(fastest, f64::max)));
         for (pair, of) in touching.pairs.iter().enumerate() {
             let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
             let happens = |trigger: &Watched| match *trigger {
@@ -206,13 +199,13 @@ impl Contacts {
             }
         }
         // The contacts of one pair stop together, up to the differences of forces that are not unique.
-        let mut together = vec![(0.0_f64, TOGETHER); scene.touching.pairs.len()];
+        let mut together = vec![(0.0_f64, SLIPS_TOGETHER); scene.touching.pairs.len()];
         for (contact, known) in self.all.iter().zip(&self.known) {
             let (slip, most) = &mut together[contact.pair];
             *slip = slip.max(touch_motion(&contact.joint, &bodies).slip.norm());
             let stops = known.is_some_and(|known| yielding.stops.contains(&known));
             if stops || yielding.stops_together.contains(&contact.pair) {
-                *most = STOPPED;
+                *most = STOPPED_SLIP;
             }
         }
         let mut rows = Vec::new();
@@ -224,7 +217,7 @@ impl Contacts {
             }
             let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
             let (slip, (largest, most)) = (touch.slip.norm(), together[contact.pair]);
-            let own = if is(&yielding.stops) { STOPPED.max(self.jam) } else { self.jam };
+            let own = if is(&yielding.stops) { STOPPED_SLIP.max(self.jam) } else { self.jam };
             let sticks = slip <= own * self.rest || largest <= most * self.rest;
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
@@ -331,7 +324,7 @@ impl Contacts {
         let slips = self.candidates.iter().map(|candidate| candidate.slip.norm());
         let slowest = slips.filter(|slip| *slip > 0.0).fold(f64::INFINITY, f64::min);
         while self.jam < JAMMED {
-            self.jam = STOPPED.max(10.0 * self.jam);
+            self.jam = STOPPED_SLIP.max(10.0 * self.jam);
             if slowest <= self.jam * self.rest {
                 return true;
             }

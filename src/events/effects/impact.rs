@@ -15,13 +15,11 @@
 use crate::events::effects::decision::Scene;
 use crate::events::effects::resting::{energy, give_rates};
 use crate::events::forces::closed_forces::Chosen;
+use crate::events::modes::tolerances::RATE_AFTER_IMPACT;
 use crate::instant::cone::impact::impact;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::instant::holding::blocks::{Block, Of, Rows};
 use crate::mechanism::motion::state::State;
-
-/// A rate that an impact leaves is zero if it is this part of the largest before.
-const STOPPED: f64 = 1e-9;
 
 /// An impact that gains more than this part of the kinetic energy is wrong.
 const GAIN: f64 = 1e-6;
@@ -136,7 +134,7 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
         done.normal[index] = found.impulses[row];
         if let Of::Joint(joint) = meeting.block.of
             && done.normal[index] > 0.0
-            && found.rates[row].abs() <= STOPPED * largest.max(meeting.rest)
+            && found.rates[row].abs() <= RATE_AFTER_IMPACT * largest.max(meeting.rest)
         {
             // A joint that an impulse has stopped is at rest.
             state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;

@@ -6,9 +6,10 @@
 //!
 //! The lowest θ is halfway between two points that press: each round halves that angle, so that some fifteen rounds are as exact as laws are solved.
 
-use crate::events::effects::contacts::{Contacts, TOGETHER};
+use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Candidate, Decided, Scene};
 use crate::events::effects::flat_ends::Asked;
+use crate::events::modes::tolerances::SLIPS_TOGETHER;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
@@ -56,7 +57,7 @@ impl Contacts {
         // A flat end that has begun to tilt touches at one point, whatever its accelerations.
         let value = |joint: &TouchJoint| {
             let touch = touch_motion(joint, &bodies);
-            let tilts = touch.rate.abs() > TOGETHER * self.rest;
+            let tilts = touch.rate.abs() > SLIPS_TOGETHER * self.rest;
             if tilts { 0.0 } else { touch_accelerations(joint, &bodies, &accelerations, &tangents(&touch.normal))[0] }
         };
         let least = -LOWEST * (scene.whole.gravity.norm() + largest).max(f64::MIN_POSITIVE);

@@ -21,6 +21,7 @@ use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, 
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
+use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::holding::blocks::{Of, Rows};
 use crate::instant::holding::elements::Elements;
@@ -28,12 +29,6 @@ use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
-/// Rates below this part of the fastest that a joint has had are zero.
-const REST: f64 = 1e-12;
-/// So are smaller ones than this [rad/s or m/s].
-const SLOWEST: f64 = 1e-14;
-/// A joint that is beyond a limit by more than this is not there by rounding (rad or m).
-const BEYOND: f64 = 1e-12;
 /// Rounds in which limits that kick each other open are brought to rest.
 const CALMING: usize = 8;
 /// The best iterate of a law is rejected if its residual exceeds this part of the largest force.
@@ -66,7 +61,7 @@ pub(crate) fn transit(
     let before_it = if beyond { energy(scene.whole, state).total() } else { 0.0 };
     settle(elements, mode, state, found.triggers, &mut done);
     let settled = if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
-    let rests: Vec<f64> = memory.joints.iter().map(|joint| SLOWEST.max(REST * joint.fastest)).collect();
+    let rests: Vec<f64> = memory.joints.iter().map(|joint| rate_at_rest(joint.fastest)).collect();
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
     let lifted = contacts.move_apart(scene, state);
@@ -167,7 +162,7 @@ pub(crate) fn transit(
 fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
     let Watched::Gap(index, side) = *trigger else { return false };
     let joint = &elements.joints[index];
-    joint.gap(side, joint.position(state)) < -BEYOND
+    joint.gap(side, joint.position(state)) < -BEYOND_LIMIT
 }
 
 /// Sets tiny rates to zero, and the rates of joints whose bounds leave no room if `locked`.

@@ -17,6 +17,7 @@
 
 use crate::events::forces::holding::Holding;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
+use crate::instant::cone::problem::outside_cone;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
@@ -195,9 +196,8 @@ impl Watched {
             }
             Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_pressures(),
             Watched::Grips(index) => {
-                let [pressure, along, across] = holding.of_contact(index);
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
-                friction * pressure - along.hypot(across) + holding.rounding_of_contacts()
+                holding.rounding_of_contacts() - outside_cone(friction, holding.of_contact(index))
             }
             Watched::Slips(index) => touch_motion(&mode.contacts[index].contact.joint, bodies).slip.dot(&slips[index]),
             Watched::SlipsTogether(pair) => {

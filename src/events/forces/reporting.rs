@@ -6,7 +6,7 @@
 use crate::events::forces::closed_forces::Closing;
 use crate::events::modes::mode::Mode;
 use crate::events::modes::present::Present;
-use crate::instant::cone::problem::{Law, Unsolved};
+use crate::instant::cone::problem::{Law, Unsolved, outside_cone};
 use crate::instant::cone::{least_compliance, solve};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::Of;
@@ -85,7 +85,7 @@ fn fit(laws: &[Law], forces: &[f64]) -> bool {
         match *law {
             Law::Interval { lower, upper } => own[0] >= lower - rounding && own[0] <= upper + rounding,
             Law::Sliding { .. } => own[0] >= -rounding,
-            Law::Contact { friction } => own[1].hypot(own[2]) <= friction * own[0] + rounding,
+            Law::Contact { friction } => outside_cone(friction, [own[0], own[1], own[2]]) <= rounding,
         }
     })
 }

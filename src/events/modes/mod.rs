@@ -8,3 +8,4 @@ pub(crate) mod piece;
 pub(crate) mod piece_steps;
 pub(crate) mod placed;
 pub(crate) mod present;
+pub(crate) mod tolerances;

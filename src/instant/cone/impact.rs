@@ -236,6 +236,8 @@ fn largest_share(problem: &Problem, plastic: &[f64], newton: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::cascade::solve;
+    use crate::instant::cone::problem::outside_cone;
     use crate::instant::cone::scenes::{Body, Random, Scene, random, stack};
     use nalgebra::Vector3;
 
@@ -399,7 +401,7 @@ mod tests {
             for (law, start) in scene.laws.iter().zip(scene.problem().starts()) {
                 let Law::Contact { friction } = *law else { continue };
                 let impulse = &found.impulses[start..start + 3];
-                let beyond = impulse[1].hypot(impulse[2]) - friction * impulse[0];
+                let beyond = outside_cone(friction, [impulse[0], impulse[1], impulse[2]]);
                 assert!(beyond <= 1e-12 * found.impulses.iter().fold(0.0, |most, p| p.abs().max(most)), "seed {seed}");
                 assert!(rates[start] >= -2.0 * APPROACHES * fastest, "seed {seed}: {:e} approaches", rates[start]);
             }

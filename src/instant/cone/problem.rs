@@ -66,6 +66,12 @@ impl Law {
     }
 }
 
+/// How far a force [normal, and two tangential ones] is outside of Coulomb's cone: `|r_T| − μ r_N`, negative inside.
+pub(crate) fn outside_cone(friction: f64, force: [f64; 3]) -> f64 {
+    let [normal, first, second] = force;
+    first.hypot(second) - friction * normal
+}
+
 /// A problem.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Problem<'p> {

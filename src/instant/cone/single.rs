@@ -8,6 +8,7 @@
 //!
 //! W (3 × 3) is the mobility of the contact and b (3) its rate without force. A root exists whenever b_N < 0: with s → ∞ the friction vanishes.
 
+use crate::instant::cone::problem::outside_cone;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Most halvings of the interval of the root.
@@ -41,7 +42,7 @@ pub(super) fn single_contact(mobility: &Matrix3<f64>, free: &Vector3<f64>, frict
         Vector3::new(without_friction - coupling.dot(&tangential), tangential.x, tangential.y)
     };
     // The force is outside the cone if this is positive.
-    let beyond = |force: &Vector3<f64>| force.y.hypot(force.z) - friction * force.x;
+    let beyond = |force: &Vector3<f64>| outside_cone(friction, [force.x, force.y, force.z]);
     let sticks = force(0.0);
     let (mut low, mut at_low) = (0.0, beyond(&sticks));
     if at_low <= 0.0 {

@@ -6,7 +6,7 @@ use crate::instant::cone::impact::impulse_without_collision;
 use crate::instant::cone::laws::natural_map;
 use crate::instant::cone::newton::{Settings, improve};
 use crate::instant::cone::oracle::convex_rounds;
-use crate::instant::cone::problem::{BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::problem::{BlockState, Law, Problem, Unsolved, outside_cone};
 use crate::instant::cone::scaled::Scaled;
 use crate::instant::cone::scenes::{Body, Random, Scene, arch, chain, random, stack, wedge};
 use crate::instant::cone::{least_compliance, margin, solve};
@@ -23,7 +23,7 @@ fn check(name: &str, scene: &Scene) -> f64 {
     for ((law, start), state) in scene.laws.iter().zip(problem.starts()).zip(&answer.states) {
         let Law::Contact { friction } = *law else { continue };
         let (force, rate) = (&answer.forces[start..start + 3], &answer.rates[start..start + 3]);
-        let beyond = force[1].hypot(force[2]) - friction * force[0];
+        let beyond = outside_cone(friction, [force[0], force[1], force[2]]);
         assert!(force[0] >= 0.0 && beyond <= 1e-12 * scale, "{name}: the force is outside of its cone by {beyond:e}");
         match state {
             BlockState::Open => assert!(force == [0.0; 3] && rate[0] >= 0.0, "{name}: {force:?} {rate:?}"),

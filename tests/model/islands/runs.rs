@@ -58,7 +58,7 @@ fn every_island_moves_as_if_it_were_alone_bit_for_bit_on_any_number_of_threads()
                 assert_eq!(own.0, whole.0);
                 assert_eq!(*whole, expected, "t = {}", whole.0);
             }
-            (steps, iterations) = (steps + figures.steps, iterations + figures.iterations);
+            (steps, iterations) = (steps + figures.steps, iterations + figures.cost.iterations);
         }
         assert_eq!((steps, iterations), (summary.steps, summary.cost.iterations));
     }

@@ -1,0 +1,54 @@
+//! Thresholds below which a gap, a slip, a rate or a force at an event counts as zero: those that several files share, or that had one name for two meanings.
+//!
+//! ```text
+//!     a slip:   max(1e-13 m/s, 1e-10 u_max)         the stages are solved to some 1e-11 of the fastest body
+//!     a rate:   max(1e-14 rad/s, 1e-12 q̇_max)       rates of joints are coordinates, and are rounded in their own size
+//!     a gap:    1e-11 of the size of a function
+//! ```
+//!
+//! u_max (m/s): the fastest that any body has been; q̇_max (rad/s or m/s): the fastest that the joint has been.
+
+/// A slip below this part of the fastest that any body has been is at rest: the solution of the stages leaves some 1e-11 of it.
+const SLIP: f64 = 1e-10;
+/// A slip below this is at rest, however slow all bodies have been [m/s].
+pub(crate) const SLOWEST_SLIP: f64 = 1e-13;
+/// Slips whose stop was found may be faster than rest by this factor: a step that ends at the stop leaves the component across the slip.
+pub(crate) const STOPPED_SLIP: f64 = 1e4;
+/// The contacts of a pair are at rest together if each of them is slower than this many times the rest of one contact: they share one body's errors.
+pub(crate) const SLIPS_TOGETHER: f64 = 100.0;
+/// Slips slower than this part of the fastest give no usable slope: the noise of slips at rest is a thousandth of them.
+pub(crate) const STEEP_SLIP: f64 = 1e-7;
+/// A rate below this part of the fastest that its joint has been is at rest: some thousand roundings.
+const RATE: f64 = 1e-12;
+/// A rate below this is at rest, however slow the joint has been [rad/s or m/s].
+const SLOWEST_RATE: f64 = 1e-14;
+/// A rate that an impact leaves is zero if it is this part of the largest before: laws of impact are solved to 1e-11.
+pub(crate) const RATE_AFTER_IMPACT: f64 = 1e-9;
+/// Functions this near to zero at an event, relative to their size, belong to it.
+pub(crate) const AT_EVENT: f64 = 1e-11;
+/// The way under constant accelerations ends at gaps of this part of what a pair is made of: some roundings.
+pub(crate) const BALLISTIC_GAP: f64 = 1e-15;
+/// A joint that is beyond a limit by more than this is not there by rounding (rad or m).
+pub(crate) const BEYOND_LIMIT: f64 = 1e-12;
+
+/// The speed up to which a slip is at rest, where no body has been faster than this (m/s): without the floor of scenes at rest.
+pub(crate) fn slip_at_rest(fastest: f64) -> f64 {
+    SLIP * fastest
+}
+
+/// The rate up to which a joint is at rest that has never been faster than this (rad/s or m/s).
+pub(crate) fn rate_at_rest(fastest: f64) -> f64 {
+    SLOWEST_RATE.max(RATE * fastest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_and_slips_are_at_rest_below_a_part_of_the_fastest_motion_so_far() {
+        // 3 m/s: 1e-10 of it; a joint that has never moved keeps the floor.
+        assert_eq!(slip_at_rest(3.0), 1e-10 * 3.0);
+        assert_eq!((rate_at_rest(0.0), rate_at_rest(2.0)), (1e-14, 2e-12));
+    }
+}
