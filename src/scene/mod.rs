@@ -42,7 +42,8 @@ pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
 };
 pub use coupling::{
-    JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
+    Factor, JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneCoupling, SceneDrag, SceneLoad, SceneLoop,
+    SceneSpring, SpringPlace,
 };
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub use error::{Element, Problem, SceneError};

@@ -9,4 +9,5 @@ pub(crate) mod joints;
 pub(crate) mod limits;
 pub(crate) mod loops;
 pub(crate) mod motors;
+pub(crate) mod relations;
 pub(crate) mod rotors;
