@@ -42,6 +42,7 @@ mod jumps;
 mod last_step;
 mod location;
 mod modes;
+mod moving;
 mod quiet;
 mod singular;
 mod sliding;
@@ -51,3 +52,4 @@ mod turning;
 
 pub use finding::cover::check_certificates;
 pub use integrator::Eventful;
+pub use moving::{Driving, Moving, MovingError, Stuck};
