@@ -2,8 +2,9 @@
 
 use crate::scene::body::SceneBody;
 use crate::scene::contact_settings::ContactSettings;
-use crate::scene::coupling::{SceneCoupling, SceneDrag, SceneLoad, SceneLoop, SceneSpring};
+use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneSpring};
 use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
+use crate::scene::loads::{SceneDrag, SceneLoad};
 use crate::scene::robot::{Pose, Robot};
 use crate::scene::warning::Warning;
 use nalgebra::Vector3;

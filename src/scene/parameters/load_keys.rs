@@ -1,7 +1,7 @@
 //! The key paths of the numbers of loads, drag and relations of joints.
 
-use crate::scene::coupling::{Factor, LoadKind};
 use crate::scene::description::Scene;
+use crate::scene::loads::{Factor, LoadKind};
 use crate::scene::parameters::Range;
 use crate::scene::parameters::keys::Keys;
 use crate::scene::parameters::place::{LoadNumber, Place};

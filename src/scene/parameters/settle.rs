@@ -6,10 +6,10 @@
 use crate::mechanism::description::contact::Shape;
 use crate::meshes::collision_surface;
 use crate::scene::contact_settings::Obstacle;
-use crate::scene::coupling::{Factor, SceneLoad};
 use crate::scene::description::Scene;
 use crate::scene::error::{Element, Problem};
 use crate::scene::joint_settings::LimitChoice;
+use crate::scene::loads::{Factor, SceneLoad};
 use crate::scene::numbers::{normalised, turn, turn_of_z};
 use crate::scene::parameters::place::{Place, ShapeNumber};
 use crate::scene::robot::Geometry;

@@ -1,8 +1,8 @@
 //! Loads and drag, from the tables `[[load]]` and `[[drag]]`: names resolved, keys that belong together checked.
 
-use crate::scene::coupling::{Factor, LoadKind, SceneDrag, SceneLoad};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::joint_settings::TableFile;
+use crate::scene::loads::{Factor, LoadKind, SceneDrag, SceneLoad};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
 use crate::scene::scene_reading::joint_schema::TargetKey;
 use crate::scene::scene_reading::scene_files::SceneFiles;
