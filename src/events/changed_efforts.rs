@@ -5,7 +5,7 @@
 //!     otherwise, or for a motor that changes its law                          ─▶ decided anew
 //! ```
 //!
-//! Efforts jump where a program sets others, at ticks of motors, and at given instants of targets.
+//! Efforts jump where a program sets others, at ticks of motors, and at given instants of targets and of loads.
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
 use crate::events::finding::detection::ONE_INSTANT;
@@ -84,6 +84,8 @@ impl Eventful {
             self.mode.motors[index] = mode;
             jumped = true;
         }
+        let reached = self.whole.forces.next_instant(before);
+        jumped |= (reached - now).abs() <= ONE_INSTANT * now.abs().max(1.0);
         changed || jumped && !self.goes_on_under(inputs, state)
     }
 

@@ -83,7 +83,7 @@ impl Eventful {
     fn momenta(&self, start: &State, step: f64) -> Vec<BodyWrench> {
         let bodies = body_states(&self.whole, start);
         let mut momenta = vec![BodyWrench::default(); bodies.len()];
-        body_wrenches(&self.whole, &bodies, &mut momenta);
+        body_wrenches(&self.whole, start.time, &bodies, &mut momenta);
         for ((momentum, at), body) in momenta.iter_mut().zip(&bodies).zip(&self.whole.bodies) {
             let spin = at.rotation * body.inertia.component_mul(&(at.rotation.transpose() * at.angular_velocity));
             momentum.0 = body.mass * (at.velocity + step * self.whole.gravity) + step * momentum.0;
@@ -98,7 +98,7 @@ impl Eventful {
         let (mut impulses, mut own) = (vec![0.0; count], vec![0.0; count]);
         let bodies = body_states(&self.whole, state);
         efforts_of_wrenches(&self.whole, &bodies, &mut momenta, &mut impulses);
-        joint_efforts(&self.whole, &state.position, &self.origin.velocity, &mut own);
+        joint_efforts(&self.whole, self.origin.time, &state.position, &self.origin.velocity, &mut own);
         for (freedom, armature) in self.whole.rotors() {
             impulses[freedom] += armature * self.origin.velocity[freedom];
         }

@@ -243,7 +243,8 @@ impl Eventful {
         if !(passing || at_start) {
             self.repeats.advance();
         }
-        let quiet = triggers.is_empty() && !changed && inputs.feedback.is_none() && self.is_quiet(state);
+        let lasts = inputs.feedback.is_none() && !self.whole.forces.change();
+        let quiet = triggers.is_empty() && !changed && lasts && self.is_quiet(state);
         self.quiet = if quiet { self.quiet + 1 } else { 0 };
         if matches!(ending, Ending::Ballistic(_)) {
             // No step was made that has an inside.
@@ -312,7 +313,8 @@ impl Eventful {
             steps.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own.as_ref(), small_start, small));
         // Without dampers it is all of the motors, and no rounding of a difference.
         let forces = &self.whole.forces;
-        let damped = !forces.joint_dampers.is_empty() || forces.point_springs.iter().any(|spring| spring.damping > 0.0);
+        let between_points = forces.point_springs.iter().any(|spring| spring.damping > 0.0);
+        let damped = between_points || !forces.joint_dampers.is_empty() || !forces.drags.is_empty();
         let taken = if damped { taken } else { kernel.dissipated };
         Exchange {
             dissipated: kernel.dissipated - taken,

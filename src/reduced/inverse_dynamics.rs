@@ -30,7 +30,7 @@ pub struct Reaction {
     pub torque: Vector3<f64>,
 }
 
-/// The reactions in all joints, one for each body, for joint accelerations that follow from the state.
+/// The reactions in all joints at the time zero, one for each body, for joint accelerations that follow from the state.
 pub fn joint_reactions(
     mechanism: &Mechanism,
     position: &[f64],
@@ -40,7 +40,7 @@ pub fn joint_reactions(
     let mut bodies = vec![WORLD; mechanism.bodies.len()];
     forward_kinematics(mechanism, position, velocity, &mut bodies);
     let mut applied = vec![BodyWrench::default(); bodies.len()];
-    body_wrenches(mechanism, &bodies, &mut applied);
+    body_wrenches(mechanism, 0.0, &bodies, &mut applied);
     let mut accelerations = vec![Default::default(); bodies.len()];
     body_accelerations(mechanism, &bodies, velocity, acceleration, &mut accelerations);
     let mut reactions = vec![Reaction::default(); bodies.len()];

@@ -74,13 +74,13 @@ impl Forced {
 
     /// The efforts and wrenches of all forces, where the bodies have been placed.
     fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
-        joint_efforts(&self.mechanism, position, velocity, &mut self.efforts);
+        joint_efforts(&self.mechanism, self.time, position, velocity, &mut self.efforts);
         self.soft.fill(0.0);
         self.regularised.add_efforts(self.time, position, velocity, &mut self.soft);
         for ((effort, driven), soft) in self.efforts.iter_mut().zip(&self.driven).zip(&self.soft) {
             *effort += driven + soft;
         }
-        body_wrenches(&self.mechanism, &self.bodies, &mut self.wrenches);
+        body_wrenches(&self.mechanism, self.time, &self.bodies, &mut self.wrenches);
         for ((wrench, body), state) in self.wrenches.iter_mut().zip(&self.mechanism.bodies).zip(&self.bodies) {
             let to_anchor = state.rotation * body.joint.on_child.translation.vector;
             wrench.1 -= to_anchor.cross(&wrench.0);
@@ -89,7 +89,7 @@ impl Forced {
 
     /// The powers (W) of forces without potential and of the efforts from outside.
     fn powers(&self, velocity: &[f64]) -> Exchange {
-        let mut powers = powers(&self.mechanism, velocity, &self.bodies);
+        let mut powers = powers(&self.mechanism, self.time, velocity, &self.bodies);
         let outside = self.driven.iter().zip(&self.soft).zip(velocity);
         powers.work += outside.map(|((driven, soft), rate)| (driven + soft) * rate).sum::<f64>();
         powers
@@ -174,7 +174,10 @@ impl ReducedOde {
 
     /// Whether an effort is a function of time: [`ReducedOde::drive_at`] has to be told every instant at which slopes are asked for.
     pub fn depends_on_time(&self, inputs: Inputs) -> bool {
-        inputs.changing.is_some() || self.forced.as_ref().is_some_and(|forced| forced.regularised.depends_on_time())
+        let change = self.forced.as_ref().is_some_and(|forced| forced.mechanism.forces.change());
+        change
+            || inputs.changing.is_some()
+            || self.forced.as_ref().is_some_and(|forced| forced.regularised.depends_on_time())
     }
 
     /// Length of y.

@@ -1,4 +1,4 @@
-//! The couplings and forces of a scene: loops, springs and loads, their names resolved.
+//! The couplings of a scene: loops, springs and relations of joints, their names resolved.
 //!
 //! Units: m, rad, N, N m, s.
 
@@ -86,22 +86,15 @@ pub enum SpringPlace {
     Joint { joint: JointReference, rest: f64 },
 }
 
-/// A `[[load]]`: constant in time.
+/// A `[[coupling]]`: `Σ coefficient · position = offset` over joints.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SceneLoad {
-    /// The name of the loaded part, as written.
-    pub on: String,
-    /// Its kind.
-    pub kind: LoadKind,
+pub struct SceneCoupling {
+    /// Name.
+    pub name: String,
+    /// Two joints or more, with their coefficients.
+    pub terms: Vec<(JointReference, f64)>,
+    /// rad or m, times the unit of the coefficients.
+    pub offset: f64,
     /// Its line.
     pub line: usize,
-}
-
-/// The part on which a load acts.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LoadKind {
-    /// An effort (N m or N) along the axis of a joint.
-    Joint { joint: JointReference, effort: f64 },
-    /// A force (N) at a point and a torque (N m), both with the directions of the world.
-    Link { point: Point, force: Vector3<f64>, torque: Vector3<f64> },
 }

@@ -2,8 +2,9 @@
 
 use crate::scene::body::SceneBody;
 use crate::scene::contact_settings::ContactSettings;
-use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
+use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneSpring};
 use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
+use crate::scene::loads::{SceneDrag, SceneLoad};
 use crate::scene::robot::{Pose, Robot};
 use crate::scene::warning::Warning;
 use nalgebra::Vector3;
@@ -33,6 +34,10 @@ pub struct Scene {
     pub springs: Vec<SceneSpring>,
     /// The loads.
     pub loads: Vec<SceneLoad>,
+    /// The drag of links.
+    pub drags: Vec<SceneDrag>,
+    /// Linear relations of joints.
+    pub couplings: Vec<SceneCoupling>,
     /// The motors.
     pub motors: Vec<SceneMotor>,
     /// Settings that replace the URDFs' limits, friction and damping of joints.
@@ -60,6 +65,8 @@ impl Scene {
             loops: Vec::new(),
             springs: Vec::new(),
             loads: Vec::new(),
+            drags: Vec::new(),
+            couplings: Vec::new(),
             motors: Vec::new(),
             joints: Vec::new(),
             contact: ContactSettings::default(),

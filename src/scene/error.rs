@@ -16,10 +16,14 @@ pub enum Element {
     Body(String),
     /// A joint that closes a loop, by name.
     Loop(String),
+    /// A relation of joints, by name.
+    Coupling(String),
     /// A spring, by name.
     Spring(String),
     /// A load, by the name of the loaded part.
     Load(String),
+    /// The drag of a link, by the name of that.
+    Drag(String),
     /// A motor, by the joint that it drives.
     Motor(String),
     /// An obstacle, by name.
@@ -36,8 +40,10 @@ impl fmt::Display for Element {
             Element::Robot(name) => write!(out, "robot {name:?}"),
             Element::Body(name) => write!(out, "body {name:?}"),
             Element::Loop(name) => write!(out, "loop {name:?}"),
+            Element::Coupling(name) => write!(out, "coupling {name:?}"),
             Element::Spring(name) => write!(out, "spring {name:?}"),
             Element::Load(on) => write!(out, "load on {on:?}"),
+            Element::Drag(on) => write!(out, "drag of {on:?}"),
             Element::Motor(on) => write!(out, "motor on {on:?}"),
             Element::Obstacle(name) => write!(out, "obstacle {name:?}"),
             Element::Pair(names) => write!(out, "contact of {names}"),
@@ -124,9 +130,12 @@ pub enum Problem {
     Number { element: String, attribute: String, text: String, reason: String },
     /// Not a joint type of URDF.
     #[error(
-        "type {0:?} is not one of revolute, continuous, prismatic, fixed, floating, planar, spherical (URDF knows no other)"
+        "type {0:?} is not one of revolute, continuous, prismatic, fixed, floating, planar, spherical, screw (URDF knows no other)"
     )]
     JointType(String),
+    /// A screw without its thread.
+    #[error("a screw needs its thread: give <thread_pitch value=\"0.01\"/> in m a turn, not zero")]
+    ScrewPitch,
     /// The axis has no direction.
     #[error("the axis is zero, so the joint has no direction to move in")]
     ZeroAxis,

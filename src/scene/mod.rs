@@ -25,6 +25,7 @@ mod description;
 pub mod error;
 mod input_reading;
 pub mod joint_settings;
+pub mod loads;
 #[cfg(feature = "scene")]
 mod mjcf_reading;
 mod numbers;
@@ -41,14 +42,13 @@ pub use body::{SceneBody, Weight};
 pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
 };
-pub use coupling::{
-    JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
-};
+pub use coupling::{JointReference, LinkReference, LoopEnd, Point, SceneCoupling, SceneLoop, SceneSpring, SpringPlace};
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub use error::{Element, Problem, SceneError};
 pub(crate) use error::{listed, quoted};
 pub use input_reading::input::{Format, read_input};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
+pub use loads::{Factor, LoadKind, SceneDrag, SceneLoad};
 pub use parameters::Parameter;
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, Surface, UrdfJoint,

@@ -53,6 +53,7 @@ impl Sensed {
         });
         let motors: Vec<f64> = motors.collect();
         let mut carried = Reactions::new(mechanism);
+        carried.clock(state.time);
         carried.drive(&motors);
         let reactions = carried.at(&state.position, &state.velocity).0.to_vec();
         Sensed {

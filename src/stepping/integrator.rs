@@ -120,6 +120,8 @@ impl Lobatto {
         length: f64,
     ) -> Result<StepOutcome, StepError> {
         let driven = self.stepper.driven();
+        let since = self.stepper.origin().time;
+        self.stepper.kernel.clock(since);
         self.stepper.again(driven.as_deref().unwrap_or(mechanism), inputs, state, length)
     }
 
@@ -177,7 +179,8 @@ impl Lobatto {
         state: &mut State,
         until: f64,
     ) -> Result<StepOutcome, Cost> {
-        if self.meet(mechanism, inputs, state).is_err() {
+        // A force that jumps in between ends a step.
+        if mechanism.forces.next_instant(state.time) < until || self.meet(mechanism, inputs, state).is_err() {
             return Err(Cost::default());
         }
         let driven = self.stepper.driven();
@@ -229,6 +232,9 @@ impl Lobatto {
         if mechanism.forces.driven {
             self.stepper.kernel.drive(inputs.efforts);
         }
+        if mechanism.forces.change() {
+            self.stepper.kernel.clock(state.time);
+        }
         if self.stepper.meet(mechanism, state) {
             match &mut self.mode {
                 Mode::Fixed(fixed) => fixed.begin_at(state.time),
@@ -275,6 +281,7 @@ impl Integrator for Lobatto {
         self.meet(mechanism, inputs, state)?;
         let driven = self.stepper.driven();
         let mechanism = driven.as_deref().unwrap_or(mechanism);
+        let until = until.min(mechanism.forces.next_instant(state.time));
         match &mut self.mode {
             Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, inputs, state, until),
             Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, inputs, state, until),

@@ -50,7 +50,14 @@ fn a_slider_on_its_stop_bounces_by_the_ratio_that_friction_leaves() {
 fn two_mimic_fingers_close_on_their_limits_together() {
     let mut mechanism = mechanism(vec![slide("left", Vector3::y(), 0.15), slide("right", -Vector3::y(), 0.15)]);
     let [leader, follower] = [0, 1].map(|body| coordinate(&mechanism, body));
-    mechanism.mimics.push(Mimic { name: "right".into(), follower, leader, multiplier: 1.0, offset: 0.0 });
+    mechanism.mimics.push(Mimic {
+        name: "right".into(),
+        follower,
+        leader,
+        multiplier: 1.0,
+        offset: 0.0,
+        more: Vec::new(),
+    });
     limit(&mut mechanism, 0, 0.0, 0.03, 0.0);
     limit(&mut mechanism, 1, 0.0, 0.03, 0.0);
     motor(&mut mechanism, 0, MotorLaw::Effort, Target::constant(1.2), f64::INFINITY, 0.0);

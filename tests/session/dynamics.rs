@@ -19,7 +19,7 @@ fn carried(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
     };
     let reactions = joint_reactions(mechanism, q, v, a);
     let mut own = vec![0.0; v.len()];
-    catena::mechanism::forces::total::joint_efforts(mechanism, q, v, &mut own);
+    catena::mechanism::forces::total::joint_efforts(mechanism, 0.0, q, v, &mut own);
     mechanism
         .bodies
         .iter()
@@ -187,4 +187,37 @@ fn gravity_efforts_are_inverse_dynamics_at_rest_where_nothing_else_acts() {
         model.inverse_dynamics(&q, &[0.0; 7], &[0.0; 7]).expect("efforts"),
     );
     assert!((&gravity - &inverse).amax() < 1e-12 * gravity.amax(), "{gravity} {inverse}");
+}
+
+#[test]
+fn linear_equations_have_rotors_and_relations_of_several_joints() {
+    // Two pendulums of 2 kg at 0.5 m, whose angles add up to twice the angle of a flywheel with a rotor; they swing against each other and together.
+    let folder = crate::folder("linear-rotors");
+    let pendulum = |name: &str| {
+        format!(
+            "<link name='{name}_rod'><inertial><origin xyz='0 0 -0.5'/><mass value='2'/><inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' \
+             iyz='0'/></inertial></link><joint name='{name}' type='continuous'><parent link='base'/><child link='{name}_rod'/>\
+             <axis xyz='0 1 0'/></joint>"
+        )
+    };
+    let wheel = "<link name='wheel'><inertial><mass value='1'/><inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial>\
+                 </link><joint name='shaft' type='continuous'><parent link='base'/><child link='wheel'/><axis xyz='0 1 0'/>\
+                 <dynamics armature='0.3'/></joint>";
+    let urdf = format!("<robot name='r'><link name='base'/>{}{}{wheel}</robot>", pendulum("left"), pendulum("right"));
+    std::fs::write(folder.join("two.urdf"), urdf).expect("a robot");
+    let file = folder.join("two.toml");
+    let scene = "[[robot]]\nurdf = \"two.urdf\"\n[[coupling]]\njoints = { shaft = -2, left = 1, right = 1 }\n";
+    std::fs::write(&file, scene).expect("a scene");
+    let linear = Model::load(&file).expect("a model").linearize_at_rest(None).expect("linear equations");
+    // Against each other the shaft stays: ω² = g/l. Together it turns as they do: ω² = 2 m g l / (2 m l² + I + A).
+    let mut wanted =
+        [(9.81_f64 / 0.5).sqrt(), (2.0 * 9.81 / (1.0 + 0.4_f64)).sqrt()].map(|rate| rate / std::f64::consts::TAU);
+    wanted.sort_by(f64::total_cmp);
+    assert_eq!(linear.modes.len(), 2);
+    for (mode, wanted) in linear.modes.iter().zip(wanted) {
+        assert!((mode.frequency - wanted).abs() < 1e-12, "{} instead of {wanted}", mode.frequency);
+    }
+    std::fs::write(&file, format!("{scene}[[drag]]\nlink = \"wheel\"\nangular = 1\n")).expect("a scene");
+    let error = Model::load(&file).expect("a model").linearize_at_rest(None).err().expect("drag").to_string();
+    assert!(error.contains("no drag") && !error.contains('\n'), "{error}");
 }

@@ -47,6 +47,7 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
             "leader": joint_name(mechanism, mimic.leader),
             "multiplier": mimic.multiplier,
             "offset": mimic.offset,
+            "more": mimic.more.iter().map(|(own, ratio)| json!([joint_name(mechanism, *own), ratio])).collect::<Vec<_>>(),
         })
     });
     let forces = &mechanism.forces;
@@ -83,6 +84,30 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
             "torque": wrench.torque.as_slice(),
         })
     });
+    let joint_courses = forces
+        .joint_courses
+        .iter()
+        .map(|load| json!({"joint": joint_of(mechanism, load.freedom).0, "effort": load.effort}));
+    let link_loads = forces.link_loads.iter().map(|load| {
+        json!({
+            "body": body_name(mechanism, Some(load.body)),
+            "position": load.point.as_slice(),
+            "force": load.force.as_slice(),
+            "torque": load.torque.as_slice(),
+            "turns": load.turns,
+            "changes": !load.course.is_constant(),
+        })
+    });
+    let drags = forces.drags.iter().map(|drag| {
+        json!({
+            "body": body_name(mechanism, Some(drag.body)),
+            "position": drag.point.as_slice(),
+            "linear": drag.linear,
+            "quadratic": drag.quadratic,
+            "angular_linear": drag.angular_linear,
+            "angular_quadratic": drag.angular_quadratic,
+        })
+    });
     vec![
         ("robots", robots.collect()),
         ("loops", loops.collect()),
@@ -92,6 +117,9 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
         ("joint_dampers", joint_dampers.collect()),
         ("joint_loads", joint_loads.collect()),
         ("wrenches", wrenches.collect()),
+        ("joint_courses", joint_courses.collect()),
+        ("link_loads", link_loads.collect()),
+        ("drags", drags.collect()),
     ]
 }
 
@@ -115,6 +143,10 @@ pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
     for mimic in &mechanism.mimics {
         let leader = joint_name(mechanism, mimic.leader).to_string();
         mimics.row(vec![mimic.name.clone(), leader, number(mimic.multiplier), number(mimic.offset)]);
+        for (own, ratio) in &mimic.more {
+            let leader = format!("and {}", joint_name(mechanism, *own));
+            mimics.row(vec![String::new(), leader, number(*ratio), String::new()]);
+        }
     }
 
     let forces = &mechanism.forces;
@@ -148,6 +180,23 @@ pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
     for wrench in &forces.wrenches {
         let how = format!("force {} N, torque {} N m", triple(&wrench.force), triple(&wrench.torque));
         acting.row(vec![body_name(mechanism, Some(wrench.body)).to_string(), "wrench".to_string(), how]);
+    }
+    for load in &forces.joint_courses {
+        let (joint, _, effort) = joint_of(mechanism, load.freedom);
+        let how = format!("{} {effort} times a factor over time", number(load.effort));
+        acting.row(vec![joint.to_string(), "effort".to_string(), how]);
+    }
+    for load in &forces.link_loads {
+        let axes = if load.turns { " with the axes of the body" } else { "" };
+        let over_time = if load.course.is_constant() { "" } else { ", times a factor over time" };
+        let (force, torque) = (triple(&load.force), triple(&load.torque));
+        let how = format!("force {force} N, torque {torque} N m{axes}{over_time}");
+        acting.row(vec![body_name(mechanism, Some(load.body)).to_string(), "load".to_string(), how]);
+    }
+    for drag in &forces.drags {
+        let (linear, quadratic) = (number(drag.linear), number(drag.quadratic));
+        let how = format!("{linear} N s/m, {quadratic} N s²/m²");
+        acting.row(vec![body_name(mechanism, Some(drag.body)).to_string(), "drag".to_string(), how]);
     }
     vec![loops, mimics, springs, acting]
 }

@@ -11,7 +11,8 @@ pub fn closures<T: Number>(figures: &Figures<T>, placed: &[Placed<T>], offsets: 
     figures.loops.iter().for_each(|joint| add_loop(joint, placed, &mut rows));
     for mimic in &figures.mimics {
         let leader = offsets.coordinate(mimic.leader);
-        rows.push(offsets.coordinate(mimic.follower) - mimic.multiplier * leader - mimic.offset);
+        let pair = offsets.coordinate(mimic.follower) - mimic.multiplier * leader - mimic.offset;
+        rows.push(mimic.more.iter().fold(pair, |row, &(own, ratio)| row - ratio * offsets.coordinate(own)));
     }
     rows
 }

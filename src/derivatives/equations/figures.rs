@@ -66,6 +66,8 @@ pub struct MimicFigures<T> {
     pub leader: Coordinate,
     pub multiplier: T,
     pub offset: T,
+    /// More leaders with their multipliers.
+    pub more: Vec<(Coordinate, T)>,
 }
 
 /// `τ = −stiffness · (q − rest)`.
@@ -109,6 +111,8 @@ pub struct Figures<T> {
     pub loads: Vec<(usize, T)>,
     pub point_springs: Vec<PointSpringFigures<T>>,
     pub wrenches: Vec<WrenchFigures<T>>,
+    /// Degree of freedom and armature of each rotor.
+    pub rotors: Vec<(usize, T)>,
     pub freedoms: usize,
 }
 
@@ -161,6 +165,7 @@ impl<T: Number> Figures<T> {
             leader: mimic.leader,
             multiplier: take(mimic.multiplier),
             offset: take(mimic.offset),
+            more: mimic.more.iter().map(|&(own, ratio)| (own, take(ratio))).collect(),
         });
         let mimics = mimics.collect();
         let dampers = forces.joint_dampers.iter().map(|damper| (damper.freedom, take(damper.coefficient))).collect();
@@ -186,8 +191,9 @@ impl<T: Number> Figures<T> {
             torque: vector(&wrench.torque, take),
         });
         let wrenches = wrenches.collect();
+        let rotors = mechanism.rotors().map(|(freedom, armature)| (freedom, take(armature))).collect();
         let freedoms = mechanism.velocity_count;
-        Figures { gravity, bodies, loops, mimics, dampers, springs, loads, point_springs, wrenches, freedoms }
+        Figures { gravity, bodies, loops, mimics, dampers, springs, loads, point_springs, wrenches, rotors, freedoms }
     }
 }
 

@@ -52,6 +52,7 @@ pub struct About {
 /// # Errors
 /// [`LinearizeError`] for states whose motion has no linear equations.
 pub fn about_instant(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<About, LinearizeError> {
+    refuse_unknown(mechanism)?;
     of(Moving::at(mechanism, state, efforts)?, state.clone(), None)
 }
 
@@ -60,6 +61,7 @@ pub fn about_instant(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> R
 /// # Errors
 /// As of [`about_instant`], and if no equilibrium is found.
 pub fn about_rest(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<About, LinearizeError> {
+    refuse_unknown(mechanism)?;
     let mut state = state.clone();
     state.velocity.fill(0.0);
     let mut moving = Moving::at(mechanism, &state, efforts)?;
@@ -83,6 +85,13 @@ pub fn about_rest(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Resu
         }
     }
     Err(LinearizeError::Undecided)
+}
+
+/// Refuses forces that the equations of [`Linearised`] leave out.
+fn refuse_unknown(mechanism: &Mechanism) -> Result<(), LinearError> {
+    let forces = &mechanism.forces;
+    let known = forces.drags.is_empty() && forces.link_loads.is_empty() && forces.joint_courses.is_empty();
+    if known { Ok(()) } else { Err(LinearError::Unknown) }
 }
 
 fn of(moving: Moving, state: State, iterations: Option<usize>) -> Result<About, LinearizeError> {

@@ -59,6 +59,11 @@ pub enum LinearError {
         "some motion of the joints moves no mass here: give every moving link a mass, or a start off the singular position of its loops"
     )]
     Singular,
+    /// Forces that the linear equations do not know.
+    #[error(
+        "linear equations know no drag, and no loads that change in time or turn with a link: leave these out of the scene"
+    )]
+    Unknown,
     /// A number is not finite.
     #[error("the equations of motion are not finite numbers here: a spring between points may have no length")]
     NotFinite,

@@ -94,7 +94,7 @@ impl Holding {
             .collect();
         let how = if joints.is_empty() && mode.contacts.is_empty() {
             How::Nothing
-        } else if !(whole.loops.is_empty() && mode.contacts.is_empty()) {
+        } else if !(whole.loops.is_empty() && mode.contacts.is_empty() && only_pairs(whole)) {
             How::Closed { unique: are_unique(at, response, state), last: None }
         } else {
             // Motors act through the efforts that are handed over, not as forces of the reduced mechanism.
@@ -177,7 +177,8 @@ impl Holding {
     /// The forces of the closed contacts in a state under these efforts, if they were worked out for them last.
     pub fn recall(&self, state: &State, efforts: &[f64]) -> Option<&[[f64; 3]]> {
         let same = |(known, before): &(State, Vec<f64>)| {
-            known.position == state.position && known.velocity == state.velocity && before == efforts
+            let of_state = known.position == state.position && known.velocity == state.velocity;
+            of_state && known.time == state.time && before == efforts
         };
         self.known.as_ref().is_some_and(same).then_some(&self.contacts)
     }
@@ -249,6 +250,11 @@ impl Holding {
     }
 }
 
+/// Whether no joint follows several others.
+fn only_pairs(whole: &Mechanism) -> bool {
+    whole.mimics.iter().all(|mimic| mimic.more.is_empty())
+}
+
 /// The springs and dampers of the reduced mechanism that were forces of the whole; springs and dampers of motors come after them.
 fn count_springs(whole: &Mechanism, moving: &Moving) -> usize {
     whole.forces.joint_springs.iter().filter(|spring| moving.coordinate(whole, spring.coordinate).is_some()).count()
@@ -266,6 +272,7 @@ impl Tree {
             moving.gather_positions(whole, &state.position, &mut small.position);
             moving.gather_positions(whole, &state.compensation, &mut small.compensation);
             moving.gather_velocities(whole, &state.velocity, &mut small.velocity);
+            small.time = state.time;
             moving.gather_velocities(whole, efforts, small_efforts);
             response.accelerations(small, small_efforts, small_accelerations);
         }
@@ -273,9 +280,9 @@ impl Tree {
         let Tree { bodies, motion, applied, reactions, own, .. } = self;
         place_bodies(whole, state, bodies);
         body_accelerations(whole, bodies, &state.velocity, &self.accelerations, motion);
-        body_wrenches(whole, bodies, applied);
+        body_wrenches(whole, state.time, bodies, applied);
         reactions_under(whole, bodies, motion, applied, reactions);
-        joint_efforts(whole, &state.position, &state.velocity, own);
+        joint_efforts(whole, state.time, &state.position, &state.velocity, own);
         self.inertial = (0.0, 0.0);
         let falls = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Floating;
         if !whole.bodies.iter().any(falls) {

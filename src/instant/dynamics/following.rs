@@ -29,7 +29,8 @@ pub(crate) struct Following {
 impl Following {
     /// The projection in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, or if the rows are not independent.
     pub fn at(mechanism: &Mechanism, mut respond: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
-        if !mechanism.loops.is_empty() || mechanism.mimics.is_empty() {
+        let several = mechanism.mimics.iter().any(|mimic| !mimic.more.is_empty());
+        if several || !mechanism.loops.is_empty() || mechanism.mimics.is_empty() {
             return None;
         }
         let row = |mimic: &Mimic| (mimic.follower.freedom, mimic.leader.freedom, mimic.multiplier);
@@ -104,6 +105,7 @@ mod tests {
             leader: coordinate(leader),
             multiplier,
             offset: 0.0,
+            more: Vec::new(),
         });
         assert_eq!(leader, 6);
         mechanism.mimics = mimics.into();

@@ -61,7 +61,7 @@ impl ResponseOnTree {
     pub fn accelerations(&mut self, state: &State, efforts: &[f64], out: &mut [f64]) {
         let ResponseOnTree { mechanism, ode, bodies, accelerations, closing, .. } = self;
         place_bodies(mechanism, state, bodies);
-        ode.drive(Inputs::constant(efforts));
+        ode.drive_at(state.time, Inputs::constant(efforts));
         ode.accelerations_of_placed(&state.position, &state.velocity, bodies, out);
         if let Some(following) = Following::at(mechanism, |efforts, answer| ode.respond(efforts, answer)) {
             following.follow(out);

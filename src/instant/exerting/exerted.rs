@@ -81,6 +81,12 @@ impl Exerted {
         })
     }
 
+    /// Takes the time of the states that follow (s).
+    pub fn clock(&mut self, time: f64) {
+        self.known &= self.state.time == time;
+        self.state.time = time;
+    }
+
     /// The efforts at these positions and velocities, with the efforts of the motors: one entry a motor, or an empty slice if no motor drives; and
     /// the wrenches of the contacts on the bodies. Does not allocate while no joint is held and no bodies may touch.
     pub fn at(&mut self, position: &[f64], velocity: &[f64], motors: &[f64]) -> (&[f64], &[BodyWrench]) {
@@ -131,6 +137,7 @@ impl Exerted {
             motor.bounded(motor.effort(state.time, state.position[at.position], state.velocity[at.freedom]))
         };
         let motors: Vec<f64> = exerted.elements.motors.iter().map(effort).collect();
+        exerted.clock(state.time);
         exerted.at(&state.position, &state.velocity, &motors);
         exerted.points
     }

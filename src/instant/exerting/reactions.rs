@@ -51,6 +51,14 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         }
     }
 
+    /// Takes the time of the states that follow, for forces that change (s).
+    pub fn clock(&mut self, time: f64) {
+        match &mut self.way {
+            Way::OfMechanism(reactions) => reactions.clock(time),
+            Way::Elsewhere(elsewhere) => elsewhere.clock(time),
+        }
+    }
+
     /// Takes the efforts of the motors for all states that follow: one entry a motor of the mechanism [N m or N]; before, no motor drives.
     pub fn drive(&mut self, motors: &[f64]) {
         match &mut self.way {

@@ -113,6 +113,15 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
         place_bodies(&other.mechanism, own, bodies);
     }
 
+    /// Takes the time of the states that follow (s).
+    pub fn clock(&mut self, time: f64) {
+        (self.state.time, self.own.time) = (time, time);
+        self.inside.clock(time);
+        if let Some(exerted) = &mut self.exerted {
+            exerted.clock(time);
+        }
+    }
+
     /// Takes the efforts of the motors for all states that follow: one entry a motor of the mechanism [N m or N]; before, no motor drives.
     pub fn drive(&mut self, motors: &[f64]) {
         self.motors.clear();

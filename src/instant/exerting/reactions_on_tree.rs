@@ -38,6 +38,8 @@ pub struct ReactionsOnTree<M> {
     exerted: Option<Exerted>,
     /// The efforts of motors.
     motors: Vec<f64>,
+    /// The time of the states that are asked for (s).
+    time: f64,
 }
 
 /// The load of a loop joint.
@@ -72,6 +74,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
             closing: Closing::new(mechanism).map(|closing| (closing, State::zero(mechanism))),
             exerted,
             motors: Vec::with_capacity(mechanism.nonsmooth.motors.len()),
+            time: 0.0,
             mechanism: of,
         }
     }
@@ -88,6 +91,14 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         }
     }
 
+    /// Takes the time of the states that follow (s).
+    pub fn clock(&mut self, time: f64) {
+        self.time = time;
+        if let Some(exerted) = &mut self.exerted {
+            exerted.clock(time);
+        }
+    }
+
     /// Takes the efforts of the motors for all states that follow: one entry a motor of the mechanism [N m or N]; before, no motor drives.
     pub fn drive(&mut self, motors: &[f64]) {
         self.motors.clear();
@@ -97,7 +108,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
     /// The acceleration of each body at these positions and velocities, which place the bodies, with all closures and
     /// forces, but without motors, dry friction and limits. Does not allocate.
     pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) -> &[BodyAcceleration] {
-        self.ode.drive(Inputs::NONE);
+        self.ode.drive_at(self.time, Inputs::NONE);
         self.accelerate(position, velocity, bodies);
         &self.accelerations
     }
@@ -147,7 +158,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         efforts: &[f64],
         wrenches: &[BodyWrench],
     ) -> (&[Reaction], &[LoopReaction]) {
-        self.ode.drive(Inputs::constant(efforts));
+        self.ode.drive_at(self.time, Inputs::constant(efforts));
         self.react(position, velocity, bodies, wrenches)
     }
 
@@ -162,7 +173,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         self.accelerate(position, velocity, bodies);
         let ReactionsOnTree { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
         let mechanism = (*mechanism).borrow();
-        body_wrenches(mechanism, bodies, applied);
+        body_wrenches(mechanism, self.time, bodies, applied);
         for ((force, torque), (own_force, own_torque)) in applied.iter_mut().zip(wrenches) {
             *force += own_force;
             *torque += own_torque;

@@ -35,7 +35,7 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
 
 /// The same where the closures were counted already.
 pub fn is_at_rest_counted(mechanism: &Mechanism, state: &State, counted: Option<Arc<Counted>>) -> bool {
-    if mechanism.bodies.is_empty() || state.velocity.iter().any(|&rate| rate != 0.0) {
+    if mechanism.forces.change() || mechanism.bodies.is_empty() || state.velocity.iter().any(|&rate| rate != 0.0) {
         return false;
     }
     let bodies = body_states(mechanism, state);
@@ -53,9 +53,10 @@ pub(crate) fn nothing_accelerates(
     counted: Option<Arc<Counted>>,
 ) -> bool {
     let mut wrenches = vec![BodyWrench::default(); bodies.len()];
-    body_wrenches(mechanism, bodies, &mut wrenches);
+    body_wrenches(mechanism, state.time, bodies, &mut wrenches);
     let mut reactions = Reactions::new(mechanism);
     reactions.expect_at(counted);
+    reactions.clock(state.time);
     let accelerations = reactions.accelerations(&state.position, &state.velocity, bodies);
     let rounding = if mechanism.has_closures() { ROUNDING_OF_CLOSURES } else { ROUNDING };
     let rounding = rounding * bodies.len() as f64;

@@ -26,10 +26,23 @@ impl View {
     pub fn new(mechanism: &Mechanism, links: &[LinkPlace]) -> Self {
         let forces = &mechanism.forces;
         let only_joints = forces.point_springs.is_empty() && forces.wrenches.is_empty();
+        let only_joints = only_joints && forces.drags.is_empty() && forces.link_loads.is_empty() && !forces.change();
         if only_joints && !mechanism.has_closures() && mechanism.nonsmooth.is_empty() {
             View::Lanes(instants_for(mechanism, links))
         } else {
             View::Serial(Box::new(SerialInstants::new(mechanism, links)))
+        }
+    }
+
+    /// Takes the times of the instants that are looked at next (s).
+    pub fn clock(&mut self, times: &[f64]) {
+        match self {
+            // Nothing changes in time in these mechanisms.
+            View::Lanes(_) => {}
+            View::Serial(serial) => {
+                serial.times.clear();
+                serial.times.extend_from_slice(times);
+            }
         }
     }
 
@@ -60,6 +73,8 @@ pub struct SerialInstants {
     reactions: Reactions<Mechanism>,
     /// The efforts of motors, instant after instant.
     motors: Vec<f64>,
+    /// The times of the instants (s).
+    times: Vec<f64>,
 }
 
 impl SerialInstants {
@@ -70,6 +85,7 @@ impl SerialInstants {
             bodies: vec![WORLD; mechanism.bodies.len()],
             reactions: Reactions::new(mechanism.clone()),
             motors: Vec::with_capacity(INSTANTS * mechanism.nonsmooth.motors.len()),
+            times: Vec::with_capacity(INSTANTS),
             mechanism: mechanism.clone(),
         }
     }
@@ -81,8 +97,9 @@ impl SerialInstants {
     }
 
     fn look_at(&mut self, instant: usize, position: &[f64], velocity: &[f64], out: &mut Snapshots) {
-        let SerialInstants { mechanism, links, bodies, reactions, motors } = self;
+        let SerialInstants { mechanism, links, bodies, reactions, motors, times } = self;
         let count = mechanism.nonsmooth.motors.len();
+        reactions.clock(times.get(instant).copied().unwrap_or(0.0));
         reactions.drive(motors.get(instant * count..(instant + 1) * count).unwrap_or_default());
         forward_kinematics(mechanism, position, velocity, bodies);
         for ((body, in_body), rows) in links.iter().zip(&mut out.poses) {

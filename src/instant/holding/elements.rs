@@ -89,7 +89,9 @@ impl Elements {
 fn leader(mechanism: &Mechanism, of: Coordinate) -> (Coordinate, f64, f64) {
     let (mut own, mut factor, mut offset) = (of, 1.0, 0.0);
     for _ in 0..mechanism.mimics.len() {
-        let Some(mimic) = mechanism.mimics.iter().find(|mimic| mimic.follower == own) else { break };
+        let Some(mimic) = mechanism.mimics.iter().find(|mimic| mimic.follower == own && mimic.more.is_empty()) else {
+            break;
+        };
         offset += factor * mimic.offset;
         factor *= mimic.multiplier;
         own = mimic.leader;
@@ -100,7 +102,8 @@ fn leader(mechanism: &Mechanism, of: Coordinate) -> (Coordinate, f64, f64) {
 impl ElementJoint {
     fn new(mechanism: &Mechanism, coordinate: Coordinate) -> Self {
         let itself = Member { coordinate, factor: 1.0, offset: 0.0, rubs: false };
-        let followers = mechanism.mimics.iter().filter_map(|mimic| {
+        let pairs = mechanism.mimics.iter().filter(|mimic| mimic.more.is_empty());
+        let followers = pairs.filter_map(|mimic| {
             let (own, factor, offset) = leader(mechanism, mimic.follower);
             (own == coordinate).then_some(Member { coordinate: mimic.follower, factor, offset, rubs: false })
         });

@@ -11,7 +11,7 @@
 //! with the principal frame `P` of the group; bodies that are fixed to the world become part of it. A held rate is exactly zero, and held joints cost
 //! no time. Closures whose ends are on one group are redundant and are left out; so are the forces between them.
 
-use crate::mechanism::description::closure::{Attachment, Coordinate, JointLimit, LoopJoint};
+use crate::mechanism::description::closure::{Attachment, Coordinate, JointLimit, LoopJoint, Mimic};
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::forces::Wrench;
 use crate::mechanism::description::joint::Pose;
@@ -108,7 +108,7 @@ impl Held {
         let mechanism = number(whole, bodies);
         let groups = places.iter().map(|place| place.group).collect();
         let mut held = Held { mechanism, heads, is_held, groups };
-        held.take_over(whole, closures, &into);
+        held.take_over(whole, closures, &into, state);
         if for_ever {
             held.mechanism.forces.driven = whole.forces.driven;
             held.keep_nonsmooth(whole, &into);
@@ -138,7 +138,7 @@ impl Held {
     }
 
     /// Closures and forces of the reduced mechanism.
-    fn take_over(&mut self, whole: &Mechanism, closures: &Closures, into: &Into) {
+    fn take_over(&mut self, whole: &Mechanism, closures: &Closures, into: &Into, state: &State) {
         let coordinate = |of: Coordinate| self.coordinate(whole, of);
         let freedom = |freedom: usize| self.freedom(whole, freedom);
         let attachment = |end: &Attachment| match end.body {
@@ -168,6 +168,28 @@ impl Held {
                 Some(Wrench { body: body?, point: frame.translation.vector, ..*wrench })
             })
             .collect();
+        forces.joint_courses.retain_mut(|load| freedom(load.freedom).map(|own| load.freedom = own).is_some());
+        let at = |body: usize, point: &Vector3<f64>| {
+            let (body, frame) = into.frame(body, &Pose::from_parts(Translation3::from(*point), Rotation3::identity()));
+            body.map(|body| (body, frame))
+        };
+        forces.link_loads.retain_mut(|load| match at(load.body, &load.point) {
+            Some((body, frame)) => {
+                (load.body, load.point) = (body, frame.translation.vector);
+                if load.turns {
+                    (load.force, load.torque) = (frame.rotation * load.force, frame.rotation * load.torque);
+                }
+                true
+            }
+            None => false,
+        });
+        forces.drags.retain_mut(|drag| match at(drag.body, &drag.point) {
+            Some((body, frame)) => {
+                (drag.body, drag.point) = (body, frame.translation.vector);
+                true
+            }
+            None => false,
+        });
         let mut loops = whole.loops.clone();
         loops.extend_from_slice(&closures.anchors);
         loops.retain_mut(|joint| {
@@ -181,6 +203,13 @@ impl Held {
         });
         let mut mimics = whole.mimics.clone();
         mimics.retain_mut(|mimic| match (coordinate(mimic.follower), coordinate(mimic.leader)) {
+            _ if !mimic.more.is_empty() => {
+                let left = left_of(mimic, state, &coordinate);
+                left.is_some_and(|left| {
+                    *mimic = left;
+                    true
+                })
+            }
             (Some(follower), Some(leader)) => {
                 (mimic.follower, mimic.leader) = (follower, leader);
                 true
@@ -284,6 +313,25 @@ impl Held {
         self.spread_positions(whole, &own.compensation, &mut state.compensation);
         self.spread_velocities(whole, &own.velocity, &mut state.velocity);
     }
+}
+
+/// A relation of several joints with its coordinates in the reduced mechanism, where held joints are part of its offset; `None` if all are held.
+fn left_of(mimic: &Mimic, state: &State, coordinate: &impl Fn(Coordinate) -> Option<Coordinate>) -> Option<Mimic> {
+    let mut offset = mimic.offset;
+    let mut moving: Vec<(Coordinate, f64)> = Vec::new();
+    for (own, coefficient) in mimic.terms() {
+        match coordinate(own) {
+            Some(own) => moving.push((own, coefficient)),
+            None => offset -= coefficient * (state.position[own.position] + state.compensation[own.position]),
+        }
+    }
+    let &(follower, of_follower) = moving.iter().find(|(_, coefficient)| *coefficient != 0.0)?;
+    let leaders = moving.into_iter().filter(|(own, _)| *own != follower);
+    let mut ratios = leaders.map(|(own, coefficient)| (own, -coefficient / of_follower));
+    // One that is left alone follows itself no times.
+    let (leader, multiplier) = ratios.next().unwrap_or((follower, 0.0));
+    let (name, offset, more) = (mimic.name.clone(), offset / of_follower, ratios.collect());
+    Some(Mimic { name, follower, leader, multiplier, offset, more })
 }
 
 /// The bodies that head groups, and the place of every body.

@@ -52,6 +52,8 @@ pub fn never_reached(mechanism: &Mechanism, start: &State) -> Vec<NeverReached> 
         let driven = !part.nonsmooth.motors.is_empty()
             || !part.forces.joint_loads.is_empty()
             || !part.forces.wrenches.is_empty()
+            || !part.forces.link_loads.is_empty()
+            || !part.forces.joint_courses.is_empty()
             || part.has_closures();
         if part.velocity_count != 1 || driven {
             continue;
@@ -95,7 +97,7 @@ fn ranges(mechanism: &Mechanism, without: Option<usize>) -> Vec<(f64, f64)> {
     // A range travels along one relation in each pass at least.
     for _ in 0..=mechanism.mimics.len() {
         let before = ranges.clone();
-        for mimic in &mechanism.mimics {
+        for mimic in mechanism.mimics.iter().filter(|mimic| mimic.more.is_empty()) {
             let (leader, follower) = (mimic.leader.freedom, mimic.follower.freedom);
             let (factor, offset) = (mimic.multiplier, mimic.offset);
             if factor == 0.0 {

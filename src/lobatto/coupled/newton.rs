@@ -14,7 +14,7 @@ use crate::coupled::touching::Touching;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::largest;
 use crate::tableau::butcher::Tableau;
-use catena_mechanism::description::closure::Coordinate;
+use catena_mechanism::description::closure::{Coordinate, Mimic};
 use catena_mechanism::description::mechanism::Mechanism;
 
 /// An iteration in which friction has not the direction of the slips is not the last, however small its increments are.
@@ -104,22 +104,26 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
     }
 }
 
-/// Follower, leader and ratio of every mimic.
+/// Follower, leader and ratio of every mimic, and its other leaders with their ratios.
 #[derive(Clone)]
-struct Mimics(Vec<(Coordinate, Coordinate, f64)>);
+struct Mimics(Vec<(Coordinate, Coordinate, f64, Vec<(Coordinate, f64)>)>);
 
 impl Mimics {
     /// The method for a mechanism.
     fn new(mechanism: &Mechanism) -> Self {
-        let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower, mimic.leader, mimic.multiplier));
+        let ratios = |mimic: &Mimic| (mimic.follower, mimic.leader, mimic.multiplier, mimic.more.clone());
+        let mimics = mechanism.mimics.iter().map(ratios);
         Mimics(mimics.collect())
     }
 
     /// Their gaps at all stages, from the gaps at the start of the step and the displacements since.
     fn gaps<V: Lanes>(&self, coupled: &mut Coupled<V>, start: &[f64], displacement: &[V]) {
-        for (row, (&gap, (follower, leader, ratio))) in coupled.mimic_rows().zip(start.iter().zip(&self.0)) {
+        for (row, (&gap, (follower, leader, ratio, more))) in coupled.mimic_rows().zip(start.iter().zip(&self.0)) {
             let (follows, leads) = (displacement[follower.freedom], displacement[leader.freedom]);
             coupled.gaps[row] = leads.neg_mul_add(V::splat(*ratio), follows + V::splat(gap));
+            for (own, ratio) in more {
+                coupled.gaps[row] = displacement[own.freedom].neg_mul_add(V::splat(*ratio), coupled.gaps[row]);
+            }
         }
     }
 }

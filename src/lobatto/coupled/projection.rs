@@ -134,6 +134,7 @@ impl<G: Geometry<One>> Projection<G> {
         self.coupled.rates();
         for (row, mimic) in self.coupled.mimic_rows().zip(&mechanism.mimics) {
             let rate = velocity[mimic.follower.freedom] - mimic.multiplier * velocity[mimic.leader.freedom];
+            let rate = mimic.more.iter().fold(rate, |rate, (own, ratio)| rate - ratio * velocity[own.freedom]);
             self.coupled.gaps[row] = One::splat(rate);
         }
     }

@@ -30,6 +30,7 @@
 //! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
 //! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
 
+use crate::equations::loads::{LoadedBodies, add_loads};
 use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
@@ -108,6 +109,11 @@ impl<V: Lanes> Applied<V> {
         for &(freedom, effort) in &self.plan.driven {
             self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
         }
+        for (freedom, effort, course) in &self.plan.courses {
+            let (freedom, effort) = (*freedom, motion.factor(place, course) * V::splat(*effort));
+            self.efforts[freedom] = self.efforts[freedom] + effort;
+            work = effort.mul_add(motion.rate(place, motion.displacement[freedom], motion.rates[freedom]), work);
+        }
         for changing in &self.changing {
             let (freedom, effort) = (changing.freedom, if end { changing.end } else { changing.rows });
             self.efforts[freedom] = self.efforts[freedom] + effort;
@@ -133,6 +139,7 @@ impl<V: Lanes> Applied<V> {
             times,
             inverse,
             step: stages.step,
+            since: self.time,
             coefficients: &stages.coefficients,
         };
         let (mut dissipated, mut work) = self.evaluate_scalars(&motion, place, end);
@@ -162,7 +169,7 @@ impl<V: Lanes> Applied<V> {
             }
         }
 
-        if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() {
+        if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() || !self.plan.on_bodies.is_empty() {
             self.wrenches.fill((Vector::zero(), Vector::zero()));
         }
         let springs =
@@ -180,6 +187,8 @@ impl<V: Lanes> Applied<V> {
                 work = torque.dot_plus(angular_velocity(pose, spin, times, inverse, place), work);
             }
         }
+        let loads = self.plan.on_bodies.iter().zip(&start.applied.loads);
+        (dissipated, work) = add_loads(stages, loads, &motion, place, &mut self.wrenches, (dissipated, work));
         if account {
             let [dissipated, work] = [dissipated, work].map(|power| (power * place.weights).sum());
             Exchange { dissipated, work, ..Exchange::default() }
@@ -201,6 +210,37 @@ impl<V: Lanes> BodiesAtStages<V> for Stages<V> {
     #[inline(always)]
     fn anchor(&self, body: usize) -> Vector<V> {
         self.poses[body].anchor
+    }
+}
+
+impl<V: Lanes> LoadedBodies<V> for Stages<V> {
+    type Torque = [f64; 3];
+
+    #[inline(always)]
+    fn torque(&self, body: usize, torque: &[f64; 3], turns: bool, place: &Place<V>) -> Vector<V> {
+        let start = Vector::splat(torque);
+        if turns { self.swing(body, torque).times_plus(place.moved, start) } else { start }
+    }
+
+    #[inline(always)]
+    fn spin(&self, body: usize, motion: &Motion<V>, place: &Place<V>) -> Vector<V> {
+        let spin = Vector::splat(&self.start.bodies[body].spin);
+        angular_velocity(&self.poses[body], spin, motion.times, motion.inverse, place)
+    }
+
+    #[inline(always)]
+    fn scaled(axial: Vector<V>, factor: V) -> Vector<V> {
+        axial.times(factor)
+    }
+
+    #[inline(always)]
+    fn sum(a: Vector<V>, b: Vector<V>) -> Vector<V> {
+        a.plus(b)
+    }
+
+    #[inline(always)]
+    fn along(a: Vector<V>, b: Vector<V>, start: V) -> V {
+        a.dot_plus(b, start)
     }
 }
 

@@ -10,6 +10,7 @@
 
 pub mod braking;
 pub mod forces;
+pub(crate) mod loads;
 pub mod loops;
 pub mod pivot;
 pub mod residual;

@@ -59,7 +59,7 @@ struct Motion<V> {
 }
 
 impl<V: Lanes> LaneInstants<V> {
-    /// For a tree without closures and without forces on bodies.
+    /// For a tree without closures, without forces on bodies, and without efforts that change in time.
     pub fn new(mechanism: &Mechanism, links: &[LinkPlace]) -> Self {
         let bodies = &mechanism.bodies;
         let link = |(body, in_body): &LinkPlace| match body {
@@ -257,7 +257,7 @@ impl<V: Lanes> Instants for LaneInstants<V> {
             for instant in 0..count {
                 let position = &positions[instant * position_count..][..position_count];
                 let velocity = &velocities[instant * velocity_count..][..velocity_count];
-                joint_efforts(&self.mechanism, position, velocity, &mut self.scratch);
+                joint_efforts(&self.mechanism, 0.0, position, velocity, &mut self.scratch);
                 self.efforts.iter_mut().zip(&self.scratch).for_each(|(row, &effort)| row[instant] = effort);
             }
         }

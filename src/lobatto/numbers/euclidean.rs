@@ -36,6 +36,8 @@ pub(crate) trait Euclidean<V: Lanes>: Copy {
     fn cross(self, other: Self) -> Self::Axial;
     /// `self × other + start`.
     fn cross_plus(self, other: Self, start: Self::Axial) -> Self::Axial;
+    /// Its lanes mixed by a matrix, by columns.
+    fn mixed(self, columns: &[V]) -> Self;
     /// The screw of a vector and an axial one.
     fn joined(self, axial: Self::Axial) -> [V; 6];
 }
@@ -91,6 +93,12 @@ impl<V: Lanes> Euclidean<V> for Vector<V> {
     #[inline(always)]
     fn cross(self, other: Self) -> Self {
         Vector::cross(self, other)
+    }
+
+    #[inline(always)]
+    fn mixed(self, columns: &[V]) -> Self {
+        let [x, y, z] = self.0;
+        Vector([x.mix(columns), y.mix(columns), z.mix(columns)])
     }
 
     #[inline(always)]

@@ -1,13 +1,15 @@
 //! The forces on a mechanism, sorted for the sweeps, and their quantities at the start of a step.
 
 use catena_mechanism::description::body_state::BodyState;
-use catena_mechanism::description::forces::PointSpring;
+use catena_mechanism::description::course::Course;
+use catena_mechanism::description::forces::{Drag, PointSpring};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::line_of_action::common_end;
 use catena_mechanism::forces::point_spring::Line;
 use catena_mechanism::forces::total::scalar_coordinate;
-use catena_mechanism::ground::matrices::times;
+use catena_mechanism::ground::matrices::{cross, times};
 use catena_mechanism::motion::state::State;
+use nalgebra::Vector3;
 
 /// The constant data of all forces, sorted by their inputs.
 #[derive(Clone)]
@@ -23,6 +25,31 @@ pub(crate) struct AppliedPlan {
     pub(crate) wrenches: Vec<WrenchPlan>,
     /// Freedoms of one scalar coordinate each that are driven from outside, and the effort of the step.
     pub(crate) driven: Vec<(usize, f64)>,
+    /// Freedom, effort, and its factor over time.
+    pub(crate) courses: Vec<(usize, f64, Course)>,
+    /// The body of each load that changes or turns, then of each drag, and its law.
+    pub(crate) on_bodies: Vec<(usize, LoadLaw)>,
+}
+
+/// How a load on a body follows from its start, its time and its motion.
+#[derive(Clone)]
+pub(crate) enum LoadLaw {
+    /// With the axes of the body or of the world, and a factor over time.
+    Given { turns: bool, course: Course },
+    /// N s/m, N s²/m², N m s/rad and N m s²/rad².
+    Drag { linear: f64, quadratic: f64, angular_linear: f64, angular_quadratic: f64 },
+}
+
+/// A load on a body at the start of a step, in the components `C` of the world or of a plane, with torques `T`.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LoadStart<C, T> {
+    /// Vector from the anchor to its point (m).
+    pub(crate) arm: C,
+    /// Velocity of that [m/s].
+    pub(crate) velocity: C,
+    /// Force (N) and torque [N m], without their factor over time.
+    pub(crate) force: C,
+    pub(crate) torque: T,
 }
 
 /// Dampers and loads about the axes of a ball joint.
@@ -77,6 +104,8 @@ pub struct AppliedStart {
     pub(crate) lines: Vec<LineStart<[f64; 3]>>,
     /// Vectors from the anchor to the point of each wrench, in world axes (m).
     pub(crate) arms: Vec<[f64; 3]>,
+    /// Loads that change or turn, then drag.
+    pub(crate) loads: Vec<LoadStart<[f64; 3], [f64; 3]>>,
 }
 
 /// A spring between points at the start of a step, in the components `C` of the world or of a plane.
@@ -103,6 +132,7 @@ impl AppliedStart {
             extensions: vec![0.0; forces.joint_springs.len()],
             lines: vec![LineStart::default(); forces.point_springs.len()],
             arms: vec![[0.0; 3]; forces.wrenches.len()],
+            loads: vec![LoadStart::default(); forces.link_loads.len() + forces.drags.len()],
         }
     }
 
@@ -114,7 +144,7 @@ impl AppliedStart {
             *extension = state.position[slot] - spring.rest + state.compensation[slot];
         }
         // Vector from the anchor of a body to a point in its frame.
-        let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
+        let arm = |body: usize, point: &Vector3<f64>| {
             times(&bodies[body].rotation, &(point - mechanism.bodies[body].joint.on_child.translation.vector))
         };
         let anchor = |body: usize| {
@@ -138,6 +168,24 @@ impl AppliedStart {
         for (start, wrench) in self.arms.iter_mut().zip(&forces.wrenches) {
             *start = arm(wrench.body, &wrench.point).into();
         }
+        let velocity = |body: usize, point: &Vector3<f64>| {
+            let BodyState { rotation, velocity, angular_velocity, .. } = &bodies[body];
+            velocity + cross(angular_velocity, &times(rotation, point))
+        };
+        let (of_loads, of_drags) = self.loads.split_at_mut(forces.link_loads.len());
+        for (start, load) in of_loads.iter_mut().zip(&forces.link_loads) {
+            let (force, torque) = load.at_point(1.0, &bodies[load.body]);
+            *start = LoadStart {
+                arm: arm(load.body, &load.point).into(),
+                velocity: velocity(load.body, &load.point).into(),
+                force: force.into(),
+                torque: torque.into(),
+            };
+        }
+        for (start, drag) in of_drags.iter_mut().zip(&forces.drags) {
+            start.arm = arm(drag.body, &drag.point).into();
+            start.velocity = velocity(drag.body, &drag.point).into();
+        }
     }
 }
 
@@ -152,7 +200,15 @@ impl AppliedPlan {
             lines: Vec::new(),
             wrenches: Vec::new(),
             driven: Vec::new(),
+            courses: forces.joint_courses.iter().map(|load| (load.freedom, load.effort, load.course.clone())).collect(),
+            on_bodies: Vec::new(),
         };
+        for load in &forces.link_loads {
+            plan.on_bodies.push((load.body, LoadLaw::Given { turns: load.turns, course: load.course.clone() }));
+        }
+        for &Drag { body, linear, quadratic, angular_linear, angular_quadratic, .. } in &forces.drags {
+            plan.on_bodies.push((body, LoadLaw::Drag { linear, quadratic, angular_linear, angular_quadratic }));
+        }
         for freedom in (0..mechanism.velocity_count).filter(|_| forces.driven) {
             match scalar_coordinate(mechanism, freedom) {
                 Some(_) => plan.driven.push((freedom, 0.0)),

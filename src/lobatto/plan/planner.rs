@@ -102,14 +102,13 @@ impl<'m> Planner<'m> {
         }
         let (loops, springs_from) = (rows.len(), rows.len() + mechanism.mimics.len());
         // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
-        for closure in &mut closures[loops..springs_from] {
+        for (closure, mimic) in closures[loops..springs_from].iter_mut().zip(&mechanism.mimics) {
             closure.sides = [None; 2];
-            let above = closure.ends.iter().filter_map(|&body| mechanism.bodies[body].parent);
-            let above: Vec<Vec<usize>> = above.map(|body| ancestors(Some(body))).collect();
-            closure.meets = match &above[..] {
-                [one, other] => one.iter().find(|body| other.contains(body)).copied(),
-                _ => None,
-            };
+            closure.ends = mimic.terms().map(|(own, _)| own.body).collect();
+            let above: Vec<Vec<usize>> =
+                closure.ends.iter().map(|&body| ancestors(mechanism.bodies[body].parent)).collect();
+            let all = |body: &&usize| above.iter().all(|others| others.contains(body));
+            closure.meets = above.first().and_then(|first| first.iter().find(all)).copied();
         }
         for (index, closure) in closures.iter_mut().enumerate().filter(|_| springs) {
             let gives = index >= springs_from || holds_a_point(mechanism, index);
@@ -226,7 +225,7 @@ impl<'m> Planner<'m> {
             let columns = self.columns(moves.then_some(body), None);
             let mut direct = Vec::new();
             for (mimic, closure) in self.mechanism.mimics.iter().zip(&self.closures[self.loops..]) {
-                for (coordinate, coefficient) in [(mimic.follower, 1.0), (mimic.leader, -mimic.multiplier)] {
+                for (coordinate, coefficient) in mimic.terms() {
                     if coordinate.freedom == freedom
                         && let Some(slot) = self.slot_of(front, closure.first_row)
                     {

@@ -95,6 +95,12 @@ impl<V: Lanes> Euclidean<V> for Vector2<V> {
     }
 
     #[inline(always)]
+    fn mixed(self, columns: &[V]) -> Self {
+        let [x, y] = self.0;
+        Vector2([x.mix(columns), y.mix(columns)])
+    }
+
+    #[inline(always)]
     fn joined(self, axial: V) -> [V; 6] {
         let ([x, y], zero) = (self.0, V::zero());
         [x, y, axial, zero, zero, zero]

@@ -3,7 +3,7 @@
 //! Only components in the plane act: the projection of a force, the part of a torque about the normal, and the projection `d` of a line between two
 //! points. Its height z, the difference of their places along the normal, is constant: `ℓ² = |d|² + z²`.
 
-use crate::plan::forces::{LineStart, SpringLaw};
+use crate::plan::forces::{LineStart, LoadStart, SpringLaw};
 use crate::planar::body::{PlanarBody, turned};
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::closure::Attachment;
@@ -20,6 +20,20 @@ use nalgebra::Vector3;
 pub(crate) struct ForcesPlan {
     pub lines: Vec<LinePlan>,
     pub wrenches: Vec<WrenchPlan>,
+    /// Loads that change or turn, then drag.
+    pub loads: Vec<LoadPlan>,
+}
+
+/// A load on a body in the plane.
+#[derive(Clone)]
+pub(crate) struct LoadPlan {
+    body: usize,
+    /// Vector from the anchor to the point of action, at zero displacement (m).
+    arm: [f64; 2],
+    /// At zero displacement (N, N m), where they turn with the body.
+    force: [f64; 2],
+    torque: f64,
+    turns: bool,
 }
 
 /// A spring between two points.
@@ -85,6 +99,7 @@ pub(crate) struct ForcesStart {
     pub lines: Vec<LineStart<[f64; 2]>>,
     /// Vectors from the anchor to the point of each wrench (m).
     pub arms: Vec<[f64; 2]>,
+    pub loads: Vec<LoadStart<[f64; 2], f64>>,
 }
 
 impl ForcesPlan {
@@ -105,12 +120,30 @@ impl ForcesPlan {
             torque: normal.dot(&wrench.torque),
             offset: -normal.dot(&wrench.force) * height(wrench.body, &wrench.point),
         });
-        ForcesPlan { lines: lines.collect(), wrenches: wrenches.collect() }
+        let loads = mechanism.forces.link_loads.iter().map(|load| {
+            let at_zero = |own: &Vector3<f64>| if load.turns { zero[load.body].rotation * own } else { *own };
+            LoadPlan {
+                body: load.body,
+                arm: ends.arm_of(load.body, &load.point),
+                force: plane.flat(&at_zero(&load.force)),
+                torque: normal.dot(&at_zero(&load.torque)),
+                turns: load.turns,
+            }
+        });
+        let drags = mechanism.forces.drags.iter().map(|drag| LoadPlan {
+            body: drag.body,
+            arm: ends.arm_of(drag.body, &drag.point),
+            force: [0.0; 2],
+            torque: 0.0,
+            turns: false,
+        });
+        let loads = loads.chain(drags).collect();
+        ForcesPlan { lines: lines.collect(), wrenches: wrenches.collect(), loads }
     }
 
     /// Whether there are any.
     pub fn is_empty(&self) -> bool {
-        self.lines.is_empty() && self.wrenches.is_empty()
+        self.lines.is_empty() && self.wrenches.is_empty() && self.loads.is_empty()
     }
 }
 
@@ -122,6 +155,7 @@ impl ForcesStart {
             extensions: vec![0.0; forces.joint_springs.len()],
             lines: vec![LineStart::default(); forces.point_springs.len()],
             arms: vec![[0.0; 2]; forces.wrenches.len()],
+            loads: vec![LoadStart::default(); forces.link_loads.len() + forces.drags.len()],
         }
     }
 
@@ -169,6 +203,12 @@ impl ForcesStart {
             let (arm, place, _) = point(&bodies[wrench.body], &wrench.arm);
             *start = arm;
             stored.load += wrench.offset - (wrench.force[0] * place[0] + wrench.force[1] * place[1]);
+        }
+        for (start, load) in self.loads.iter_mut().zip(&plan.loads) {
+            let body = &bodies[load.body];
+            let (arm, _, velocity) = point(body, &load.arm);
+            let force = if load.turns { turned(&body.turn, &load.force) } else { load.force };
+            *start = LoadStart { arm, velocity, force, torque: load.torque };
         }
         stored
     }

@@ -7,6 +7,7 @@
 //!
 //! with `φ̇` from the rates of cosine and sine, `κ̇` and `σ̇`, by the scheme: `φ̇ = (1 + κ) σ̇ − σ κ̇`.
 
+use crate::equations::loads::{LoadedBodies, add_loads};
 use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::lanes::Lanes;
 use crate::planar::algebra::Vector2;
@@ -73,7 +74,7 @@ impl<V: Lanes> PlanarStages<V> {
         end: bool,
         account: bool,
     ) -> Exchange {
-        let ForcesStart { extensions, lines, arms } = &self.start.applied;
+        let ForcesStart { extensions, lines, arms, loads } = &self.start.applied;
         let motion = Motion {
             displacement: &self.displacement,
             rates: &self.start.rates,
@@ -81,6 +82,7 @@ impl<V: Lanes> PlanarStages<V> {
             times: coefficients.nodes * V::splat(self.step),
             inverse: V::splat(1.0 / self.step),
             step: self.step,
+            since: applied.time,
             coefficients,
         };
         let (mut dissipated, mut work) = applied.evaluate_scalars(&motion, place, end);
@@ -106,6 +108,8 @@ impl<V: Lanes> PlanarStages<V> {
                 work = torque.mul_add(spin, work);
             }
         }
+        let loads = applied.plan.on_bodies.iter().zip(loads);
+        (dissipated, work) = add_loads(self, loads, &motion, place, &mut acting, (dissipated, work));
         self.acting = acting;
         if account {
             let [dissipated, work] = [dissipated, work].map(|power| (power * place.weights).sum());
@@ -113,6 +117,39 @@ impl<V: Lanes> PlanarStages<V> {
         } else {
             Exchange::default()
         }
+    }
+}
+
+impl<V: Lanes> LoadedBodies<V> for PlanarStages<V> {
+    type Torque = f64;
+
+    #[inline(always)]
+    fn torque(&self, _: usize, torque: &f64, _: bool, _: &Place<V>) -> V {
+        V::splat(*torque)
+    }
+
+    #[inline(always)]
+    fn spin(&self, body: usize, motion: &Motion<V>, place: &Place<V>) -> V {
+        let turned = &self.turned[body];
+        let (cosine, sine) = (turned.cosine * place.moved, turned.sine * place.moved);
+        let along = turned.cosine.mix(&place.velocity) * motion.inverse;
+        let across = motion.rate(place, turned.sine, self.start.bodies[body].spin);
+        sine.neg_mul_add(along, cosine.mul_add(across, across))
+    }
+
+    #[inline(always)]
+    fn scaled(axial: V, factor: V) -> V {
+        axial * factor
+    }
+
+    #[inline(always)]
+    fn sum(a: V, b: V) -> V {
+        a + b
+    }
+
+    #[inline(always)]
+    fn along(a: V, b: V, start: V) -> V {
+        a.mul_add(b, start)
     }
 }
 

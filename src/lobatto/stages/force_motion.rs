@@ -8,6 +8,7 @@
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::forces::SpringLaw;
 use crate::stages::coefficients::Coefficients;
+use catena_mechanism::description::course::Course;
 
 /// The stage of each lane, and the weights that make velocities of displacements there.
 #[derive(Clone, Copy)]
@@ -18,6 +19,8 @@ pub(crate) struct Place<V> {
     pub(crate) moved: V,
     /// Weights b of the stages whose power this place has to account for.
     pub(crate) weights: V,
+    /// Where these stages are in the step.
+    pub(crate) nodes: V,
 }
 
 /// The scalar coordinates in a step, as far as forces see them.
@@ -31,6 +34,8 @@ pub(crate) struct Motion<'s, V> {
     pub(crate) inverse: V,
     /// Length of the step (s), and the coefficients of the scheme.
     pub(crate) step: f64,
+    /// The time at its start (s).
+    pub(crate) since: f64,
     pub(crate) coefficients: &'s Coefficients<V>,
 }
 
@@ -40,6 +45,18 @@ impl<V: Lanes> Motion<'_, V> {
     pub(crate) fn rate(&self, place: &Place<V>, displacement: V, start_rate: f64) -> V {
         let start_rate = V::splat(start_rate);
         start_rate.neg_mul_add(self.times, displacement).mix(&place.velocity).mul_add(self.inverse, start_rate)
+    }
+
+    /// A factor over time at the places.
+    #[inline(always)]
+    pub(crate) fn factor(&self, place: &Place<V>, course: &Course) -> V {
+        let nodes = place.nodes.to_array();
+        let mut factors = [0.0; MAX_LANES];
+        let active = &mut factors[..self.coefficients.active];
+        for (factor, node) in active.iter_mut().zip(nodes.as_ref()) {
+            *factor = course.value(self.since, self.since + self.step * node);
+        }
+        V::from_slice(active)
     }
 }
 

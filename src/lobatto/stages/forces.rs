@@ -24,6 +24,8 @@ pub struct Applied<V> {
     /// Energy that the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
     pub(crate) plan: AppliedPlan,
+    /// The time at the start of the step (s), for forces that change.
+    pub(crate) time: f64,
     /// Rotors that are geared to joints.
     pub(crate) rotors: Option<Rotors<V>>,
     /// Efforts that change in time, at the stages of the attempt.
@@ -65,7 +67,8 @@ impl<V: Lanes> Applied<V> {
                 *lane_values = lanes(&|lane| tableau.velocity[stage_of_lane(lane) * active + column]);
             }
             let moved = lanes(&|lane| if stage_of_lane(lane) == 0 { 0.0 } else { 1.0 });
-            Place { velocity, moved, weights: lanes(weight_of_lane) }
+            let nodes = lanes(&|lane| tableau.nodes[stage_of_lane(lane)]);
+            Place { velocity, moved, weights: lanes(weight_of_lane), nodes }
         };
         let row_stage = |lane: usize| row_stage(lane, active);
         let end_weight = |lane: usize| if lane + 1 == active { tableau.weights[active] } else { 0.0 };
@@ -80,11 +83,17 @@ impl<V: Lanes> Applied<V> {
             resistance,
             exchange: Exchange::default(),
             plan: AppliedPlan::new(mechanism),
+            time: 0.0,
             rotors: Rotors::new(mechanism, tableau),
             changing: Vec::new(),
             rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
             end: place(&|lane| lane + 1, &end_weight),
         }))
+    }
+
+    /// Takes the time at the start of the next step (s).
+    pub fn clock(&mut self, time: f64) {
+        self.time = time;
     }
 
     /// Takes the efforts that drive the joints in the next step.

@@ -24,6 +24,9 @@ pub trait Step: Send + Sync {
     /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; without entries the efforts are zero. Only steps of a
     /// mechanism whose forces are [driven](catena_mechanism::description::forces::Forces::driven) heed them.
     fn drive(&mut self, _efforts: &[f64]) {}
+    /// Takes the time at the start of the next step, or of the last one that is made again (s). Only steps of a mechanism with forces that change need
+    /// it.
+    fn clock(&mut self, _time: f64) {}
     /// Takes efforts along some freedoms of scalar coordinates at all stages of the next attempt, freedom after freedom. Only steps of a mechanism
     /// whose forces are driven heed them.
     fn change(&mut self, _freedoms: &[usize], _at_stages: &[f64]) {}

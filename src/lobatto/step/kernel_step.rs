@@ -79,6 +79,12 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         }
     }
 
+    fn clock(&mut self, time: f64) {
+        if let Some(applied) = self.workspace.applied_mut() {
+            applied.clock(time);
+        }
+    }
+
     fn change(&mut self, freedoms: &[usize], at_stages: &[f64]) {
         let stages = self.tableau.stages;
         if let Some(applied) = self.workspace.applied_mut() {

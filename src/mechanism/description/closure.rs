@@ -138,7 +138,8 @@ pub struct Coordinate {
     pub freedom: usize,
 }
 
-/// `g(q) = q_follower − multiplier · q_leader − offset = 0` between two scalar joint coordinates (rad or m, unwrapped).
+/// `g(q) = q_follower − multiplier · q_leader − offset = 0` between two scalar joint coordinates (rad or m, unwrapped), or with more leaders
+/// `g(q) = q_follower − Σ multiplier_i · q_i − offset = 0`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mimic {
     /// Name of the following joint.
@@ -149,8 +150,18 @@ pub struct Mimic {
     pub leader: Coordinate,
     /// Ratio of the displacements.
     pub multiplier: f64,
-    /// The follower's position where the leader is at zero.
+    /// The follower's position where all leaders are at zero.
     pub offset: f64,
+    /// More leaders, each with the ratio of the displacements; mostly there are none.
+    pub more: Vec<(Coordinate, f64)>,
+}
+
+impl Mimic {
+    /// The coordinates of the relation with their coefficients in g: the follower first.
+    pub fn terms(&self) -> impl Iterator<Item = (Coordinate, f64)> {
+        let more = self.more.iter().map(|&(own, ratio)| (own, -ratio));
+        [(self.follower, 1.0), (self.leader, -self.multiplier)].into_iter().chain(more)
+    }
 }
 
 /// The allowed range of a scalar joint coordinate (rad or m).

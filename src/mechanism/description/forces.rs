@@ -1,10 +1,11 @@
-//! Smooth forces besides gravity: springs, dampers and loads. A mechanism without forces has five empty lists.
+//! Smooth forces besides gravity: springs, dampers and loads. A mechanism without forces has empty lists alone.
 //!
 //! The data is here, the physics of each force in a file of its own: `joint_damper`, `joint_spring`,
-//! `joint_load`, `point_spring`, `wrench`. `total` sums them up for a state; the scheme has its own evaluation
+//! `joint_load`, `point_spring`, `wrench`, `link_load`, `drag`. `total` sums them up for a state; the scheme has its own evaluation
 //! for all stages at once (`lobatto::equations::forces`).
 
 use crate::description::closure::{Attachment, Coordinate};
+use crate::description::course::Course;
 use nalgebra::Vector3;
 
 /// Every force on a mechanism besides gravity.
@@ -20,6 +21,12 @@ pub struct Forces {
     pub point_springs: Vec<PointSpring>,
     /// Constant wrenches on bodies.
     pub wrenches: Vec<Wrench>,
+    /// Efforts in joints that change in time.
+    pub joint_courses: Vec<JointCourse>,
+    /// Loads on bodies that change in time or turn with their body.
+    pub link_loads: Vec<LinkLoad>,
+    /// Drag of bodies.
+    pub drags: Vec<Drag>,
     /// Whether efforts are handed to every step ([`crate::motion::inputs::Inputs`]): simplifications that hold under gravity alone are then not
     /// allowed.
     pub driven: bool,
@@ -85,27 +92,95 @@ pub struct Wrench {
     pub torque: Vector3<f64>,
 }
 
+/// An effort along a scalar coordinate that changes in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointCourse {
+    /// Entry of the velocity vector.
+    pub freedom: usize,
+    /// N m or N.
+    pub effort: f64,
+    /// Its factor over time.
+    pub course: Course,
+}
+
+/// A force and a torque on a body that change in time or turn with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkLoad {
+    /// The body.
+    pub body: usize,
+    /// The point of action of the force, in the body frame (m).
+    pub point: Vector3<f64>,
+    /// The force, in the world or in the body frame (N).
+    pub force: Vector3<f64>,
+    /// The torque, in the same axes (N m).
+    pub torque: Vector3<f64>,
+    /// Whether both have the axes of the body.
+    pub turns: bool,
+    /// Their factor over time.
+    pub course: Course,
+}
+
+/// Drag of a body: `−(linear + quadratic |v|) v` at a point, and a torque `−(angular_linear + angular_quadratic |ω|) ω`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drag {
+    /// The body.
+    pub body: usize,
+    /// The point in the body frame (m).
+    pub point: Vector3<f64>,
+    /// N s/m.
+    pub linear: f64,
+    /// N s²/m².
+    pub quadratic: f64,
+    /// N m s/rad.
+    pub angular_linear: f64,
+    /// N m s²/rad².
+    pub angular_quadratic: f64,
+}
+
 impl Forces {
+    /// The next instant after `time` at which a force jumps or has a kink (s).
+    pub fn next_instant(&self, time: f64) -> f64 {
+        self.courses().map(|course| course.next_instant(time)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a force changes in time.
+    pub fn change(&self) -> bool {
+        self.courses().any(|course| !course.is_constant())
+    }
+
+    fn courses(&self) -> impl Iterator<Item = &Course> {
+        let in_joints = self.joint_courses.iter().map(|load| &load.course);
+        in_joints.chain(self.link_loads.iter().map(|load| &load.course))
+    }
+
     /// Whether the same forces act, whoever drives them.
     #[inline]
     pub fn are_those_of(&self, other: &Forces) -> bool {
-        let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven: _ } = self;
+        let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, .. } = self;
+        let Forces { joint_courses, link_loads, drags, .. } = self;
         *joint_dampers == other.joint_dampers
             && *joint_springs == other.joint_springs
             && *joint_loads == other.joint_loads
             && *point_springs == other.point_springs
             && *wrenches == other.wrenches
+            && *joint_courses == other.joint_courses
+            && *link_loads == other.link_loads
+            && *drags == other.drags
     }
 
     /// Whether there are no forces.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven } = self;
+        let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven, .. } = self;
+        let Forces { joint_courses, link_loads, drags, .. } = self;
         joint_dampers.is_empty()
             && joint_springs.is_empty()
             && joint_loads.is_empty()
             && point_springs.is_empty()
             && wrenches.is_empty()
+            && joint_courses.is_empty()
+            && link_loads.is_empty()
+            && drags.is_empty()
             && !driven
     }
 }

@@ -3,6 +3,7 @@
 pub mod body_state;
 pub mod closure;
 pub mod contact;
+pub mod course;
 pub mod forces;
 pub mod joint;
 pub mod mechanism;

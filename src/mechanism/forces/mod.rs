@@ -2,10 +2,12 @@
 
 #[cfg(test)]
 mod differences;
+pub mod drag;
 pub mod joint_damper;
 pub mod joint_load;
 pub mod joint_spring;
 pub mod line_of_action;
+pub mod link_load;
 pub mod point_spring;
 pub mod total;
 pub mod wrench;

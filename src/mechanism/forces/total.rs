@@ -67,8 +67,8 @@ pub fn scalar_coordinate(mechanism: &Mechanism, freedom: usize) -> Option<Coordi
     (offset < scalars).then_some(Coordinate { body, position: joint.position_index + offset, freedom })
 }
 
-/// The efforts of all forces in joints along the degrees of freedom [N m or N], written into `efforts`.
-pub fn joint_efforts(mechanism: &Mechanism, position: &[f64], velocity: &[f64], efforts: &mut [f64]) {
+/// At a time (s) the efforts of all forces in joints along the degrees of freedom [N m or N], written into `efforts`.
+pub fn joint_efforts(mechanism: &Mechanism, time: f64, position: &[f64], velocity: &[f64], efforts: &mut [f64]) {
     let forces = &mechanism.forces;
     efforts.fill(0.0);
     for damper in &forces.joint_dampers {
@@ -80,10 +80,13 @@ pub fn joint_efforts(mechanism: &Mechanism, position: &[f64], velocity: &[f64], 
     for load in &forces.joint_loads {
         efforts[load.freedom] += load.effort;
     }
+    for load in &forces.joint_courses {
+        efforts[load.freedom] += load.effort * load.course.value(time, time);
+    }
 }
 
-/// The wrenches of all other forces on the bodies, written into `wrenches` (one entry a body).
-pub fn body_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut [BodyWrench]) {
+/// At a time (s) the wrenches of all other forces on the bodies, written into `wrenches` (one entry a body).
+pub fn body_wrenches(mechanism: &Mechanism, time: f64, bodies: &[BodyState], wrenches: &mut [BodyWrench]) {
     wrenches.fill((Vector3::zeros(), Vector3::zeros()));
     for spring in &mechanism.forces.point_springs {
         let force = spring.force(&spring.line(bodies));
@@ -102,6 +105,13 @@ pub fn body_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut
     for wrench in &mechanism.forces.wrenches {
         wrenches[wrench.body].0 += wrench.force;
         wrenches[wrench.body].1 += wrench.torque_about_center(&bodies[wrench.body]);
+    }
+    let loads = mechanism.forces.link_loads.iter();
+    let loads = loads.map(|load| (load.body, load.wrench(load.course.value(time, time), &bodies[load.body])));
+    let drags = mechanism.forces.drags.iter().map(|drag| (drag.body, drag.wrench(&bodies[drag.body])));
+    for (body, (force, torque)) in loads.chain(drags) {
+        wrenches[body].0 += force;
+        wrenches[body].1 += torque;
     }
 }
 
@@ -127,8 +137,8 @@ pub fn stored(mechanism: &Mechanism, position: &[f64], bodies: &[BodyState]) -> 
     stored
 }
 
-/// The powers (W) of forces without a potential.
-pub fn powers(mechanism: &Mechanism, velocity: &[f64], bodies: &[BodyState]) -> Exchange {
+/// The powers (W) of forces without a potential at a time (s).
+pub fn powers(mechanism: &Mechanism, time: f64, velocity: &[f64], bodies: &[BodyState]) -> Exchange {
     let forces = &mechanism.forces;
     let mut powers = Exchange::default();
     for damper in &forces.joint_dampers {
@@ -144,6 +154,15 @@ pub fn powers(mechanism: &Mechanism, velocity: &[f64], bodies: &[BodyState]) -> 
     }
     for wrench in &forces.wrenches {
         powers.work += wrench.power(&bodies[wrench.body].angular_velocity);
+    }
+    for load in &forces.joint_courses {
+        powers.work += load.effort * load.course.value(time, time) * velocity[load.freedom];
+    }
+    for load in &forces.link_loads {
+        powers.work += load.power(load.course.value(time, time), &bodies[load.body]);
+    }
+    for drag in &forces.drags {
+        powers.dissipated += drag.dissipated_power(&bodies[drag.body]);
     }
     powers
 }

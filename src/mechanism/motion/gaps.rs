@@ -172,6 +172,7 @@ pub fn gap_accelerations(
     }
     for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
         *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];
+        mimic.more.iter().for_each(|(own, ratio)| *out -= ratio * joints[own.freedom]);
     }
 }
 
@@ -182,5 +183,8 @@ pub fn mimic_gap(mimic: &Mimic, state: &State) -> (f64, f64) {
     let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
     let gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
     let rate = state.velocity[mimic.follower.freedom] - mimic.multiplier * state.velocity[mimic.leader.freedom];
-    (gap, rate)
+    mimic.more.iter().fold((gap, rate), |(gap, rate), (own, ratio)| {
+        let (position, rest) = (state.position[own.position], state.compensation[own.position]);
+        (gap - ratio * position - ratio * rest, rate - ratio * state.velocity[own.freedom])
+    })
 }

@@ -67,7 +67,8 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
         mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
     let ends = |a: &Attachment, b: &Attachment| a.body.zip(b.body);
     let loops = mechanism.closing_ends().filter_map(|[a, b]| ends(a, b));
-    let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower.body, mimic.leader.body));
+    let mimics = mechanism.mimics.iter();
+    let mimics = mimics.flat_map(|mimic| mimic.terms().skip(1).map(|(own, _)| (mimic.follower.body, own.body)));
     let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
     let colliders = &mechanism.nonsmooth.colliders;
     let pairs = mechanism.nonsmooth.pairs.iter();
@@ -168,6 +169,9 @@ impl Island {
         forces.joint_loads.retain(|load| acts_here(load.freedom));
         forces.point_springs.retain(|spring| touches(&spring.a, &spring.b));
         forces.wrenches.retain(|wrench| here(wrench.body));
+        forces.joint_courses.retain(|load| acts_here(load.freedom));
+        forces.link_loads.retain(|load| here(load.body));
+        forces.drags.retain(|drag| here(drag.body));
 
         mechanism.nonsmooth.keep_bodies(|body| here(body).then(|| into.body(body)));
         let Nonsmooth { limits, friction, motors, speeds, colliders: _, pairs: _ } = &mut mechanism.nonsmooth;

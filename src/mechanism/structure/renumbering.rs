@@ -26,7 +26,10 @@ impl Renumbering<'_> {
             end.body = end.body.map(self.body);
         }
         let Nonsmooth { limits: stops, friction, motors, speeds, colliders: _, pairs: _ } = nonsmooth;
-        let coordinates = mimics.iter_mut().flat_map(|mimic| [&mut mimic.follower, &mut mimic.leader]);
+        let coordinates = mimics.iter_mut().flat_map(|mimic| {
+            let more = mimic.more.iter_mut().map(|(own, _)| own);
+            [&mut mimic.follower, &mut mimic.leader].into_iter().chain(more)
+        });
         let coordinates = coordinates.chain(limits.iter_mut().chain(stops).map(|limit| &mut limit.coordinate));
         let coordinates = coordinates.chain(friction.iter_mut().map(|friction| &mut friction.coordinate));
         let coordinates = coordinates.chain(motors.iter_mut().map(|motor| &mut motor.coordinate));
@@ -39,5 +42,8 @@ impl Renumbering<'_> {
         forces.joint_dampers.iter_mut().for_each(|damper| damper.freedom = (self.freedom)(damper.freedom));
         forces.joint_loads.iter_mut().for_each(|load| load.freedom = (self.freedom)(load.freedom));
         forces.wrenches.iter_mut().for_each(|wrench| wrench.body = (self.body)(wrench.body));
+        forces.joint_courses.iter_mut().for_each(|load| load.freedom = (self.freedom)(load.freedom));
+        forces.link_loads.iter_mut().for_each(|load| load.body = (self.body)(load.body));
+        forces.drags.iter_mut().for_each(|drag| drag.body = (self.body)(drag.body));
     }
 }

@@ -133,6 +133,9 @@ impl Graph {
         links.extend(contacts.map(|joint| only_closes([joint.a.body, joint.b.body], joint.touch.rows())));
         let mimics = mechanism.mimics.iter();
         links.extend(mimics.map(|mimic| only_closes([Some(mimic.follower.body), Some(mimic.leader.body)], 1)));
+        let more =
+            mechanism.mimics.iter().flat_map(|mimic| mimic.more.iter().map(|(own, _)| (mimic.follower.body, own.body)));
+        links.extend(more.map(|(one, other)| only_closes([Some(one), Some(other)], 1)));
         let springs = mechanism.forces.point_springs.iter();
         links.extend(springs.map(|spring| only_closes([spring.a.body, spring.b.body], 1)));
         Graph { links, bodies: mechanism.bodies.len(), width: if plane.is_some() { 3 } else { 6 } }
@@ -165,13 +168,14 @@ fn fixed_joints(mechanism: &Mechanism) -> Vec<bool> {
     let forces = &mechanism.forces;
     let freedoms = forces.joint_dampers.iter().map(|damper| damper.freedom);
     let freedoms = freedoms.chain(forces.joint_loads.iter().map(|load| load.freedom));
+    let freedoms = freedoms.chain(forces.joint_courses.iter().map(|load| load.freedom));
     let bodies = freedoms.filter_map(|freedom| mechanism.body_of_freedom(freedom));
     let bodies = bodies.chain(forces.joint_springs.iter().map(|spring| spring.coordinate.body));
     let Nonsmooth { friction, motors, .. } = &mechanism.nonsmooth;
     let bodies = bodies.chain(friction.iter().map(|friction| friction.coordinate.body));
     let bodies = bodies.chain(motors.iter().map(|motor| motor.coordinate.body));
     let bodies = bodies.chain(mechanism.rotors().filter_map(|(freedom, _)| mechanism.body_of_freedom(freedom)));
-    for body in bodies.chain(mechanism.mimics.iter().flat_map(|mimic| [mimic.follower.body, mimic.leader.body])) {
+    for body in bodies.chain(mechanism.mimics.iter().flat_map(|mimic| mimic.terms().map(|(own, _)| own.body))) {
         fixed[body] = true;
     }
     fixed

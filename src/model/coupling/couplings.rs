@@ -22,7 +22,8 @@ impl Model {
         let builder = Builder { model: self, bodies: &[], dropped: &|_| false, scene };
         builder.check_scene_joints()?;
         let mut warnings = Vec::new();
-        let mimics = builder.urdf_mimics(&mut warnings)?;
+        let mut mimics = builder.urdf_mimics(&mut warnings)?;
+        mimics.extend(builder.relations()?);
         let limits = builder.limits(&mut warnings);
         let rotors = builder.rotors(&mut warnings);
         self.mechanism.mimics = mimics;
@@ -60,7 +61,12 @@ impl Model {
             match builder.load(load)? {
                 Load::Joint(load) => forces.joint_loads.push(load),
                 Load::Link(wrench) => forces.wrenches.push(wrench),
+                Load::JointCourse(load) => forces.joint_courses.push(load),
+                Load::LinkLoad(load) => forces.link_loads.push(load),
             }
+        }
+        for drag in scene.iter().flat_map(|scene| &scene.drags) {
+            forces.drags.push(builder.drag(drag)?);
         }
         let mut warnings = Vec::new();
         let springs_dampers = forces.joint_dampers.len();

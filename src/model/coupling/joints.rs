@@ -70,6 +70,7 @@ impl Builder<'_> {
                 leader: self.coordinate(robot, &leader.name, &stand)?,
                 multiplier: mimic.multiplier,
                 offset: mimic.offset,
+                more: Vec::new(),
             });
         }
         warnings.extend(Warning::of_kind(still, "joint", "joints"));

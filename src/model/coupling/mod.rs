@@ -10,4 +10,5 @@ pub(crate) mod limits;
 pub(crate) mod loops;
 pub(crate) mod motors;
 pub(crate) mod overlaps;
+pub(crate) mod relations;
 pub(crate) mod rotors;

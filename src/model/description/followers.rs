@@ -27,9 +27,11 @@ impl Followed<'_> {
         // The leader of leaders is no follower.
         for mimic in mimics {
             let leads = |leader: Coordinate| !mimics.iter().any(|other| other.follower == leader);
-            if !given[mimic.leader.body] && leads(mimic.leader) {
-                given[mimic.leader.body] = true;
-                self.hand_on(mimics, &mut given);
+            for (leader, _) in mimic.terms().skip(1) {
+                if !given[leader.body] && leads(leader) {
+                    given[leader.body] = true;
+                    self.hand_on(mimics, &mut given);
+                }
             }
         }
     }
@@ -41,6 +43,10 @@ impl Followed<'_> {
             let mut changed = false;
             for mimic in mimics {
                 let offset = if self.offsets { mimic.offset } else { 0.0 };
+                if !mimic.more.is_empty() {
+                    changed |= self.complete(mimic, offset, decided);
+                    continue;
+                }
                 let (follower, leader) = ((self.place)(mimic.follower), (self.place)(mimic.leader));
                 if decided[mimic.leader.body] && !decided[mimic.follower.body] {
                     self.values[follower] = mimic.multiplier * self.values[leader] + offset;
@@ -56,6 +62,17 @@ impl Followed<'_> {
                 break;
             }
         }
+    }
+
+    /// Decides the one joint of a relation of several whose value is open, if there is one; whether there was.
+    fn complete(&mut self, mimic: &Mimic, offset: f64, decided: &mut [bool]) -> bool {
+        let mut open = mimic.terms().filter(|(own, coefficient)| !decided[own.body] && *coefficient != 0.0);
+        let (Some((own, coefficient)), None) = (open.next(), open.next()) else { return false };
+        let others = mimic.terms().filter(|(other, _)| *other != own);
+        let sum: f64 = others.map(|(other, coefficient)| coefficient * self.values[(self.place)(other)]).sum();
+        self.values[(self.place)(own)] = (offset - sum) / coefficient;
+        decided[own.body] = true;
+        true
     }
 }
 
@@ -74,6 +91,7 @@ mod tests {
             leader: at(leader),
             multiplier,
             offset,
+            more: Vec::new(),
         };
         // Joint 2 follows 1, 1 follows 0; joint 3 follows 0 and is listed first.
         let mimics = [mimic(3, 0, 4.0, 0.0), mimic(2, 1, 2.0, -0.3), mimic(1, 0, 0.5, 0.1)];

@@ -99,7 +99,7 @@ pub(super) fn tree<'m>(model: &'m Model, start: &State) -> Tree<'m> {
     let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
         let is_here = |coordinate: &Coordinate| coordinate.body == index;
         let limit = mechanism.limits.iter().find(|limit| is_here(&limit.coordinate));
-        let mimic = mechanism.mimics.iter().find(|mimic| is_here(&mimic.follower));
+        let mimic = mechanism.mimics.iter().find(|mimic| mimic.more.is_empty() && is_here(&mimic.follower));
         BodyOnJoint {
             name: &body.name,
             parent: body.parent,

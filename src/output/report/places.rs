@@ -120,6 +120,7 @@ pub(crate) fn carried_reports(
 ) -> (Reports<JointReport>, Reports<LoopReport>) {
     let mechanism = &model.mechanism;
     let mut carried = Reactions::new(mechanism);
+    carried.clock(state.time);
     carried.drive(&motor_efforts(model, state, statuses));
     let (reactions, _) = carried.at(&state.position, &state.velocity);
     let joints = reports_of_joints(model, state, reactions, statuses);

@@ -3,7 +3,7 @@
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::body::{SceneBody, Weight};
-use crate::scene::coupling::{JointReference, LoadKind, SpringPlace};
+use crate::scene::coupling::{JointReference, SpringPlace};
 use crate::scene::description::{Scene, SceneRobot};
 use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::{Parameter, Range};
@@ -30,6 +30,7 @@ pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
     }
     keys.drives(scene);
     keys.couplings(scene);
+    keys.relations(scene);
     keys.loads(scene);
     keys.contact(scene);
     keys.put("simulation", "duration", Range::Positive, Place::Duration);
@@ -43,17 +44,17 @@ pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
     keys.all
 }
 
-struct Keys {
+pub(crate) struct Keys {
     all: Vec<Parameter>,
 }
 
 impl Keys {
     /// A number of the key path `head.rest`, of which `rest` is enough where it is the only one.
-    fn put(&mut self, head: &str, rest: &str, range: Range, place: Place) {
+    pub(crate) fn put(&mut self, head: &str, rest: &str, range: Range, place: Place) {
         self.all.push(Parameter { key: format!("{head}.{rest}"), short: rest.to_string(), place, range, said: None });
     }
 
-    fn vector(&mut self, head: &str, rest: &str, range: Range, place: impl Fn(usize) -> Place) {
+    pub(crate) fn vector(&mut self, head: &str, rest: &str, range: Range, place: impl Fn(usize) -> Place) {
         for (index, axis) in AXES.iter().enumerate() {
             self.put(head, &format!("{rest}.{axis}"), range, place(index));
         }
@@ -261,32 +262,6 @@ impl Keys {
                 if (if b { &one.b } else { &one.a }).axis.is_some() {
                     let rest = format!("{}.{end}.axis", one.name);
                     self.vector("loop", &rest, Range::Finite, |axis| Place::LoopAxis { of, b, axis });
-                }
-            }
-        }
-    }
-
-    fn loads(&mut self, scene: &Scene) {
-        for (load, one) in scene.loads.iter().enumerate() {
-            let alone = scene.loads.iter().filter(|other| other.on == one.on).count() == 1;
-            let name = if alone { one.on.clone() } else { (load + 1).to_string() };
-            match one.kind {
-                LoadKind::Joint { .. } => {
-                    self.put("load", &format!("{name}.effort"), Range::Finite, Place::LoadEffort(load));
-                }
-                LoadKind::Link { .. } => {
-                    self.vector("load", &format!("{name}.force"), Range::Finite, |axis| Place::LoadForce {
-                        load,
-                        axis,
-                    });
-                    self.vector("load", &format!("{name}.torque"), Range::Finite, |axis| Place::LoadTorque {
-                        load,
-                        axis,
-                    });
-                    self.vector("load", &format!("{name}.position"), Range::Finite, |axis| Place::LoadPosition {
-                        load,
-                        axis,
-                    });
                 }
             }
         }

@@ -26,6 +26,9 @@
 //! | `spring.NAME.stiffness`, `.damping`, `.rest_length`, `.rest`, `.a.position.x` | as `[[spring]]`                                     |
 //! | `loop.NAME.length`, `.a.position.x`, `.a.axis.x`                      | as `[[loop]]`                                               |
 //! | `loop.NAME.axis.x`, `.a.position.x`, `.a.rpy.roll`                    | of a `<loop_joint>`: its axis, and frames in its links      |
+//! | `load.NAME.factor`, `.factor.1.time`, `.factor.1.value`, `.wave.amplitude`, `.from`, `.until` | as `[[load]]`                   |
+//! | `coupling.NAME.joints.JOINT`, `coupling.NAME.offset`                  | as `[[coupling]]`                                           |
+//! | `drag.LINK.linear`, `.quadratic`, `.angular`, `.angular_quadratic`, `.position.x` | as `[[drag]]`                                |
 //! | `load.JOINT.effort`, `load.LINK.force.x`, `.torque.x`, `.position.x`  | as `[[load]]`; several on one are numbered: `load.2.effort` |
 //! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll` | as `[[obstacle]]` |
 //! | `obstacle.NAME.shape.radius`, `.length`, `.size.x`, `.normal.x`, `.scale.x` | as the `shape` of `[[obstacle]]` |
@@ -37,6 +40,7 @@
 //! `gravity.z`. If a scene has several robots, links and joints are called `robot/name`. Shapes and colours for viewers have no key path.
 
 mod keys;
+pub(crate) mod load_keys;
 mod place;
 mod reach;
 mod settle;

@@ -161,6 +161,32 @@ pub(crate) enum Place {
         angle: usize,
     },
     LoadEffort(usize),
+    Load {
+        load: usize,
+        what: LoadNumber,
+    },
+    /// The time of an entry of the factor of a load.
+    FactorTime {
+        load: usize,
+        entry: usize,
+    },
+    FactorValue {
+        load: usize,
+        entry: usize,
+    },
+    CouplingTerm {
+        coupling: usize,
+        term: usize,
+    },
+    CouplingOffset(usize),
+    Drag {
+        drag: usize,
+        number: usize,
+    },
+    DragPosition {
+        drag: usize,
+        axis: usize,
+    },
     LoadForce {
         load: usize,
         axis: usize,
@@ -220,6 +246,18 @@ pub(crate) enum MotorNumber {
     Target,
     MaxEffort,
     Period,
+}
+
+/// The numbers of a load over time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LoadNumber {
+    From,
+    Until,
+    Factor,
+    Mean,
+    Amplitude,
+    Frequency,
+    Phase,
 }
 
 /// The numbers of a spring.

@@ -4,10 +4,11 @@ use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::body::Weight;
 use crate::scene::contact_settings::Obstacle;
-use crate::scene::coupling::{JointReference, LoadKind, Point, SpringPlace};
+use crate::scene::coupling::{JointReference, Point, SpringPlace};
 use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
 use crate::scene::joint_settings::{LimitChoice, SceneJoint};
-use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
+use crate::scene::loads::{Factor, LoadKind};
+use crate::scene::parameters::place::{BodyNumber, LoadNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::slot::Slot;
 use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, Surface, UrdfJoint};
 use nalgebra::Matrix3;
@@ -137,6 +138,27 @@ impl Place {
                 LoadKind::Joint { effort, .. } => Number(effort),
                 LoadKind::Link { .. } => return None,
             },
+            Place::Load { load, what } => {
+                let load = scene.loads.get_mut(*load)?;
+                match (what, &mut load.factor) {
+                    (LoadNumber::From, _) => Number(load.from.as_mut()?),
+                    (LoadNumber::Until, _) => Number(load.until.as_mut()?),
+                    (LoadNumber::Factor, Factor::Number(factor)) => Number(factor),
+                    (LoadNumber::Mean, Factor::Wave(wave)) => Number(&mut wave.mean),
+                    (LoadNumber::Amplitude, Factor::Wave(wave)) => Number(&mut wave.amplitude),
+                    (LoadNumber::Frequency, Factor::Wave(wave)) => Number(&mut wave.frequency),
+                    (LoadNumber::Phase, Factor::Wave(wave)) => Number(&mut wave.phase),
+                    _ => return None,
+                }
+            }
+            Place::FactorTime { load, entry } => Number(&mut factor_of(scene, *load, *entry)?.0),
+            Place::FactorValue { load, entry } => Number(&mut factor_of(scene, *load, *entry)?.1),
+            Place::CouplingTerm { coupling, term } => {
+                Number(&mut scene.couplings.get_mut(*coupling)?.terms.get_mut(*term)?.1)
+            }
+            Place::CouplingOffset(coupling) => Number(&mut scene.couplings.get_mut(*coupling)?.offset),
+            Place::Drag { drag, number } => Number(scene.drags.get_mut(*drag)?.numbers.get_mut(*number)?),
+            Place::DragPosition { drag, axis } => at(&mut scene.drags.get_mut(*drag)?.point, *axis)?,
             Place::LoadForce { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
                 LoadKind::Link { force, .. } => Number(force.get_mut(*axis)?),
                 LoadKind::Joint { .. } => return None,
@@ -246,6 +268,14 @@ fn of_geometry(geometry: &mut Geometry, what: ShapeNumber) -> Option<&mut f64> {
         (ShapeNumber::Scale(axis), Geometry::Mesh(mesh)) => mesh.scale.get_mut(axis)?,
         _ => return None,
     })
+}
+
+/// An entry of the factor of a load: time and value.
+fn factor_of(scene: &mut Scene, load: usize, entry: usize) -> Option<&mut (f64, f64)> {
+    match &mut scene.loads.get_mut(load)?.factor {
+        Factor::Table(table) => table.points.get_mut(entry),
+        _ => None,
+    }
 }
 
 /// A number of the shape of an obstacle.

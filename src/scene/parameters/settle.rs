@@ -9,6 +9,7 @@ use crate::scene::contact_settings::Obstacle;
 use crate::scene::description::Scene;
 use crate::scene::error::{Element, Problem};
 use crate::scene::joint_settings::LimitChoice;
+use crate::scene::loads::{Factor, SceneLoad};
 use crate::scene::numbers::{normalised, turn, turn_of_z};
 use crate::scene::parameters::place::{Place, ShapeNumber};
 use crate::scene::robot::Geometry;
@@ -66,6 +67,23 @@ impl Place {
                 let motor = &mut scene.motors[motor];
                 if let Some(table) = &motor.table {
                     motor.target = table.target().map_err(|(_, reason)| reason)?;
+                }
+            }
+            Place::CouplingTerm { coupling, term } => {
+                if scene.couplings[coupling].terms[term].1 == 0.0 {
+                    return Err("a coefficient of a coupling is not zero; leave its joint out".to_string());
+                }
+            }
+            Place::FactorTime { load, .. } | Place::FactorValue { load, .. } => {
+                if let Factor::Table(table) = &scene.loads[load].factor {
+                    table.target().map_err(|(_, reason)| reason)?;
+                }
+            }
+            Place::Load { load, .. } => {
+                if let SceneLoad { from: Some(from), until: Some(until), .. } = scene.loads[load]
+                    && from >= until
+                {
+                    return Err("a load ends after it begins: give a later until".to_string());
                 }
             }
             Place::LoopAxis { of, b, .. } => {

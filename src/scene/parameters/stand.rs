@@ -68,7 +68,17 @@ impl Place {
                 let closing = &robot.loops[*of];
                 (robot.path.clone(), Some(closing.line), Some(Element::Loop(closing.name.clone())))
             }
+            Place::CouplingTerm { coupling, .. } | Place::CouplingOffset(coupling) => {
+                let of = &scene.couplings[*coupling];
+                here(of.line, Element::Coupling(of.name.clone()))
+            }
+            Place::Drag { drag, .. } | Place::DragPosition { drag, .. } => {
+                here(scene.drags[*drag].line, Element::Drag(scene.drags[*drag].on.clone()))
+            }
             Place::LoadEffort(load)
+            | Place::Load { load, .. }
+            | Place::FactorTime { load, .. }
+            | Place::FactorValue { load, .. }
             | Place::LoadForce { load, .. }
             | Place::LoadTorque { load, .. }
             | Place::LoadPosition { load, .. } => {

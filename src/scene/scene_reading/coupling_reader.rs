@@ -1,14 +1,12 @@
 //! Loops, springs and loads, from the tables of a scene file: names resolved, axes of length one.
 
-use crate::scene::coupling::{
-    JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
-};
+use crate::scene::coupling::{JointReference, LinkReference, LoopEnd, Point, SceneLoop, SceneSpring, SpringPlace};
 use crate::scene::description::SceneRobot;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::unit;
 use crate::scene::robot::LoopType;
 use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, Quantity};
-use crate::scene::scene_reading::scene_schema::{EndTable, LoadTable, LoopTable, SpringTable, vector};
+use crate::scene::scene_reading::scene_schema::{EndTable, LoopTable, SpringTable, vector};
 use crate::scene::scene_reading::toml_text::TomlText;
 use crate::scene::warning::Warning;
 use crate::scene::world::WORLD_LINK;
@@ -95,44 +93,6 @@ impl CouplingReader<'_> {
             springs.push(SceneSpring { name, stiffness, damping, place, line: self.text.line(&span) });
         }
         Ok(springs)
-    }
-
-    /// All loads.
-    pub fn loads(&mut self, tables: Vec<Spanned<LoadTable>>) -> Result<Vec<SceneLoad>, SceneError> {
-        let mut loads = Vec::with_capacity(tables.len());
-        for table in tables {
-            let span = table.span();
-            let LoadTable { joint, effort, link, position, force, torque } = table.into_inner();
-            let refuse = |message| Err(self.text.error(&span, None, Problem::Keys(message)));
-            let (on, kind) = match (joint, link) {
-                (Some(joint), None) => {
-                    let Some(effort) = effort else { return refuse("a load on a joint needs its effort") };
-                    if position.is_some() || force.is_some() || torque.is_some() {
-                        return refuse("a load on a joint has an effort, no position, force or torque");
-                    }
-                    let on = joint.get_ref().clone();
-                    let joint = self.joint(&joint, &Element::Load(on.clone()))?;
-                    (on, LoadKind::Joint { joint, effort: effort.get_ref().0 })
-                }
-                (None, Some(link)) => {
-                    if effort.is_some() {
-                        return refuse("a load on a link has a force or torque, no effort");
-                    }
-                    if force.is_none() && torque.is_none() {
-                        return refuse("a load on a link needs a force or a torque");
-                    }
-                    let numbers =
-                        |given: Option<Spanned<[Finite; 3]>>| given.map_or([Finite(0.0); 3], Spanned::into_inner);
-                    let on = link.get_ref().clone();
-                    let point = self.point(&link, &numbers(position), &Element::Load(on.clone()))?;
-                    let (force, torque) = (vector(&numbers(force)), vector(&numbers(torque)));
-                    (on, LoadKind::Link { point, force, torque })
-                }
-                _ => return refuse("a load is either on a joint or on a link"),
-            };
-            loads.push(SceneLoad { on, kind, line: self.text.line(&span) });
-        }
-        Ok(loads)
     }
 
     fn end(&mut self, table: &Spanned<EndTable>, kind: LoopType, owner: &Element) -> Result<LoopEnd, SceneError> {

@@ -18,8 +18,12 @@ pub(crate) mod coupling_reader;
 pub(crate) mod joint_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod joint_schema;
+#[cfg(feature = "scene")]
+pub(crate) mod load_reader;
 #[cfg(not(feature = "scene"))]
 pub(crate) mod no_scene_file;
+#[cfg(feature = "scene")]
+pub(crate) mod relation_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod scene_file;
 pub(crate) mod scene_files;

@@ -62,8 +62,10 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
-    let loads = reader.loads(file.load)?;
     let mut tables = Vec::new();
+    let loads = reader.loads(file.load, files, &mut tables)?;
+    let drags = reader.drags(file.drag)?;
+    let couplings = reader.relations(file.coupling)?;
     let motors = reader.motors(file.motor, &loops, files, &mut tables)?;
     let joints = reader.joints(file.joint, &loops)?;
     let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
@@ -87,6 +89,8 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         loops,
         springs,
         loads,
+        drags,
+        couplings,
         motors,
         joints,
         contact,

@@ -1,9 +1,10 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` gives their meaning.
 
+use crate::mechanism::description::course::Wave;
 use crate::scene::robot::LoopType;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::contact_schema::{ContactTable, LinkTable, ObstacleTable};
-use crate::scene::scene_reading::joint_schema::{JointTable, MotorTable};
+use crate::scene::scene_reading::joint_schema::{InterpolationKey, JointTable, MotorTable, TargetKey};
 use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive, Quantity, VelocityTable};
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
@@ -25,6 +26,10 @@ pub(crate) struct FileTable {
     pub spring: Vec<Spanned<SpringTable>>,
     #[serde(default)]
     pub load: Vec<Spanned<LoadTable>>,
+    #[serde(default)]
+    pub drag: Vec<Spanned<DragTable>>,
+    #[serde(default)]
+    pub coupling: Vec<Spanned<CouplingTable>>,
     #[serde(default)]
     pub motor: Vec<Spanned<MotorTable>>,
     #[serde(default)]
@@ -121,6 +126,62 @@ pub(crate) struct LoadTable {
     pub position: Option<Spanned<[Finite; 3]>>,
     pub force: Option<Spanned<[Finite; 3]>>,
     pub torque: Option<Spanned<[Finite; 3]>>,
+    pub frame: Option<LoadFrame>,
+    pub factor: Option<Spanned<TargetKey>>,
+    #[serde(default)]
+    pub interpolation: InterpolationKey,
+    pub wave: Option<WaveTable>,
+    pub from: Option<Finite>,
+    pub until: Option<Finite>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CouplingTable {
+    pub name: Option<Spanned<String>>,
+    pub joints: BTreeMap<Spanned<String>, Finite>,
+    pub offset: Option<Finite>,
+}
+
+#[derive(Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum LoadFrame {
+    World,
+    Link,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WaveTable {
+    mean: Option<Finite>,
+    amplitude: Option<Finite>,
+    frequency: Finite,
+    phase: Option<Finite>,
+}
+
+impl WaveTable {
+    /// The wave; its amplitude is 1 where that is not given.
+    pub fn wave(&self) -> Wave {
+        let number = |given: Option<Finite>, otherwise: f64| given.map_or(otherwise, |given| given.0);
+        Wave {
+            mean: number(self.mean, 0.0),
+            amplitude: number(self.amplitude, 1.0),
+            frequency: self.frequency.0,
+            phase: number(self.phase, 0.0),
+        }
+    }
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DragTable {
+    pub link: Spanned<String>,
+    #[serde(default)]
+    pub position: [Finite; 3],
+    pub linear: Option<NotNegative>,
+    pub quadratic: Option<NotNegative>,
+    pub angular: Option<NotNegative>,
+    pub angular_quadratic: Option<NotNegative>,
 }
 
 #[derive(serde::Deserialize)]

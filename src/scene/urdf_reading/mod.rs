@@ -8,6 +8,7 @@ pub(crate) mod inertia;
 pub(crate) mod mesh_files;
 pub(crate) mod package_path;
 pub(crate) mod schema;
+pub(crate) mod screws;
 pub(crate) mod surface_friction;
 pub(crate) mod transmissions;
 pub(crate) mod tree;

@@ -162,6 +162,7 @@ static JOINT: Schema = Schema {
         child(&LIMIT, AtMostOne),
         child(&DYNAMICS, AtMostOne),
         child(&MIMIC, AtMostOne),
+        child(&THREAD_PITCH, AtMostOne),
     ],
 };
 
@@ -199,6 +200,7 @@ static DYNAMICS: Schema = leaf(
         attribute("armature", Numbers(1), Optional),
     ],
 );
+static THREAD_PITCH: Schema = leaf("thread_pitch", &[attribute("value", Numbers(1), Required)]);
 static MIMIC: Schema = leaf(
     "mimic",
     &[

@@ -9,6 +9,7 @@ use crate::scene::urdf_reading::element::CleanElement;
 use crate::scene::urdf_reading::mesh_files::MeshFiles;
 use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::urdf_reading::schema::ROBOT;
+use crate::scene::urdf_reading::screws::expand_screws;
 use crate::scene::urdf_reading::surface_friction::take_friction;
 use crate::scene::urdf_reading::transmissions::take_rotors;
 use crate::scene::urdf_reading::tree::find_root;
@@ -68,6 +69,7 @@ fn read_robot(
     let (closing, children) = std::mem::take(&mut robot.children).into_iter().partition(|e| e.name == "loop_joint");
     let closing: Vec<CleanElement> = closing;
     robot.children = children;
+    expand_screws(path, &mut robot)?;
     let (meshes, missing_meshes) = find_meshes(&robot);
 
     let mut converter = Converter {

@@ -53,7 +53,8 @@ pub(crate) struct Inside {
 
 /// Whether there are dampers, one of which may be too hard for a step.
 pub(crate) fn has_dampers(forces: &Forces) -> bool {
-    !forces.joint_dampers.is_empty() || forces.point_springs.iter().any(|spring| spring.damping > 0.0)
+    let between_points = forces.point_springs.iter().any(|spring| spring.damping > 0.0);
+    !forces.joint_dampers.is_empty() || between_points || !forces.drags.is_empty()
 }
 
 impl Inside {

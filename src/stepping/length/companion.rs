@@ -65,7 +65,8 @@ pub struct Companion {
 
 /// Whether any of these forces is a spring or a damper.
 fn is_sprung(forces: &Forces) -> bool {
-    !forces.joint_springs.is_empty() || !forces.joint_dampers.is_empty() || !forces.point_springs.is_empty()
+    let in_joints = !forces.joint_springs.is_empty() || !forces.joint_dampers.is_empty();
+    in_joints || !forces.point_springs.is_empty() || !forces.drags.is_empty()
 }
 
 impl Companion {

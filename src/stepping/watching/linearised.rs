@@ -87,8 +87,8 @@ impl Motion {
     fn add(&mut self, mechanism: &Mechanism, state: &State, sign: f64, sum: &mut [f64]) {
         self.start.set(mechanism, state);
         let states = self.start.body_states();
-        body_wrenches(mechanism, states, &mut self.wrenches);
-        joint_efforts(mechanism, &state.position, &state.velocity, &mut self.efforts);
+        body_wrenches(mechanism, state.time, states, &mut self.wrenches);
+        joint_efforts(mechanism, state.time, &state.position, &state.velocity, &mut self.efforts);
         self.dynamics.apply(&self.start, &self.wrenches, &self.efforts);
         self.dynamics.set(&self.plan, &self.start, &mechanism.gravity.into());
         let accelerations = self.dynamics.accelerations_mut();
@@ -150,10 +150,12 @@ impl Linearised {
     /// An estimate without a known direction.
     pub fn new(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
-        let damped = !forces.joint_dampers.is_empty() || forces.point_springs.iter().any(|spring| spring.damping > 0.0);
+        let between_points = forces.point_springs.iter().any(|spring| spring.damping > 0.0);
+        let damped = between_points || !forces.joint_dampers.is_empty() || !forces.drags.is_empty();
         let undamped = damped.then(|| {
             let mut undamped = mechanism.clone();
             undamped.forces.joint_dampers.clear();
+            undamped.forces.drags.clear();
             undamped.forces.point_springs.iter_mut().for_each(|spring| spring.damping = 0.0);
             undamped
         });

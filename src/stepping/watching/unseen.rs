@@ -31,7 +31,9 @@ impl Pushes {
         let wrenches: f64 = forces.wrenches.iter().map(|wrench| wrench.force.norm() + wrench.torque.norm()).sum();
         let joints: f64 = forces.joint_springs.iter().map(|spring| spring.stiffness).sum();
         let points: f64 = forces.point_springs.iter().map(|spring| spring.stiffness).sum();
-        Pushes { constant: weight + loads + wrenches, stiffness: joints + points }
+        let changing: f64 = forces.joint_courses.iter().map(|load| load.effort.abs()).sum();
+        let turning: f64 = forces.link_loads.iter().map(|load| load.force.norm() + load.torque.norm()).sum();
+        Pushes { constant: weight + loads + wrenches + changing + turning, stiffness: joints + points }
     }
 
     /// F with springs that store this energy (J), and efforts of this sum.

@@ -76,6 +76,7 @@ impl<'m> Baumgarte<'m> {
         }
         let free_joints =
             forces.joint_dampers.is_empty() && forces.joint_springs.is_empty() && forces.joint_loads.is_empty();
+        let free_joints = free_joints && !forces.change();
         if !free_joints || !mechanism.mimics.is_empty() {
             return Err("it has no joint coordinates, which forces in joints and mimic relations need");
         }
@@ -145,7 +146,7 @@ impl<'m> Baumgarte<'m> {
     fn derivative(&self, y: &DVector<f64>) -> Result<DVector<f64>, BaumgarteError> {
         let (mechanism, bodies) = (self.mechanism, bodies_of(y));
         let mut wrenches = vec![BodyWrench::default(); bodies.len()];
-        body_wrenches(mechanism, &bodies, &mut wrenches);
+        body_wrenches(mechanism, 0.0, &bodies, &mut wrenches);
         let mut inverses = Vec::with_capacity(bodies.len());
         // The accelerations of the bodies without constraints: M⁻¹ f.
         let mut free = DVector::zeros(6 * bodies.len());
@@ -187,7 +188,7 @@ impl<'m> Baumgarte<'m> {
             own.fixed_rows_mut::<4>(3).copy_from_slice(&turning);
             own.fixed_rows_mut::<6>(7).copy_from(&accelerations.fixed_rows::<6>(6 * index));
         }
-        let exchange = powers(mechanism, &vec![0.0; mechanism.velocity_count], &bodies);
+        let exchange = powers(mechanism, 0.0, &vec![0.0; mechanism.velocity_count], &bodies);
         let n = y.len();
         (slope[n - 2], slope[n - 1]) = (exchange.dissipated, exchange.work);
         Ok(slope)

@@ -49,7 +49,14 @@ fn random_mechanism(numbers: &mut Numbers) -> Model {
     }
     if numbers.next(0.0, 1.0) < 0.5 {
         let (follower, leader) = (scalar(&mechanism, any(numbers)), scalar(&mechanism, any(numbers)));
-        mechanism.mimics.push(Mimic { name: "mimic".into(), follower, leader, multiplier: 2.0, offset: 0.0 });
+        mechanism.mimics.push(Mimic {
+            name: "mimic".into(),
+            follower,
+            leader,
+            multiplier: 2.0,
+            offset: 0.0,
+            more: Vec::new(),
+        });
     }
     let Forces { joint_dampers, joint_loads, wrenches, .. } = models::every_force(&mechanism).pop().expect("all").1;
     mechanism.forces = Forces { joint_dampers, joint_loads, wrenches, ..mechanism.forces };

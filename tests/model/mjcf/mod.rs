@@ -238,3 +238,24 @@ fn the_mass_of_a_mesh_is_that_of_the_solid_in_it_and_a_total_mass_scales_all() {
         assert_eq!(scene.robots[0].robot.links[0].collisions.len(), 1);
     }
 }
+
+#[test]
+fn armature_of_hinges_and_slides_is_the_inertia_of_their_rotors() {
+    let folder = std::env::temp_dir().join(format!("catena-mjcf-armature-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let matrix = |armature: &str| {
+        let text = format!(
+            "<mujoco><default><joint {armature}/></default><worldbody><body name='a'><joint name='turn' axis='0 1 0'/>\
+             <geom type='box' size='.1 .1 .3' pos='0 0 -.3'/><body name='b' pos='0 0 -.6'><joint name='slide' type='slide' axis='1 0 0'/>\
+             <geom type='box' size='.1 .1 .1'/></body></body></worldbody></mujoco>"
+        );
+        let file = folder.join("two.xml");
+        std::fs::write(&file, text).expect("a model");
+        let model = Model::load(&file).expect("a model");
+        assert!(!model.description().warning_lines().any(|line| line.contains("armature")));
+        model.mass_matrix(&[0.3, 0.1]).expect("a mass matrix")
+    };
+    let more = matrix("armature='0.25'") - matrix("damping='0'");
+    // Roundings of entries of some hundred kg m².
+    assert!((more - nalgebra::DMatrix::identity(2, 2) * 0.25).amax() < 1e-12);
+}

@@ -116,6 +116,7 @@ fn geared(ratio: f64, offset: f64) -> (Mechanism, State) {
         leader: coordinate(0),
         multiplier: ratio,
         offset,
+        more: Vec::new(),
     });
     let mut state = State::zero(&mechanism);
     state.position.copy_from_slice(&[0.2, ratio * 0.2 + offset]);

@@ -102,7 +102,14 @@ fn implied() -> (Mechanism, State) {
         Coordinate { body, position: joint.position_index, freedom: joint.velocity_index }
     };
     let (follower, leader) = (coordinate(2), coordinate(1));
-    mechanism.mimics.push(Mimic { name: "lower".into(), follower, leader, multiplier: 2.0, offset: 0.0 });
+    mechanism.mimics.push(Mimic {
+        name: "lower".into(),
+        follower,
+        leader,
+        multiplier: 2.0,
+        offset: 0.0,
+        more: Vec::new(),
+    });
     (mechanism, state)
 }
 

@@ -31,6 +31,7 @@ fn geared() -> Model {
         leader: coordinate(leader),
         multiplier,
         offset: 0.2,
+        more: Vec::new(),
     };
     model.mechanism.mimics = vec![mimic("hinge", 6, 1, -1.7), mimic("slide", 3, 0, 0.4)];
     assemble(&model.mechanism, &mut model.state).expect("mimics can always be followed");

@@ -168,11 +168,8 @@ fn touch_rows(
 /// The equations of the mimics.
 pub fn mimic_rows(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> Vec<Row> {
     let row = |(number, mimic): (usize, &Mimic)| {
-        let (follower, leader) = (mimic.follower.freedom, mimic.leader.freedom);
-        let mut entries = vec![(follower, lengths[follower])];
-        if mimic.multiplier != 0.0 {
-            entries.push((leader, -mimic.multiplier * lengths[leader]));
-        }
+        let terms = mimic.terms().map(|(own, coefficient)| (own.freedom, coefficient * lengths[own.freedom]));
+        let mut entries: Vec<(usize, f64)> = terms.filter(|(_, entry)| *entry != 0.0).collect();
         entries.sort_unstable_by_key(|(freedom, _)| *freedom);
         let largest = entries.iter().fold(0.0_f64, |most, (_, entry)| most.max(entry.abs()));
         entries.iter_mut().for_each(|(_, entry)| *entry /= largest);

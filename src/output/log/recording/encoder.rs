@@ -89,6 +89,7 @@ impl SampleEncoder {
                 motors.work_out(times, positions, velocities);
                 self.instants.drive(motors.efforts());
             }
+            self.instants.clock(times);
             self.instants.look(positions, velocities, times.len(), &mut self.snapshots);
             for (instant, &time) in times.iter().enumerate() {
                 while let Some((_, what)) = between.next_if(|(before, _)| *before <= first + instant) {

@@ -53,6 +53,7 @@ fn build(place: usize) -> Result<Case, MechanismError> {
         leader: coordinate(first),
         multiplier,
         offset: 0.0,
+        more: Vec::new(),
     });
     mechanism.mimics = mimics.into();
     let mut state = State::zero(&mechanism);

@@ -1,0 +1,139 @@
+//! Loads that change in time, begin, end or turn with their link, and drag, against closed forms.
+
+use crate::common::scratch;
+use crate::scene_files::{joint, report};
+use catena::report::Report;
+use std::path::PathBuf;
+
+/// A cart of 2 kg on rails along x, with more tables.
+fn cart(folder: &str, more: &str) -> PathBuf {
+    let folder = scratch(folder);
+    let urdf = "<robot name='r'><link name='base'/><link name='cart'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' \
+                ixz='0' iyz='0'/></inertial></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>\
+                <axis xyz='1 0 0'/><limit lower='-inf' upper='inf' effort='inf' velocity='inf'/></joint></robot>";
+    std::fs::write(folder.join("cart.urdf"), urdf).expect("a robot");
+    let file = folder.join("cart.toml");
+    std::fs::write(&file, format!("[[robot]]\nurdf = \"cart.urdf\"\n{more}")).expect("a scene");
+    file
+}
+
+/// A free body of 3 kg whose moments are 0.2, 0.5 and 0.4 kg m², without gravity.
+fn free_body(folder: &str, more: &str) -> PathBuf {
+    let folder = scratch(folder);
+    let urdf = "<robot name='r'><link name='hull'><inertial><mass value='3'/><inertia ixx='0.2' iyy='0.5' izz='0.4' ixy='0' ixz='0' \
+                iyz='0'/></inertial></link></robot>";
+    std::fs::write(folder.join("hull.urdf"), urdf).expect("a robot");
+    let file = folder.join("hull.toml");
+    let scene = format!("[scene]\ngravity = [0, 0, 0]\n[[robot]]\nurdf = \"hull.urdf\"\nbase = \"floating\"\n{more}");
+    std::fs::write(&file, scene).expect("a scene");
+    file
+}
+
+fn near(what: &str, (is, wanted): (f64, f64), bound: f64) {
+    assert!((is - wanted).abs() < bound, "{what}: {is} instead of {wanted}, off by {:.1e}", is - wanted);
+}
+
+/// The position of the hull at the end (m).
+fn place(report: &Report) -> [f64; 3] {
+    report.links.iter().find(|(name, _)| name == "hull").expect("a hull").1.position
+}
+
+#[test]
+fn a_load_in_a_joint_follows_its_table_its_wave_and_its_switches() {
+    // 4 N times a ramp from 0 at 0.5 s to 1 at 1.5 s, then held: v = ½ a τ², x = a τ³/6 on the ramp.
+    let ramp = cart("ramp", "[[load]]\njoint = \"rail\"\neffort = 4.0\nfactor = [[0.5, 0], [1.5, 1]]\n");
+    let end = report(&ramp, &[], &[], Some(3.0), 1e-11);
+    let (x, v) = joint(&end, "rail");
+    near("v after the ramp", (v, 1.0 + 2.0 * 1.5), 1e-10);
+    near("x after the ramp", (x, 1.0 / 3.0 + 1.5 + 1.5 * 1.5), 1e-10);
+    // m ẍ = 3 (0.5 + 2 sin(5 t + 0.3)).
+    let wave = "[[load]]\njoint = \"rail\"\neffort = 3.0\nwave = { mean = 0.5, amplitude = 2.0, frequency = 5.0, phase = 0.3 }\n";
+    let end = report(&cart("wave", wave), &[], &[], Some(2.0), 1e-11);
+    let (x, v) = joint(&end, "rail");
+    let cosine = 0.3_f64.cos();
+    near("v of the wave", (v, 0.75 * 2.0 + 3.0 / 5.0 * (cosine - 10.3_f64.cos())), 1e-10);
+    let wanted = 0.375 * 4.0 + 0.6 * (cosine * 2.0 - (10.3_f64.sin() - 0.3_f64.sin()) / 5.0);
+    near("x of the wave", (x, wanted), 1e-10);
+    // 10 N from 0.3 s until 0.8 s.
+    let push = "[[load]]\njoint = \"rail\"\neffort = 10.0\nfrom = 0.3\nuntil = 0.8\n";
+    let end = report(&cart("push", push), &[], &[], Some(1.0), 1e-11);
+    let (x, v) = joint(&end, "rail");
+    near("v of the push", (v, 2.5), 1e-12);
+    near("x of the push", (x, 0.5 * 5.0 * 0.25 + 2.5 * 0.2), 1e-12);
+    // All of its energy is work of the load.
+    near("work", (end.energy.work, 6.25), 1e-11);
+    assert!(end.energy.max_relative_error < 1e-12, "{:?}", end.energy);
+}
+
+#[test]
+fn a_load_that_begins_pulls_a_joint_off_its_friction() {
+    // Friction of 6 N holds until the load, a ramp of 10 N/s, exceeds it at 0.6 s; then ẍ = 5 (t − 0.6).
+    let scene = "[[joint]]\nname = \"rail\"\nfriction = 6.0\n[[load]]\njoint = \"rail\"\neffort = 10.0\nfactor = [[0, 0], [2, 2]]\n";
+    let end = report(&cart("friction", scene), &[], &[], Some(1.6), 1e-11);
+    let (x, v) = joint(&end, "rail");
+    near("v", (v, 2.5), 1e-9);
+    near("x", (x, 5.0 / 6.0), 1e-9);
+    // A jump beyond the friction at 0.7 s.
+    let jump =
+        "[[joint]]\nname = \"rail\"\nfriction = 6.0\n[[load]]\nlink = \"cart\"\nforce = [10, 0, 0]\nfrom = 0.7\n";
+    let end = report(&cart("jump", jump), &[], &[], Some(1.7), 1e-11);
+    let (x, v) = joint(&end, "rail");
+    near("v after the jump", (v, 2.0), 1e-10);
+    near("x after the jump", (x, 1.0), 1e-10);
+}
+
+#[test]
+fn a_force_that_turns_with_its_link_drives_it_on_a_circle() {
+    // A spin of 2 rad/s about z and a force of 3 N ahead: v̇ = (cos 2t, sin 2t).
+    let scene = "velocity = { angular = [0, 0, 2] }\n[[load]]\nlink = \"hull\"\nforce = [3, 0, 0]\nframe = \"link\"\n";
+    let end = report(&free_body("circle", scene), &[], &[], Some(3.0), 1e-11);
+    let t: f64 = 3.0;
+    let [x, y, z] = place(&end);
+    near("x", (x, 0.25 * (1.0 - (2.0 * t).cos())), 1e-10);
+    near("y", (y, 0.5 * t - 0.25 * (2.0 * t).sin()), 1e-10);
+    near("z", (z, 0.0), 1e-12);
+    assert!(end.energy.max_relative_error < 1e-10, "{:?}", end.energy);
+    // A torque about an axis of the link that is no axis of the world: ω₃ = 0.5 t about z of the hull, which is −x of the world.
+    let turned = "pose = { rpy = [0, \"-90 deg\", 0] }\n[[load]]\nlink = \"hull\"\ntorque = [0, 0, 0.2]\nframe = \"link\"\nuntil = 2.0\n";
+    let end = report(&free_body("torque", turned), &[], &[], Some(3.0), 1e-11);
+    let spin = end.links.iter().find(|(name, _)| name == "hull").expect("a hull").1.angular_velocity;
+    near("spin", (spin[0], -1.0), 1e-11);
+    near("work", (end.energy.work, 0.2), 1e-11);
+}
+
+#[test]
+fn drag_slows_bodies_as_in_closed_form() {
+    // Linear: v = v₀ e^{−ct/m}, quadratic: v = v₀ / (1 + k v₀ t/m).
+    let linear = "velocity = { linear = [2, 0, 0], angular = [0, 3, 0] }\n[[drag]]\nlink = \"hull\"\nlinear = 1.5\nangular = 0.25\n";
+    let end = report(&free_body("linear", linear), &[], &[], Some(2.0), 1e-11);
+    let hull = &end.links.iter().find(|(name, _)| name == "hull").expect("a hull").1;
+    let decay = (-1.0_f64).exp();
+    near("x", (hull.position[0], 4.0 * (1.0 - decay)), 1e-10);
+    near("spin", (hull.angular_velocity[1], 3.0 * decay), 1e-10);
+    let lost = 0.5 * 3.0 * 4.0 * (1.0 - decay * decay) + 0.5 * 0.5 * 9.0 * (1.0 - decay * decay);
+    near("heat", (end.energy.dissipated, lost), 1e-9);
+    let quadratic = "velocity = { linear = [2, 0, 0] }\n[[drag]]\nlink = \"hull\"\nquadratic = 0.6\n";
+    let end = report(&free_body("quadratic", quadratic), &[], &[], Some(2.0), 1e-11);
+    near("x", (place(&end)[0], 5.0 * 1.8_f64.ln()), 1e-10);
+    // In the plane of a cart, that falls through a fluid: v = v∞ tanh(g t / v∞) with v∞² = m g/k.
+    let falls = "[scene]\ngravity = [-9.81, 0, 0]\n[[drag]]\nlink = \"cart\"\nquadratic = 0.4\n";
+    let end = report(&cart("falls", falls), &[], &[], Some(1.5), 1e-11);
+    let limit = (2.0 * 9.81 / 0.4_f64).sqrt();
+    near("v", (joint(&end, "rail").1, -limit * (9.81 * 1.5 / limit).tanh()), 1e-9);
+    assert!(end.energy.max_relative_error < 1e-10, "{:?}", end.energy);
+}
+
+#[test]
+fn what_cannot_be_a_load_is_refused_in_one_line() {
+    for (scene, reason) in [
+        ("[[load]]\njoint = \"rail\"\neffort = 1\nframe = \"link\"\n", "no position, force, torque or frame"),
+        ("[[load]]\njoint = \"rail\"\neffort = 1\nfrom = 2\nuntil = 1\n", "a load ends after it begins"),
+        ("[[load]]\njoint = \"rail\"\neffort = 1\nfactor = 2\nwave = { frequency = 1 }\n", "either a factor or a wave"),
+        ("[[load]]\njoint = \"rail\"\neffort = 1\nfactor = [[1, 0], [1, 2]]\n", "give increasing times"),
+        ("[[drag]]\nlink = \"cart\"\n", "drag needs its linear"),
+        ("[[drag]]\nlink = \"base\"\nlinear = 1\n", "drag of \"base\""),
+    ] {
+        let error = catena::session::Model::load(cart("refused", scene)).err().expect(reason).to_string();
+        assert!(error.contains("cart.toml:") && error.contains(reason) && !error.contains('\n'), "{error}");
+    }
+}
