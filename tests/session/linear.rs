@@ -164,7 +164,8 @@ fn agrees_with_runs(model: &Model, linear: &Linear, along: usize, time: f64, bou
         let moved = (ahead.0[entry] - behind.0[entry]) / apart;
         let speed = (ahead.1[entry] - behind.1[entry]) / apart;
         assert!((moved - matrix[(row, along)]).abs() < bound, "{name}: {moved} and {}", matrix[(row, along)]);
-        let scale = linear.a.amax().sqrt().max(1.0);
+        // Speeds that stiff motors take away are as small as the tolerance over the deviation, times their stiffness.
+        let scale = linear.a.amax().max(1.0);
         assert!((speed - matrix[(d + row, along)]).abs() < bound * scale, "{name}: {speed}");
     }
 }
