@@ -179,9 +179,10 @@ fn runs_with_closed_loops_springs_and_motors_begin_as_their_linear_equations_say
     agrees_with_runs(&four_bar, &linear, 0, 0.5, 1e-6);
     let held = Model::load(driven_arm("driven_arm.toml", 400.0, 30.0)).expect("a model");
     let linear = held.linearize_at_rest(None).expect("linear equations");
+    // Angles of the flange, which turns within a centimetre of its axis, are known a hundred times less than places.
     assert_eq!(linear.targets.len(), 7);
-    agrees_with_runs(&held, &linear, 1, 0.1, 1e-6);
-    agrees_with_runs(&held, &linear, 3, 0.1, 1e-6);
+    agrees_with_runs(&held, &linear, 1, 0.1, 1e-5);
+    agrees_with_runs(&held, &linear, 3, 0.1, 1e-5);
 }
 
 #[test]
