@@ -236,9 +236,9 @@ fn a_mimic_relation_a_stuck_joint_and_a_motor_leave_one_mode_of_the_closed_form(
     let linear = model.linearize_at_rest(None).expect("linear equations");
     assert_eq!(linear.names, ["drive"]);
     assert_eq!(linear.stuck, [("stiff".to_string(), "friction".to_string())]);
-    let mass = 0.3 + 4.0 * 0.5;
+    let mass: f64 = 0.3 + 4.0 * 0.5;
     let mode = &linear.modes[0];
-    let wanted = ((80.0 / mass) - (3.0 / mass) * (3.0 / mass) as f64).sqrt();
+    let wanted = (80.0 / mass - (3.0 / mass) * (3.0 / mass)).sqrt();
     assert!((mode.eigenvalue.re + 3.0 / mass).abs() < 1e-13, "{}", mode.eigenvalue);
     assert!((mode.eigenvalue.im - wanted).abs() < 1e-13, "{}", mode.eigenvalue);
     assert!((linear.q[0] - 0.1).abs() < 1e-14 && (linear.q[1] + 0.2).abs() < 1e-14, "{:?}", linear.q);
