@@ -12,7 +12,7 @@ Lengths in m, angles in rad, times in s, masses in kg; quaternions w, x, y, z fr
 
 from ._catena import __version__
 from ._errors import CatenaError, InputError, RunError
-from ._model import Model, load
+from ._model import Linear, Model, Sensitivity, load
 from ._named import NamedArray
 from ._result import Result
 from ._rollout import Rollouts, rollout
@@ -23,6 +23,7 @@ from ._sweep import Swept, sweep
 __all__ = [
     "CatenaError",
     "InputError",
+    "Linear",
     "Model",
     "NamedArray",
     "Noise",
@@ -30,6 +31,7 @@ __all__ = [
     "Rollouts",
     "RunError",
     "Sensed",
+    "Sensitivity",
     "Sim",
     "State",
     "Swept",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -71,6 +72,30 @@ def _params(params):
         return {str(key): float(number) for key, number in dict(params).items()}
     except (TypeError, ValueError) as error:
         raise InputError(f"params: {error}") from None
+
+
+@dataclass(repr=False)
+class Sensitivity:
+    """A run and its derivatives at its start and at the end of every step.
+
+    Attributes
+    ----------
+    t : times (steps,) [s]
+    q, v : (steps, n) as of a run
+    dq, dv : derivatives (steps, n, p) along ``freedoms`` by ``keys``; ball joints turn about the axes of their child
+    keys, freedoms : names
+    """
+
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+    keys: list[str]
+    freedoms: list[str]
+
+    def __repr__(self):
+        return f"<catena.Sensitivity: {len(self.t) - 1} steps to {self.t[-1]:.9g} s, by {', '.join(self.keys)}>"
 
 
 class Linear:
@@ -193,6 +218,30 @@ class Model:
             raise InputError("at is 'rest': v and efforts are for at='state'")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v), ("efforts", efforts))]
         return Linear(self._inner.linearize(*given, at == "rest"))
+
+    def sensitivity(self, keys, q=None, v=None, *, duration=1.0, tolerance=None, stages=None, step=None):
+        """A run and its derivatives by its start and its numbers: a :class:`Sensitivity`.
+
+        The derivatives go through the steps of the run and are exact for them.
+
+        Parameters
+        ----------
+        keys : ``"start.q"``, ``"start.v"`` (or ``"start.q.JOINT"``), ``"effort.JOINT"``, and key paths of ``model.params``
+        q, v : the start; that of the file if they are left out
+        duration : s
+        tolerance : wanted accuracy [m], or ``stages`` and ``step`` [s] of fixed steps
+
+        Raises
+        ------
+        InputError : unknown keys, and runs without derivatives: with events, closed loops or contacts
+        """
+        keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
+        if (stages is None) != (step is None):
+            raise InputError("stages and step go together")
+        given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
+        fixed = None if stages is None else (int(stages), float(step))
+        told = self._inner.sensitivity(keys, *given, float(duration), None if tolerance is None else float(tolerance), fixed)
+        return Sensitivity(**told)
 
     def mass_matrix(self, q):
         """The mass matrix M(q), (n, n)."""

@@ -2,10 +2,10 @@
 
 use crate::refusal::{input, refuse};
 use catena::model::Left;
-use catena::nalgebra::DVector;
+use catena::nalgebra::{DMatrix, DVector};
 use catena::scene::Touching;
-use catena::session::{Error, JointPlace, Linear, Loader, Mode};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
+use catena::session::{Error, JointPlace, Linear, Loader, Mode, Simulation};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub fn numbers(given: &Given<'_>) -> Vec<f64> {
     given.as_array().iter().copied().collect()
 }
 
-fn matrix<'py>(py: Python<'py>, matrix: &catena::nalgebra::DMatrix<f64>) -> PyResult<Matrix<'py>> {
+fn matrix<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Matrix<'py>> {
     let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
     Ok(PyArray2::from_vec2(py, &rows)?)
 }
@@ -253,6 +253,53 @@ impl Model {
             self.inner.linearize(&q, &v, efforts.as_deref().unwrap_or(&[]))
         });
         told(py, &found.map_err(|error| refuse(py, error))?)
+    }
+
+    /// A run and its derivatives by these keys at the end of each of its steps.
+    #[pyo3(signature = (keys, q, v, duration, tolerance, fixed))]
+    #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
+    fn sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        keys: Vec<String>,
+        q: Option<Given<'py>>,
+        v: Option<Given<'py>>,
+        duration: f64,
+        tolerance: Option<f64>,
+        fixed: Option<(usize, f64)>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let [q, v] = [q, v].map(|given| given.map(|given| numbers(&given)));
+        let found = py.detach(|| {
+            let mut run = Simulation::new(&self.inner).duration(duration);
+            if let Some(tolerance) = tolerance {
+                run = run.tolerance(tolerance);
+            }
+            if let Some((stages, step)) = fixed {
+                run = run.fixed(stages, step);
+            }
+            if q.is_some() || v.is_some() {
+                let start = self.inner.start()?;
+                run = run.start_from(&q.unwrap_or(start.0), &v.unwrap_or(start.1))?;
+            }
+            let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+            run.sensitivity(&keys)
+        });
+        let run = found.map_err(|error| refuse(py, error))?;
+        let out = PyDict::new(py);
+        let steps = run.times.len();
+        let array = |of: &[DMatrix<f64>]| {
+            let (rows, columns) = of.first().map_or((0, 0), |one| one.shape());
+            let entry = |(step, row, column): (usize, usize, usize)| of[step][(row, column)];
+            PyArray3::from_owned_array(py, numpy::ndarray::Array3::from_shape_fn((steps, rows, columns), entry))
+        };
+        out.set_item("t", run.times.to_pyarray(py))?;
+        out.set_item("q", PyArray2::from_vec2(py, &run.q)?)?;
+        out.set_item("v", PyArray2::from_vec2(py, &run.v)?)?;
+        out.set_item("dq", array(&run.dq))?;
+        out.set_item("dv", array(&run.dv))?;
+        out.set_item("keys", &run.keys)?;
+        out.set_item("freedoms", &run.freedoms)?;
+        Ok(out)
     }
 
     /// x, y, z, w, x, y, z of a link frame.

@@ -248,3 +248,13 @@ def test_the_linear_equations_of_an_oscillator_have_its_frequency_and_damping(ro
     assert linear.stable == ["yes"] and linear.shapes.shape == (1, 1)
     with pytest.raises(catena.InputError, match="rest"):
         catena.load(robots / "damped_oscillator.toml").linearize(v=[0.0], at="rest")
+
+
+def test_a_run_has_its_derivatives_by_start_and_numbers(double_pendulum):
+    run = double_pendulum.sensitivity(["start.q.shoulder", "lower_arm.mass"], duration=0.4, stages=5, step=0.05)
+    assert run.dq.shape == (len(run.t), 2, 2) and run.keys == ["start.q.shoulder", "lower_arm.mass"]
+    assert np.array_equal(run.dq[0], [[1, 0], [0, 0]])
+    mass = dict(double_pendulum.params)["link.lower_arm.mass"]
+    end = [double_pendulum.with_params({"lower_arm.mass": mass + by}).sensitivity([], duration=0.4, stages=5, step=0.05).q[-1] for by in (-1e-3, 1e-3)]
+    # Central differences: the second order of 1e-4 of the mass.
+    assert np.allclose((end[1] - end[0]) / 2e-3, run.dq[-1][:, 1], rtol=1e-6, atol=1e-8)

@@ -124,6 +124,18 @@ fn at_any_instant_the_matrices_are_the_derivatives_of_forward_dynamics() {
     }
 }
 
+/// A scene of the arm of seven joints with a motor in each.
+pub fn driven_arm(name: &str, kp: f64, kd: f64) -> std::path::PathBuf {
+    let mut scene = format!("[[robot]]\nurdf = {:?}\n", robot("arm7.urdf"));
+    for (index, target) in [0.1, 0.3, -0.2, 0.6, 0.2, -0.3, 0.1].iter().enumerate() {
+        scene += &format!(
+            "[[motor]]\njoint = \"joint{}\"\nkind = \"position\"\ntarget = {target}\nkp = {kp}\nkd = {kd}\nmax_effort = 1e6\n",
+            index + 1
+        );
+    }
+    urdf(name, &scene)
+}
+
 /// The run that starts a small way off goes as the linear equations say, to the third order of the way.
 fn agrees_with_runs(model: &Model, linear: &Linear, along: usize, time: f64, bound: f64) {
     let places = model.coordinates();
@@ -152,7 +164,8 @@ fn agrees_with_runs(model: &Model, linear: &Linear, along: usize, time: f64, bou
         let moved = (ahead.0[entry] - behind.0[entry]) / apart;
         let speed = (ahead.1[entry] - behind.1[entry]) / apart;
         assert!((moved - matrix[(row, along)]).abs() < bound, "{name}: {moved} and {}", matrix[(row, along)]);
-        let scale = linear.a.amax().sqrt().max(1.0);
+        // Speeds that stiff motors take away are as small as the tolerance over the deviation, times their stiffness.
+        let scale = linear.a.amax().max(1.0);
         assert!((speed - matrix[(d + row, along)]).abs() < bound * scale, "{name}: {speed}");
     }
 }
@@ -164,12 +177,12 @@ fn runs_with_closed_loops_springs_and_motors_begin_as_their_linear_equations_say
     let linear = four_bar.linearize_at_rest(None).expect("linear equations");
     assert_eq!(linear.names.len(), 1);
     agrees_with_runs(&four_bar, &linear, 0, 0.5, 1e-6);
-    let hold = catena::session::Hold::default();
-    let held = Model::loader().hold(hold).load(robot("arm7.urdf")).expect("a model");
+    let held = Model::load(driven_arm("driven_arm.toml", 400.0, 30.0)).expect("a model");
     let linear = held.linearize_at_rest(None).expect("linear equations");
+    // Angles of the flange, which turns within a centimetre of its axis, are known a hundred times less than places.
     assert_eq!(linear.targets.len(), 7);
-    agrees_with_runs(&held, &linear, 1, 0.1, 1e-6);
-    agrees_with_runs(&held, &linear, 3, 0.1, 1e-6);
+    agrees_with_runs(&held, &linear, 1, 0.1, 1e-5);
+    agrees_with_runs(&held, &linear, 3, 0.1, 1e-5);
 }
 
 #[test]
@@ -223,9 +236,9 @@ fn a_mimic_relation_a_stuck_joint_and_a_motor_leave_one_mode_of_the_closed_form(
     let linear = model.linearize_at_rest(None).expect("linear equations");
     assert_eq!(linear.names, ["drive"]);
     assert_eq!(linear.stuck, [("stiff".to_string(), "friction".to_string())]);
-    let mass = 0.3 + 4.0 * 0.5;
+    let mass: f64 = 0.3 + 4.0 * 0.5;
     let mode = &linear.modes[0];
-    let wanted = ((80.0 / mass) - (3.0 / mass) * (3.0 / mass) as f64).sqrt();
+    let wanted = (80.0 / mass - (3.0 / mass) * (3.0 / mass)).sqrt();
     assert!((mode.eigenvalue.re + 3.0 / mass).abs() < 1e-13, "{}", mode.eigenvalue);
     assert!((mode.eigenvalue.im - wanted).abs() < 1e-13, "{}", mode.eigenvalue);
     assert!((linear.q[0] - 0.1).abs() < 1e-14 && (linear.q[1] + 0.2).abs() < 1e-14, "{:?}", linear.q);

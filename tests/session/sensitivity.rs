@@ -60,14 +60,14 @@ fn derivatives_converge_with_the_order_of_the_scheme() {
         let of = |run: &Sensitivity| run.dq.last().expect("steps").clone();
         (of(&coarse) - of(&exact)).amax()
     };
-    for (stages, step) in [(2, 0.02), (3, 0.05), (5, 0.2)] {
+    for (stages, step) in [(2, 0.02), (3, 0.05), (5, 0.1)] {
         let order = (error(stages, step) / error(stages, 0.5 * step)).log2();
         // 2s − 2, and its next term.
         assert!((order - (2.0 * stages as f64 - 2.0)).abs() < 0.5, "{stages} stages: order {order}");
     }
 }
 
-/// The derivatives by a key are those of whole runs with other numbers, by differences of order eight.
+/// Differences of whole runs with other numbers, of order eight, give the same derivatives by a key.
 fn agrees_with_runs(model: &Model, key: &str, stages: usize, step: f64, time: f64, bound: f64) {
     let params = model.params().expect("numbers");
     let of = |name: &str| params.iter().find(|(own, _)| own == name || own.ends_with(&format!(".{name}")));
@@ -97,7 +97,7 @@ fn derivatives_by_numbers_of_every_kind_are_the_differences_of_whole_runs() {
         pendulum.params().expect("numbers").into_iter().filter_map(|(key, value)| value.map(|_| key)).collect();
     let has =
         |part: &str| keys.iter().find(|key| key.contains(part)).unwrap_or_else(|| panic!("{part} in {keys:?}")).clone();
-    for key in [has("lower_arm.mass"), has("lower_arm.inertia.iyy"), has("elbow.origin.z"), has("gravity.z")] {
+    for key in [has("lower_arm.mass"), has("lower_arm.inertia.iyy"), has("elbow.origin.x"), has("gravity.z")] {
         // Differences of runs leave 1e-14 over a width of 4e-3, and their ninth order.
         agrees_with_runs(&pendulum, &key, 5, 0.05, 0.5, 1e-9);
     }
@@ -105,26 +105,23 @@ fn derivatives_by_numbers_of_every_kind_are_the_differences_of_whole_runs() {
 
 #[test]
 fn derivatives_of_an_arm_under_motors_are_the_differences_of_whole_runs() {
-    let hold = catena::session::Hold { kp: Some(80.0), kd: Some(6.0) };
-    let model = Model::loader()
-        .hold(hold)
-        .without(catena::session::Left::Limits)
-        .without(catena::session::Left::Friction)
-        .load(robot("arm7.urdf"))
-        .expect("a model");
-    agrees_with_runs(&model, "link7.mass", 5, 0.01, 0.1, 1e-8);
+    let model = Model::load(crate::linear::driven_arm("arm_with_motors.toml", 80.0, 6.0)).expect("a model");
+    agrees_with_runs(&model, "forearm.mass", 5, 0.01, 0.1, 1e-8);
 }
 
 #[test]
 fn a_spinning_top_has_the_derivatives_of_its_runs_by_its_start() {
     let model = Model::load(robot("heavy_top_slow.toml")).expect("a model");
     let run = derivatives(Simulation::new(&model).fixed(6, 0.01).duration(0.2), &["start.v"]);
-    let (_, v) = model.start().expect("a start");
+    let (q, v) = model.start().expect("a start");
+    let upright = model.pose("top", &q).expect("a link").rotation;
     let joint = model.joint_names()[0].to_string();
     for (column, name) in run.keys.iter().enumerate() {
         let at = |by: f64| {
             let mut v = v.clone();
-            v[column] += by;
+            // The velocity along a freedom is about an axis of the top, v is in the axes of its parent.
+            let along = upright.matrix().column(column) * by;
+            (0..3).for_each(|row| v[row] += along[row]);
             let mut run = Simulation::new(&model).fixed(6, 0.01).without_figures().duration(0.2);
             run = run.velocities([(joint.clone(), v)]).expect("a start");
             run.run().expect("a run");
@@ -135,7 +132,6 @@ fn a_spinning_top_has_the_derivatives_of_its_runs_by_its_start() {
         let pair = |k: f64| turn(k * h) - turn(-k * h);
         let difference = (pair(1.0) * 45.0 - pair(2.0) * 9.0 + pair(3.0)) / (60.0 * h);
         for row in 0..3 {
-            // v of programs is in the axes of the parent, and the top starts in them.
             let found = last(&run, row, column);
             assert!((found - difference[row]).abs() < 1e-8, "{name}, {row}: {found} and {}", difference[row]);
         }

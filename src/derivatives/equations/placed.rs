@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A motion goes from one known state to another, which may be the same. Each degree of freedom has slight offsets in both; a ball joint turns by
-//! the product of rotations `Rj = Rj₀ exp(δ̂) (Rj₀ᵀ Rj₁) exp(θ̂)`, about the axes of the child. Offsets are zero but for their derivatives: with
-//! θ = w t + ẇ t²/2 the velocity of a ball joint is w, and its acceleration ẇ.
+//! the product of rotations `Rj = Rj₀ exp(δ̂) (Rj₀ᵀ Rj₁) exp(ε̂) exp(θ̂)`, about the axes of the child. Offsets are zero but for their derivatives:
+//! with the motion θ = w t + ẇ t²/2 the velocity of a ball joint is w, and its acceleration ẇ.
 
 use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame};
 use crate::derivatives::numbers::number::Number;
@@ -30,14 +30,16 @@ pub struct Placed<T> {
 /// How a mechanism has moved away from a state.
 #[derive(Clone, Copy)]
 pub struct Offsets<'o, T> {
-    /// Where the first offsets begin.
+    /// The state in which the first offsets begin.
     pub from: &'o State,
-    /// Where the second offsets begin.
+    /// The state in which the second offsets begin.
     pub to: &'o State,
     /// δ: one entry a degree of freedom (rad or m).
     pub first: &'o [T],
     /// θ, after the other (rad or m).
     pub second: &'o [T],
+    /// The motion from there on, after both; empty if there is none.
+    pub motion: &'o [T],
 }
 
 impl<T: Number> Offsets<'_, T> {
@@ -50,7 +52,8 @@ impl<T: Number> Offsets<'_, T> {
     pub fn scalar(&self, position: usize, freedom: usize) -> T {
         // The rounding error of a position is a part of it.
         let value = T::of(self.to.position[position]) + T::of(self.to.compensation[position]);
-        value + self.first[freedom] + self.second[freedom]
+        let offset = value + self.first[freedom] + self.second[freedom];
+        self.motion.get(freedom).map_or(offset, |&motion| offset + motion)
     }
 }
 
@@ -90,8 +93,14 @@ fn on_parent<T: Number>(body: &BodyFigures<T>, parent: &Frame<T>, offsets: &Offs
             let rotation = |of: &State| rotation_from_wxyz(&of.position[position..position + 4]);
             let (from, to) = (rotation(offsets.from), rotation(offsets.to));
             let slight = |by: &[T]| Matrix::turned_slightly(Vector([by[freedom], by[freedom + 1], by[freedom + 2]]));
+            // Its rate is the velocity of the joint wherever the offsets put it.
+            let moved = if offsets.motion.is_empty() { Matrix::identity() } else { slight(offsets.motion) };
             let between = Matrix::of(&(from.transpose() * to));
-            Matrix::of(&from).product(&slight(offsets.first)).product(&between).product(&slight(offsets.second))
+            Matrix::of(&from)
+                .product(&slight(offsets.first))
+                .product(&between)
+                .product(&slight(offsets.second))
+                .product(&moved)
         }
     };
     let joint = within(parent, &body.on_parent);

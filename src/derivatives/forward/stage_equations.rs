@@ -1,7 +1,7 @@
 //! The equations of one step of the scheme in joint coordinates, over numbers with derivatives.
 //!
-//! Unknowns are the displacements of all stages i = 2..s and the velocities v̄ at the end. With z_i = Q_i − q₀ in R¹² a body, and
-//! `w_i = z_i − h c_i q̇₀`, elimination of the momenta from (2.5.11a–g) leaves for the stages k = 1..s−1, and for the end
+//! Unknowns are the displacements of all stages i = 2..s and the velocities v̄ at the end. Let z_i = Q_i − q₀ in R¹² a body, and
+//! `w_i = z_i − h c_i q̇₀`. Elimination of the momenta from (2.5.11a–g) leaves for the stages k = 1..s−1, and for the end
 //!
 //! ```text
 //!     J(Q_k)ᵀ (M Σ_i B_ki w_i − h² F_k) − h² τ_k = 0
@@ -9,7 +9,7 @@
 //! ```
 //!
 //! J: motions that the joints allow; M: the constant mass matrix of R¹²; F: gravity, springs between points, wrenches; τ: efforts in the joints, with
-//! springs, and dampers at the rates of the scheme `ẏ_j = ẏ₀ + Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀)/h`. B, ω and Ā B are those of
+//! springs, and dampers at the rates of the scheme `ẏ_j = ẏ₀ + Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀)/h`. The coefficients B, ω and Ā B are in
 //! [`crate::lobatto::tableau::butcher`].
 //!
 //! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, section 2.5 (`doc/method.md`).
@@ -117,7 +117,7 @@ impl<T: Number> StepMotion<'_, T> {
     }
 
     fn at<'o>(&'o self, stage: &'o State, offsets: &'o [T]) -> Offsets<'o, T> {
-        Offsets { from: self.start, to: stage, first: self.start_offsets, second: offsets }
+        Offsets { from: self.start, to: stage, first: self.start_offsets, second: offsets, motion: &[] }
     }
 
     /// Bodies with their rates at an end of the step.
@@ -125,9 +125,11 @@ impl<T: Number> StepMotion<'_, T> {
         let zero = T::zero();
         let constant = |&value: &T| Jet { value, rate: zero, acceleration: zero };
         let first: Vec<Jet<T>> = self.start_offsets.iter().map(constant).collect();
-        let second: Vec<Jet<T>> =
-            offsets.iter().zip(velocities).map(|(&value, &rate)| Jet { value, rate, acceleration: zero }).collect();
-        place(&self.figures.moving, &Offsets { from: self.start, to: stage, first: &first, second: &second })
+        let second: Vec<Jet<T>> = offsets.iter().map(constant).collect();
+        let motion: Vec<Jet<T>> =
+            velocities.iter().map(|&rate| Jet { value: zero, rate, acceleration: zero }).collect();
+        let offsets = Offsets { from: self.start, to: stage, first: &first, second: &second, motion: &motion };
+        place(&self.figures.moving, &offsets)
     }
 
     /// Efforts in the joints at all stages, with springs and dampers.

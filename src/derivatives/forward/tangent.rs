@@ -4,7 +4,7 @@
 //!     R_u δu = −(R_q δq₀ + R_v δv₀ + R_θ + R_τ ∂τ/∂θ)        δq̄ = δq₀ + δ_s,   δv̄        forward, a column for each parameter
 //! ```
 //!
-//! Steps, stages and iterations are those of the run: the derivative is exact for the sequence of steps. Turns of ball joints are twists about the
+//! The steps of the run are kept: the derivative is exact for their sequence. Turns of ball joints are twists about the
 //! axes of the child, at the start and at the end: δq̄ = R_relᵀ δq₀ + δ_s.
 
 use crate::derivatives::forward::stage_equations::{BothFigures, StepMotion};

@@ -61,7 +61,7 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Of a mechanism without closed contacts.
+    /// The equations of a mechanism without closed contacts.
     pub fn new(mechanism: &Mechanism) -> Self {
         let loops: usize = mechanism.loops.iter().map(|joint| joint.kind.rows()).sum();
         Equations {
@@ -121,7 +121,7 @@ impl Equations {
             acceleration: part(point.accelerations[freedom], By::Accelerations, freedom),
         };
         let second: Vec<Jet<Part>> = (0..self.freedoms).map(moving).collect();
-        let offsets = Offsets { from: point.state, to: point.state, first: &first, second: &second };
+        let offsets = Offsets { from: point.state, to: point.state, first: &first, second: &second, motion: &[] };
         let placed = place(&self.figures, &offsets);
         let mut efforts = residual(&self.figures, &placed, &offsets);
         for (row, value) in closures(&self.figures, &placed, &offsets).into_iter().enumerate() {

@@ -155,7 +155,7 @@ impl Linearised {
 }
 
 impl Linearised {
-    /// Of a mechanism whose joints are all held.
+    /// The empty equations of a mechanism whose joints are all held.
     fn of_nothing() -> Self {
         let none = DMatrix::zeros(0, 0);
         Linearised {

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Without damping λ² = −σ for the eigenvalues σ of the symmetric `L⁻¹ K L⁻ᵀ` with `H = L Lᵀ`: zeros and equal frequencies are found to rounding.
-//! Otherwise the eigenvalues are those of A by Schur's decomposition, and z is the singular vector of A − λ with the least singular value, or with
-//! the next ones where an eigenvalue is met again.
+//! Otherwise Schur's decomposition of A gives λ. The shape z is the singular vector of A − λ with the least singular value, or with one of the next
+//! if an eigenvalue is met again.
 //!
 //! Free motions are the null space of K. Their zeros are counted there, because a double zero of A is only found to the root of a rounding:
 //! a free motion without damping has two zeros, one with damping has one.

@@ -140,6 +140,8 @@ impl Simulation {
                 parameters.push(parameter);
             }
         }
+        // The times of steps are figures.
+        self.figures = true;
         let steps = Steps::default();
         self.observers.push(Box::new(steps.clone()));
         self.run()?;
@@ -154,7 +156,7 @@ impl Simulation {
         let last = found.states.last().unwrap_or(&start);
         let apart = last.position.iter().zip(&end.position).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
         let size = end.position.iter().fold(1.0, |size: f64, position| size.max(position.abs()));
-        if !(apart <= SAME * size) {
+        if apart.is_nan() || apart > SAME * size {
             return Err(SensitivityError::Apart { apart }.into());
         }
         let (q, v) = found.states.iter().map(|state| model.flat(state)).unzip();
