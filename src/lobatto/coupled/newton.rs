@@ -106,7 +106,10 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
 
 /// Follower, leader and ratio of every mimic, and its other leaders with their ratios.
 #[derive(Clone)]
-struct Mimics(Vec<(Coordinate, Coordinate, f64, Vec<(Coordinate, f64)>)>);
+struct Mimics(Vec<(Coordinate, Coordinate, f64, Leaders)>);
+
+/// Coordinates with their ratios.
+type Leaders = Vec<(Coordinate, f64)>;
 
 impl Mimics {
     /// The method for a mechanism.
