@@ -31,6 +31,17 @@ impl Integrator for Eventful {
         if moved || self.is_other(mechanism) {
             self.begin(mechanism, inputs, state)?;
         }
+        if std::env::var("CROWD").is_ok() {
+            let length = std::env::var("CROWD").ok().and_then(|x| x.parse().ok()).unwrap_or(1e-3);
+            let next = self.next_instant(state.time, until);
+            if let Some(outcome) = self.step_in_crowd(inputs, state, next, length) {
+                match &mut self.left {
+                    Some(left) => left.copy_from(state),
+                    none => *none = Some(state.clone()),
+                }
+                return Ok(outcome);
+            }
+        }
         self.heed(inputs, state);
         self.follow_commands(inputs, state);
         let mut next = self.next_instant(state.time, until);
