@@ -133,6 +133,8 @@ pub struct Eventful {
     /// The workspace of steps over many impacts, and whether the run makes them now.
     pub(super) crowd: Option<Box<Crowd>>,
     pub(super) in_crowd: bool,
+    /// The largest residual and the largest lift of these steps (m).
+    pub(super) crowd_figures: (f64, f64),
     /// The end of the last step, if it was one of first order.
     pub(super) stepped_over: Option<State>,
     /// The mode of the last step, where there are pairs that may touch.
@@ -235,6 +237,7 @@ impl Eventful {
             crowding: Crowding::CALM,
             crowd: Crowd::new(mechanism).map(Box::new),
             in_crowd: false,
+            crowd_figures: (0.0, 0.0),
             stepped_over: None,
             asleep: false,
             quiet: 0,

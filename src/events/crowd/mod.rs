@@ -21,4 +21,6 @@ mod newton;
 mod problem;
 mod settling;
 pub(crate) mod step;
+#[cfg(test)]
+mod tests;
 mod trees;

@@ -19,8 +19,11 @@ use crate::events::crowd::settling::{Settling, settle};
 use crate::events::crowd::trees::Trees;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::instant::holding::touching::Touching;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
 use std::collections::BTreeSet;
 
 /// A pair that overlaps by more than this at the end, and was no candidate, becomes one (m); this often at most.
@@ -28,6 +31,12 @@ const OVERLAPS: f64 = 1e-8;
 const AGAIN: usize = 2;
 /// Speeds that have grown by this factor in a step make all pairs be looked at again.
 const SPEEDS: f64 = 1.25;
+
+/// All is at rest after this many steps in which everything is slower than this part of the speed of a fall in one.
+const STILL: usize = 3;
+const RESTS: f64 = 1e-6;
+/// A contact is held by friction where it needs less than this part of what there is.
+const STICKS: f64 = 1.0 - 1e-9;
 
 /// Accelerations of a state, and the efforts from outside and of motors in it; without rows.
 pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
@@ -42,6 +51,8 @@ pub(crate) struct Crowd {
     pub(super) clearances: Clearances,
     pub(super) room: Workspace,
     pub(super) bodies: Vec<BodyState>,
+    /// Where the step began.
+    began: Vec<BodyState>,
     /// Speeds for which the candidates are enough.
     pub(super) rates: Vec<(f64, f64)>,
     /// The end of the last step and its length (s).
@@ -54,6 +65,11 @@ pub(crate) struct Crowd {
     acceleration: Vec<f64>,
     efforts: Vec<f64>,
     middle: Option<State>,
+    /// Steps in which hardly anything has moved, and the efforts then.
+    still: usize,
+    steady: Vec<f64>,
+    /// w of the last step.
+    displacement: Vec<f64>,
 }
 
 /// What a step has done.
@@ -77,8 +93,14 @@ pub(crate) struct Made {
     pub friction: f64,
     /// The energy that the mechanism has lost beside those (J).
     pub lost: f64,
-    /// Number of contacts and limits that have closed, and the largest change of a rate by them [m/s or rad/s].
+    /// Number of contacts and limits that have closed, and number of all that are closed.
     pub closed: usize,
+    pub held: usize,
+    /// The largest change of the velocity of a body's points [m/s], and the kinetic energy at the end (J).
+    pub jump: f64,
+    pub kinetic: f64,
+    /// Whether everything rests.
+    pub asleep: bool,
 }
 
 impl Crowd {
@@ -95,6 +117,7 @@ impl Crowd {
             clearances: Clearances::default(),
             room: Workspace::default(),
             bodies: vec![WORLD; mechanism.bodies.len()],
+            began: vec![WORLD; mechanism.bodies.len()],
             rates: vec![(0.0, 0.0); mechanism.bodies.len()],
             end: None,
             energies: Energies::new(mechanism),
@@ -104,20 +127,30 @@ impl Crowd {
             acceleration: vec![0.0; count],
             efforts: vec![0.0; count],
             middle: None,
+            still: 0,
+            steady: vec![0.0; count],
+            displacement: vec![0.0; count],
         })
     }
 
-    /// Makes a step of this length (s) from a state; `None` where a mass matrix is singular or a number is not finite.
-    pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64) -> Option<Made> {
+    /// Makes a step of this length (s) from a state, evenly if nothing that acts changes in time; `None` where a mass matrix is singular or a number is not finite.
+    pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
         let whole = scene.whole;
         let start = state.clone();
+        if self.is_asleep() {
+            // As `sleeps` has found.
+            state.time += step;
+            self.end = Some((state.clone(), self.end.as_ref().map_or(step, |end| end.1)));
+            self.displacement.fill(0.0);
+            return Some(Made { asleep: true, held: self.held(), ..Made::default() });
+        }
         self.soften(scene);
         self.begin(scene, &start, step)?;
         let (mut made, iterations) = (Made::default(), self.room.iterations);
         self.energies.begin(&self.trees, &start.velocity);
         forces(&start, &mut self.acceleration, &mut self.efforts);
         self.free_to_move(&start, 0.5 * step)?;
-        let mut displacement = vec![0.0; start.velocity.len()];
+        let mut displacement = std::mem::take(&mut self.displacement);
         for attempt in 0..=AGAIN {
             let moving = Moving { scene, start: &start, step, free: &self.free };
             let Crowd { trees, now, room, bodies, .. } = self;
@@ -161,7 +194,21 @@ impl Crowd {
         made.lost = self.energies.lost(whole, &start, state, made.work);
         made.candidates = self.next.list.len();
         made.iterations = self.room.iterations - iterations;
+        let rates = self.rates.clone();
+        self.displacement = displacement;
         self.finish(scene, state, step);
+        made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
+        made.held = self.held();
+        let jumps = self.began.iter().zip(&self.bodies).map(|(before, now)| (now.velocity - before.velocity).norm());
+        made.jump = jumps.fold(0.0, f64::max);
+        let slow = RESTS * whole.gravity.norm() * step;
+        let rests = evenly && rates.iter().zip(&self.rates).all(|(a, b)| a.0.max(b.0) + a.1.max(b.1) <= slow);
+        self.still = if rests && self.energies.owes_nothing() { self.still + 1 } else { 0 };
+        if self.is_asleep() {
+            state.velocity.fill(0.0);
+            self.end = Some((state.clone(), step));
+            self.steady.copy_from_slice(&self.efforts);
+        }
         Some(made)
     }
 
@@ -186,6 +233,60 @@ impl Crowd {
         }
         now.fill_rows(scene, trees, bodies, first);
         now.list.len() > first
+    }
+
+    /// Number of closed contacts and limits.
+    fn held(&self) -> usize {
+        self.now.list.iter().filter(|candidate| candidate.is_closed()).count()
+    }
+
+    fn is_asleep(&self) -> bool {
+        self.still >= STILL
+    }
+
+    /// Whether all bodies rest in a state, and go on resting under the efforts in it.
+    pub fn sleeps(&mut self, state: &State, forces: Forces) -> bool {
+        if self.is_asleep() {
+            let same = self.end.as_ref().is_some_and(|(end, _)| end == state);
+            if same {
+                forces(state, &mut self.acceleration, &mut self.efforts);
+            }
+            if !same || self.efforts != self.steady {
+                self.still = 0;
+            }
+        }
+        self.is_asleep()
+    }
+
+    /// A state inside the last step, from `start` to `end`, at a time (s); `None` if the last step was another.
+    pub fn inside(&self, mechanism: &Mechanism, start: &State, end: &State, time: f64) -> Option<State> {
+        let own = self.end.as_ref().is_some_and(|(own, _)| own.time == end.time && own.position == end.position);
+        if !own || time >= end.time {
+            return None;
+        }
+        let mut inside = start.clone();
+        let moved: Vec<f64> = self.displacement.iter().map(|rate| (time - start.time) * rate).collect();
+        inside.displace(mechanism, &moved);
+        let part = (time - start.time) / (end.time - start.time);
+        for ((rate, a), b) in inside.velocity.iter_mut().zip(&start.velocity).zip(&end.velocity) {
+            *rate = a + part * (b - a);
+        }
+        inside.time = time;
+        Some(inside)
+    }
+
+    /// Adds the contacts that pressed in the last step, with their mean forces.
+    pub fn pressing(&self, touching: &Touching, out: &mut Vec<ContactPoint>) {
+        let Some((_, step)) = &self.end else { return };
+        for candidate in &self.now.list {
+            let Some(contact) = candidate.contact.as_ref().filter(|_| candidate.settling.x > 0.0) else { continue };
+            let touch = touch_motion(&contact.joint, &self.bodies);
+            let [normal, first, second] = candidate.frame;
+            let force = (normal * candidate.settling.x + first * candidate.settling.y + second * candidate.settling.z) / *step;
+            let across = candidate.settling.y.hypot(candidate.settling.z);
+            let sticks = across < STICKS * candidate.friction * candidate.settling.x;
+            out.push(touching.reported(contact, &touch, &force, sticks));
+        }
     }
 
     /// Takes the start of a step: candidates, their rows and M, known from the last step if it ended there.
@@ -302,10 +403,11 @@ impl Crowd {
 
     /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.
     fn place_middle(&mut self, start: &State, displacement: &[f64], step: f64, whole: &Mechanism) {
-        let Crowd { middle, bodies, rates, .. } = self;
+        let Crowd { middle, bodies, began, rates, .. } = self;
         let middle = middle.get_or_insert_with(|| start.clone());
         middle.copy_from(start);
         place_bodies(whole, middle, bodies);
+        began.copy_from_slice(bodies);
         let speeds = |body: &BodyState| (body.velocity.norm(), body.angular_velocity.norm());
         rates.iter_mut().zip(bodies.iter()).for_each(|(rate, body)| *rate = speeds(body));
         let half: Vec<f64> = displacement.iter().map(|rate| 0.5 * step * rate).collect();
