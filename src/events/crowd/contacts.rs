@@ -5,11 +5,11 @@
 //!     limit:    gap ≤ h (|rate| · 5/4 + 2)                     [rad or m]
 //! ```
 //!
-//! A pair that was farther apart is not looked at again until its bodies can have covered the distance. Rows are the work of a unit force: one for each
-//! freedom on the way to the bodies, positive on the second body of a contact, negative on the first.
+//! A pair that was farther apart is not looked at again until its bodies can have covered the distance.
 
-use crate::events::crowd::laws::Law;
-use crate::events::crowd::trees::Trees;
+use crate::crowd::laws::Law;
+use crate::crowd::rows::{Rows, Side};
+use crate::crowd::trees::Trees;
 use crate::geometry::PlaceId;
 use crate::instant::holding::elements::{Elements, inward};
 use crate::instant::holding::touching::{Contact, Touching};
@@ -71,22 +71,11 @@ pub(super) struct Candidate {
     pub was_closed: bool,
 }
 
-/// The rows of a candidate on one tree.
-#[derive(Clone, Copy)]
-pub(super) struct Side {
-    pub tree: usize,
-    /// Number of freedoms.
-    pub count: usize,
-    columns: usize,
-    entries: usize,
-}
-
 /// All candidates at one instant, with their rows.
 #[derive(Clone, Default)]
 pub(super) struct Contacts {
     pub list: Vec<Candidate>,
-    columns: Vec<usize>,
-    entries: Vec<f64>,
+    pub rows: Rows,
 }
 
 /// Distances of pairs that were seen before.
@@ -154,7 +143,8 @@ impl Candidate {
         match joint.touch.pairing().map(|pairing| pairing.cores) {
             Some(Cores::Points | Cores::LinePoint) => true,
             _ => {
-                let alone = |body: Option<usize>| body.is_none_or(|body| trees.trees[trees.of_body[body]].bodies.len() > 1);
+                let alone =
+                    |body: Option<usize>| body.is_none_or(|body| trees.trees[trees.of_body[body]].bodies.len() > 1);
                 (joint.a.body.is_none() || joint.b.body.is_none()) && alone(joint.a.body) && alone(joint.b.body)
             }
         }
@@ -168,17 +158,6 @@ pub(crate) fn has_row(motor: &Motor) -> bool {
 }
 
 impl Contacts {
-    /// The columns and entries of one row.
-    pub fn row(&self, side: &Side, row: usize) -> (&[usize], &[f64]) {
-        let from = side.entries + row * side.count;
-        (&self.columns[side.columns..side.columns + side.count], &self.entries[from..from + side.count])
-    }
-
-    /// The columns and all rows, one after the other.
-    pub fn rows(&self, side: &Side) -> (&[usize], &[f64]) {
-        (&self.columns[side.columns..side.columns + side.count], &self.entries[side.entries..])
-    }
-
     /// Finds all candidates for a step of this length (s), in a state that places the bodies; their speeds are at least as large as `rates` says
     /// (linear and angular, a body each).
     pub fn find(
@@ -195,9 +174,8 @@ impl Contacts {
         clearances.see(bodies, touching.pairs.len());
         let fall = 2.0 * whole.gravity.norm() * step * step + 2.0 * CLOSED;
         for (pair, of) in touching.pairs.iter().enumerate() {
-            let speed = |side: usize| {
-                of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side])
-            };
+            let speed =
+                |side: usize| of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side]);
             let within = FASTER * step * (speed(0) + speed(1)) + fall;
             if clearances.is_beyond(pair, of.bodies, of.reach, within) {
                 continue;
@@ -233,11 +211,19 @@ impl Contacts {
         }
     }
 
+    /// The candidates that a test keeps, with their numbers and sides.
+    pub fn sides<'c>(
+        &'c self,
+        keeps: impl Fn(&Candidate) -> bool + Clone + 'c,
+    ) -> impl Iterator<Item = (usize, [Option<Side>; 2])> + Clone + 'c {
+        let all = self.list.iter().enumerate();
+        all.filter(move |(_, candidate)| keeps(candidate)).map(|(number, candidate)| (number, candidate.sides))
+    }
+
     /// Fills the rows of the candidates from a number on, with trees that are placed in the same state.
     pub fn fill_rows(&mut self, scene: Scene, trees: &Trees, bodies: &[BodyState], first: usize) {
         if first == 0 {
-            self.columns.clear();
-            self.entries.clear();
+            self.rows.clear();
         }
         for number in first..self.list.len() {
             let candidate = &self.list[number];
@@ -245,72 +231,22 @@ impl Contacts {
                 (Some(contact), _) => {
                     let point = touch_motion(&contact.joint, bodies).point;
                     let (frame, rows) = (candidate.frame, if candidate.friction > 0.0 { 3 } else { 1 });
-                    self.sides_of([contact.joint.a.body, contact.joint.b.body], &point, &frame[..rows], trees)
+                    self.rows.between([contact.joint.a.body, contact.joint.b.body], &point, &frame[..rows], trees)
                 }
                 (None, Key::Limit(joint, upper)) => {
                     let sign = inward(if upper { End::Upper } else { End::Lower });
-                    [Some(self.side_of(scene.elements.joints[joint].coordinate.freedom, sign, trees)), None]
+                    [Some(self.rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, sign, trees)), None]
                 }
                 (None, Key::Friction(joint)) => {
-                    [Some(self.side_of(scene.elements.joints[joint].coordinate.freedom, 1.0, trees)), None]
+                    [Some(self.rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, 1.0, trees)), None]
                 }
                 (None, Key::Motor(motor)) => {
-                    [Some(self.side_of(scene.elements.motors[motor].coordinate.freedom, 1.0, trees)), None]
+                    [Some(self.rows.of_freedom(scene.elements.motors[motor].coordinate.freedom, 1.0, trees)), None]
                 }
                 (None, Key::Touch(..)) => [None, None],
             };
             self.list[number].sides = sides;
         }
-    }
-
-    fn side_of(&mut self, freedom: usize, sign: f64, trees: &Trees) -> Side {
-        let (tree, column) = trees.of_freedom[freedom];
-        let side = Side { tree, count: 1, columns: self.columns.len(), entries: self.entries.len() };
-        self.columns.push(column);
-        self.entries.push(sign);
-        side
-    }
-
-    /// The rows along these directions at a point, between two bodies. Freedoms that carry both move them together.
-    fn sides_of(
-        &mut self,
-        bodies: [Option<usize>; 2],
-        point: &Vector3<f64>,
-        along: &[Vector3<f64>],
-        trees: &Trees,
-    ) -> [Option<Side>; 2] {
-        let tree_of = |body: Option<usize>| body.map(|body| trees.of_body[body]);
-        let shared = match bodies {
-            [Some(a), Some(b)] if trees.of_body[a] == trees.of_body[b] => {
-                trees.paths[a].iter().zip(&trees.paths[b]).take_while(|(one, other)| one == other).count()
-            }
-            _ => 0,
-        };
-        let together = bodies[1].is_some() && tree_of(bodies[0]) == tree_of(bodies[1]);
-        let mut sides = [None, None];
-        let mut begin = Side { tree: 0, count: 0, columns: self.columns.len(), entries: self.entries.len() };
-        for (number, body) in bodies.into_iter().enumerate() {
-            let Some(body) = body else { continue };
-            let path = &trees.paths[body][shared..];
-            self.columns.extend_from_slice(path);
-            begin = Side { tree: trees.of_body[body], count: begin.count + path.len(), ..begin };
-            if together && number == 0 {
-                continue;
-            }
-            let own = if together { 0..2 } else { number..number + 1 };
-            for direction in along {
-                for side in own.clone() {
-                    let sign = if side == 0 { -1.0 } else { 1.0 };
-                    if let Some(body) = bodies[side] {
-                        let entries = trees.row(body, point, direction).skip(shared);
-                        self.entries.extend(entries.map(|entry| sign * entry));
-                    }
-                }
-            }
-            sides[number] = Some(begin);
-            begin = Side { tree: 0, count: 0, columns: self.columns.len(), entries: self.entries.len() };
-        }
-        sides
     }
 
     /// Takes impulses and curvatures from the candidates of the step before, for steps that are longer by a factor.

@@ -7,9 +7,9 @@
 //! W is the work of motors and efforts (J). A gain that is larger than the kinetic energy T, as of a lift of bodies at rest, is a debt of the next motion.
 //! With forces between bodies, or loads, all trees are one group.
 
+use crate::crowd::islands::groups;
+use crate::crowd::trees::{Tree, Trees};
 use crate::events::crowd::contacts::Contacts;
-use crate::events::crowd::islands::{Island, islands_of_both};
-use crate::events::crowd::trees::Trees;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::energy::energy_with_forces;
@@ -32,7 +32,8 @@ pub(super) struct Energies {
 impl Energies {
     pub fn new(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
-        let together = !(forces.point_springs.is_empty() && forces.wrenches.is_empty() && forces.joint_loads.is_empty());
+        let together =
+            !(forces.point_springs.is_empty() && forces.wrenches.is_empty() && forces.joint_loads.is_empty());
         Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new() }
     }
 
@@ -70,25 +71,26 @@ impl Energies {
         let potential = potentials(mechanism, state, bodies, trees);
         let kinetic = kinetics(trees, &state.velocity);
         let groups = if self.together {
-            vec![Island { trees: (0..trees.trees.len()).collect(), candidates: Vec::new() }]
+            vec![(0..trees.trees.len()).collect()]
         } else {
-            islands_of_both(trees.trees.len(), contacts)
+            let sides = contacts.into_iter().flat_map(|contacts| contacts.list.iter().map(|candidate| candidate.sides));
+            groups(trees.trees.len(), sides)
         };
         let mut taken = 0.0;
         for group in groups {
-            let sum = |values: &[f64]| group.trees.iter().map(|&tree| values[tree]).sum::<f64>();
-            let freedoms = group.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
+            let sum = |values: &[f64]| group.iter().map(|&tree| values[tree]).sum::<f64>();
+            let freedoms = group.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
             let worked: f64 = freedoms.clone().map(|&freedom| work[freedom]).sum();
             let own = sum(&kinetic);
             let gained = own - sum(&self.kinetic) + sum(&potential) - sum(&self.potential) - worked;
             let size = own + sum(&self.kinetic) + worked.abs();
             let owed = gained + sum(&self.debt);
-            group.trees.iter().for_each(|&tree| self.debt[tree] = 0.0);
+            group.iter().for_each(|&tree| self.debt[tree] = 0.0);
             if owed <= ROUNDING * size {
                 continue;
             }
             let paid = owed.min(own);
-            self.debt[group.trees[0]] = owed - paid;
+            self.debt[group[0]] = owed - paid;
             taken += paid;
             let factor = if own > 0.0 { ((own - paid) / own).max(0.0).sqrt() } else { 0.0 };
             freedoms.for_each(|&freedom| state.velocity[freedom] *= factor);
@@ -106,7 +108,7 @@ impl Energies {
 
 /// ½ vᵀ M v of each tree (J).
 fn kinetics(trees: &Trees, velocity: &[f64]) -> Vec<f64> {
-    let of = |tree: &crate::events::crowd::trees::Tree| {
+    let of = |tree: &Tree| {
         let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| velocity[freedom]).collect();
         let mut momentum = vec![0.0; own.len()];
         tree.add_mass(&own, &mut momentum);

@@ -6,11 +6,11 @@
 //!
 //! It is a jump of position beside the mechanics: the largest one of a run is told, and what it adds to the energy is taken from the motion.
 
-use crate::events::crowd::contacts::{Contacts, Scene};
-use crate::events::crowd::convex::solve;
-use crate::events::crowd::islands::islands;
-use crate::events::crowd::laws::Law;
-use crate::events::crowd::problem::Problem;
+use crate::crowd::convex::solve;
+use crate::crowd::islands::islands;
+use crate::crowd::laws::Law;
+use crate::crowd::problem::{Given, Problem};
+use crate::events::crowd::contacts::{Candidate, Contacts, Scene};
 use crate::events::crowd::step::Crowd;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -40,16 +40,19 @@ impl Crowd {
             }
             let mut places = vec![0; trees.trees.len()];
             let mut moved = nothing.clone();
-            let near = |number: usize| next.list[number].closes() && next.list[number].gap <= NEAR;
-            for island in islands(trees.trees.len(), next, near) {
+            let near = |candidate: &Candidate| candidate.closes() && candidate.gap <= NEAR;
+            for island in islands(trees.trees.len(), next.sides(near)) {
                 if island.candidates.iter().all(|&number| next.list[number].gap >= -OVERLAP) {
                     continue;
                 }
                 island.trees.iter().enumerate().for_each(|(place, &tree)| places[tree] = place);
                 let law = Law::Interval(0.0, f64::INFINITY);
-                let block = |&number: &usize| (number, law, Vector3::new(next.list[number].gap, 0.0, 0.0), 0.0);
+                let block = |&number: &usize| {
+                    let Candidate { sides, gap, .. } = next.list[number];
+                    Given { sides, law, bias: Vector3::new(gap, 0.0, 0.0), compliance: 0.0 }
+                };
                 let blocks = island.candidates.iter().map(block);
-                let problem = Problem::new(trees, next, [&island.trees, &places], &nothing, blocks);
+                let problem = Problem::new(trees, &next.rows, [&island.trees, &places], &nothing, blocks);
                 let mut impulses = vec![Vector3::zeros(); island.candidates.len()];
                 let mut v = Vec::new();
                 solve(&problem, &mut impulses, &mut v, room);

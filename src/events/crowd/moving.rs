@@ -7,12 +7,12 @@
 //!
 //! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions.
 
+use crate::crowd::convex::{TOLERANCE, solve};
+use crate::crowd::islands::islands;
+use crate::crowd::newton::Workspace;
+use crate::crowd::problem::{Given, Problem};
+use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Contacts, Key, Scene};
-use crate::events::crowd::convex::{TOLERANCE, solve};
-use crate::events::crowd::islands::islands;
-use crate::events::crowd::newton::Workspace;
-use crate::events::crowd::problem::Problem;
-use crate::events::crowd::trees::Trees;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -52,7 +52,7 @@ pub(super) fn move_on(
 ) -> Solved {
     let &Moving { scene, start, step, free } = moving;
     let mut places = vec![0; trees.trees.len()];
-    let found = islands(trees.trees.len(), now, |_| true);
+    let found = islands(trees.trees.len(), now.sides(|_| true));
     displacement.copy_from_slice(free);
     let contacts = &*now;
     for island in &found {
@@ -76,10 +76,10 @@ pub(super) fn move_on(
                     _ => (candidate.gap / step + candidate.curve, 0.0),
                 };
                 let law = candidate.law(scene.elements, 0.5 * step);
-                (number, law, Vector3::new(bias, 0.0, 0.0), compliance)
+                Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
             };
             let blocks = island.candidates.iter().map(block);
-            let problem = Problem::new(trees, contacts, [&island.trees, &places], free, blocks);
+            let problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
             let of = |number: &usize| &contacts.list[*number];
             let own = Own {
                 problem,

@@ -7,13 +7,13 @@
 //! H and M are at the end of the step, v at its start; e is the restitution of a contact that has closed in this step. An approach that is slower than a
 //! fall of two steps has no rebound. There is no gap in it.
 
-use crate::events::crowd::contacts::{Contacts, Key, Scene};
-use crate::events::crowd::convex::{TOLERANCE, solve};
-use crate::events::crowd::islands::islands;
-use crate::events::crowd::laws::Law;
-use crate::events::crowd::newton::Workspace;
-use crate::events::crowd::problem::Problem;
-use crate::events::crowd::trees::Trees;
+use crate::crowd::convex::{TOLERANCE, solve};
+use crate::crowd::islands::islands;
+use crate::crowd::laws::Law;
+use crate::crowd::newton::Workspace;
+use crate::crowd::problem::{Given, Problem};
+use crate::crowd::trees::Trees;
+use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
@@ -56,7 +56,7 @@ pub(super) fn settle(
     let mut places = vec![0; trees.trees.len()];
     let mut kept = Vec::new();
     let contacts = &*next;
-    for island in islands(trees.trees.len(), contacts, |number| contacts.list[number].settles()) {
+    for island in islands(trees.trees.len(), contacts.sides(Candidate::settles)) {
         if island.candidates.is_empty() {
             continue;
         }
@@ -67,12 +67,14 @@ pub(super) fn settle(
         let block = |&number: &usize| {
             let candidate = &contacts.list[number];
             let law = candidate.law(scene.elements, step);
-            let Key::Motor(motor) = candidate.key else { return (number, law, Vector3::zeros(), 0.0) };
-            let (law, bias, compliance) = brake(scene, settling, motor, law);
-            (number, law, Vector3::new(bias, 0.0, 0.0), compliance)
+            let (law, bias, compliance) = match candidate.key {
+                Key::Motor(motor) => brake(scene, settling, motor, law),
+                _ => (law, 0.0, 0.0),
+            };
+            Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
         };
         let blocks = island.candidates.iter().map(block);
-        let mut problem = Problem::new(trees, contacts, [&island.trees, &places], free, blocks);
+        let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
         for (place, &number) in island.candidates.iter().enumerate() {
             let candidate = &contacts.list[number];
             if !candidate.closes() || candidate.was_closed {

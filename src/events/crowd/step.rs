@@ -11,15 +11,15 @@
 //! Source: J. J. Moreau (1988) and M. Jean (1999) for the step; L. Paoli, M. Schatzman, A numerical scheme for impact problems, SIAM Journal on Numerical
 //! Analysis 40 (2002) for positions apart from rates.
 
+use crate::crowd::newton::Workspace;
+use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{CLOSED, Candidate, Clearances, Contacts, Key, Scene, has_row};
 use crate::events::crowd::energies::Energies;
 use crate::events::crowd::moving::{Moving, move_on};
-use crate::events::crowd::newton::Workspace;
 use crate::events::crowd::settling::{Settling, settle};
-use crate::events::crowd::trees::Trees;
+use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::instant::holding::touching::Touching;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -216,9 +216,8 @@ impl Crowd {
     fn widen(&mut self, scene: Scene, start: &State) -> bool {
         let Crowd { now, next, trees, bodies, .. } = self;
         let known: BTreeSet<Key> = now.list.iter().map(|candidate| candidate.key).collect();
-        let new = |candidate: &&Candidate| {
-            candidate.closes() && candidate.gap < -OVERLAPS && !known.contains(&candidate.key)
-        };
+        let new =
+            |candidate: &&Candidate| candidate.closes() && candidate.gap < -OVERLAPS && !known.contains(&candidate.key);
         let first = now.list.len();
         if !next.list.iter().any(|candidate| new(&candidate)) {
             return false;
@@ -282,7 +281,8 @@ impl Crowd {
             let Some(contact) = candidate.contact.as_ref().filter(|_| candidate.settling.x > 0.0) else { continue };
             let touch = touch_motion(&contact.joint, &self.bodies);
             let [normal, first, second] = candidate.frame;
-            let force = (normal * candidate.settling.x + first * candidate.settling.y + second * candidate.settling.z) / *step;
+            let force =
+                (normal * candidate.settling.x + first * candidate.settling.y + second * candidate.settling.z) / *step;
             let across = candidate.settling.y.hypot(candidate.settling.z);
             let sticks = across < STICKS * candidate.friction * candidate.settling.x;
             out.push(touching.reported(contact, &touch, &force, sticks));

@@ -170,7 +170,8 @@ fn chain() -> Mechanism {
     for index in 0..4_usize {
         let kind = if index == 0 { JointKind::Floating } else { JointKind::Revolute };
         let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
-        let frame = |x: f64| if index == 0 { Pose::identity() } else { Pose::from_parts(Translation3::new(x, 0.0, 0.0), turn) };
+        let frame =
+            |x: f64| if index == 0 { Pose::identity() } else { Pose::from_parts(Translation3::new(x, 0.0, 0.0), turn) };
         let joint = Joint::new("joint", kind, frame(0.11), frame(-0.11));
         let parent = index.checked_sub(1);
         bodies.push(Body { name: "flap".into(), parent, mass: 0.5, inertia: Vector3::new(1e-3, 3e-3, 3e-3), joint });

@@ -7,15 +7,15 @@
 //! `v` (n) are the rates of the trees, `H_k` (3 × n or 1 × n) the rows of a block, `b_k` its bias [m/s or rad/s], `c_k` a compliance [m/s/(N s)] of a
 //! motor. A block has entries for the freedoms on the way to its bodies alone. Blocks of one tree and the world stay in the diagonal block of the tree.
 
-use crate::events::crowd::block_factors::{Factors, Pattern};
-use crate::events::crowd::contacts::{Contacts, Side};
-use crate::events::crowd::laws::Law;
-use crate::events::crowd::trees::Trees;
+use crate::block_factors::{Factors, Pattern};
+use crate::laws::Law;
+use crate::rows::{Rows, Side};
+use crate::trees::Trees;
 use nalgebra::{Matrix3, Vector3};
 
 /// One block of an island.
 #[derive(Clone, Copy)]
-pub(super) struct Block {
+pub struct Block {
     pub law: Law,
     /// b.
     pub bias: Vector3<f64>,
@@ -26,10 +26,23 @@ pub(super) struct Block {
     sides: [Option<Side>; 2],
 }
 
+/// What a block is made of.
+#[derive(Clone, Copy)]
+pub struct Given {
+    /// The rows on its trees.
+    pub sides: [Option<Side>; 2],
+    /// Its law.
+    pub law: Law,
+    /// b.
+    pub bias: Vector3<f64>,
+    /// c.
+    pub compliance: f64,
+}
+
 /// The blocks and trees of an island.
-pub(super) struct Problem<'p> {
+pub struct Problem<'p> {
     trees: &'p Trees,
-    contacts: &'p Contacts,
+    rows: &'p Rows,
     members: &'p [usize],
     /// The place of each tree of the mechanism among the members.
     places: &'p [usize],
@@ -43,43 +56,42 @@ pub(super) struct Problem<'p> {
 
 /// How well impulses and rates solve a problem.
 #[derive(Clone, Copy)]
-pub(super) struct Merit {
+pub struct Merit {
     pub value: f64,
     /// Largest defect over the largest impulse.
     pub residual: f64,
 }
 
 impl<'p> Problem<'p> {
-    /// The problem of these trees with rates `free` of all freedoms without impulses, for blocks by their number among the contacts.
+    /// The problem of these trees with rates `free` of all freedoms without impulses, for blocks: their sides, law, bias and compliance.
     pub fn new(
         trees: &'p Trees,
-        contacts: &'p Contacts,
+        rows: &'p Rows,
         [members, places]: [&'p [usize]; 2],
         free: &[f64],
-        blocks: impl Iterator<Item = (usize, Law, Vector3<f64>, f64)>,
+        blocks: impl Iterator<Item = Given>,
     ) -> Self {
         let mut edges = Vec::new();
         let mut room = Vec::new();
         let blocks: Vec<Block> = blocks
-            .map(|(number, law, bias, compliance)| {
-                let sides = contacts.list[number].sides;
+            .map(|Given { sides, law, bias, compliance }| {
                 if let [Some(a), Some(b)] = sides {
                     edges.push((places[a.tree], places[b.tree]));
                 }
-                let rows = if law.rows() == 3 { 2 } else { 1 };
+                let looked = if law.rows() == 3 { 2 } else { 1 };
                 let mut mobility = 0.0;
                 for side in sides.iter().flatten() {
                     let tree = &trees.trees[side.tree];
-                    for row in 0..rows {
+                    for row in 0..looked {
                         room.clear();
                         room.resize(tree.freedoms.len(), 0.0);
-                        let (columns, entries) = contacts.row(side, row);
+                        let (columns, entries) = rows.row(side, row);
                         columns.iter().zip(entries).for_each(|(&column, entry)| room[column] = *entry);
                         tree.solve_lower(&mut room);
                         mobility += room.iter().map(|x| x * x).sum::<f64>();
                     }
                 }
-                Block { law, bias, compliance, rho: rows as f64 / mobility.max(f64::MIN_POSITIVE), sides }
+                Block { law, bias, compliance, rho: looked as f64 / mobility.max(f64::MIN_POSITIVE), sides }
             })
             .collect();
         let sizes = members.iter().map(|&tree| trees.trees[tree].freedoms.len()).collect();
@@ -88,7 +100,7 @@ impl<'p> Problem<'p> {
         let mut problem = Problem {
             pattern: Pattern::new(sizes, &edges),
             trees,
-            contacts,
+            rows,
             members,
             places,
             blocks,
@@ -111,13 +123,25 @@ impl<'p> Problem<'p> {
         let block = &self.blocks[number];
         let mut rate = Vector3::zeros();
         for side in block.sides.iter().flatten() {
-            let offset = self.pattern.offsets[self.places[side.tree]];
+            let v = self.part(side, v);
             for row in 0..block.law.rows() {
-                let (columns, entries) = self.contacts.row(side, row);
-                rate[row] += columns.iter().zip(entries).map(|(&column, entry)| entry * v[offset + column]).sum::<f64>();
+                let (columns, entries) = self.rows.row(side, row);
+                // The way to a body that is all of its tree has all freedoms in their order.
+                rate[row] += if columns.len() == v.len() {
+                    v.iter().zip(entries).map(|(v, entry)| entry * v).sum::<f64>()
+                } else {
+                    columns.iter().zip(entries).map(|(&column, entry)| entry * v[column]).sum::<f64>()
+                };
             }
         }
         rate
+    }
+
+    /// The rates of the tree of a side.
+    fn part<'v>(&self, side: &Side, v: &'v [f64]) -> &'v [f64] {
+        let place = self.places[side.tree];
+        let from = self.pattern.offsets[place];
+        &v[from..from + self.pattern.sizes[place]]
     }
 
     /// u of a block.
@@ -132,11 +156,16 @@ impl<'p> Problem<'p> {
     pub fn spread(&self, number: usize, impulse: &Vector3<f64>, efforts: &mut [f64]) {
         let block = &self.blocks[number];
         for side in block.sides.iter().flatten() {
-            let offset = self.pattern.offsets[self.places[side.tree]];
+            let place = self.places[side.tree];
+            let from = self.pattern.offsets[place];
+            let efforts = &mut efforts[from..from + self.pattern.sizes[place]];
             for row in 0..block.law.rows() {
-                let (columns, entries) = self.contacts.row(side, row);
-                for (&column, entry) in columns.iter().zip(entries) {
-                    efforts[offset + column] += entry * impulse[row];
+                let (columns, entries) = self.rows.row(side, row);
+                let impulse = impulse[row];
+                if columns.len() == efforts.len() {
+                    efforts.iter_mut().zip(entries).for_each(|(effort, entry)| *effort += entry * impulse);
+                } else {
+                    columns.iter().zip(entries).for_each(|(&column, entry)| efforts[column] += entry * impulse);
                 }
             }
         }
@@ -199,14 +228,14 @@ impl<'p> Problem<'p> {
                 let width = self.pattern.sizes[column];
                 let target = factors.block(&self.pattern, row, column);
                 if rows == 1 {
-                    let ((columns, left), (others, right)) = (self.contacts.row(one, 0), self.contacts.row(other, 0));
+                    let ((columns, left), (others, right)) = (self.rows.row(one, 0), self.rows.row(other, 0));
                     for (&i, x) in columns.iter().zip(left) {
                         let factor = x * stiffness[(0, 0)];
                         others.iter().zip(right).for_each(|(&j, y)| target[i * width + j] += factor * y);
                     }
                     continue;
                 }
-                let (left, right) = (self.contacts.rows(one), self.contacts.rows(other));
+                let (left, right) = (self.rows.rows(one), self.rows.rows(other));
                 let (high, wide) = (one.count, other.count);
                 if high == 6 && wide == 6 && width == 6 && target.len() == 36 {
                     let mut pulled = [[0.0; 6]; 3];

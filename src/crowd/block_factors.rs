@@ -7,11 +7,9 @@
 //!
 //! Pivots are exchanged within blocks alone. A single block is factored as a whole.
 
-use nalgebra::SMatrixView;
-
 /// The order of elimination and the places of the blocks.
 #[derive(Clone, Default)]
-pub(super) struct Pattern {
+pub struct Pattern {
     /// Sizes of the blocks, and where their unknowns begin.
     pub sizes: Vec<usize>,
     pub offsets: Vec<usize>,
@@ -77,16 +75,11 @@ impl Pattern {
     fn place(&self, row: usize, column: usize) -> usize {
         self.places[row * self.sizes.len() + column]
     }
-
-    /// Number of all unknowns.
-    pub fn unknowns(&self) -> usize {
-        self.sizes.iter().sum()
-    }
 }
 
 /// The blocks, and their factors after [`Factors::factor`].
 #[derive(Clone, Default)]
-pub(super) struct Factors {
+pub struct Factors {
     data: Vec<f64>,
     inverses: Vec<f64>,
     inverse_places: Vec<usize>,
@@ -239,10 +232,17 @@ const MOST: usize = 64;
 
 /// c (m × n) ← c − a (m × k) b (k × n).
 fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], inner: usize, width: usize) {
-    if inner == 6 && width == 6 && c.len() == 36 {
-        // Read column by column, so that all are transposed.
-        let product = SMatrixView::<f64, 6, 6>::from_slice(b) * SMatrixView::<f64, 6, 6>::from_slice(a);
-        c.iter_mut().zip(product.iter()).for_each(|(entry, product)| *entry -= product);
+    if let (6, 6, Ok(c)) = (inner, width, <&mut [f64; 36]>::try_from(&mut *c))
+        && let (Some(a), Some(b)) = (a.first_chunk::<36>(), b.first_chunk::<36>())
+    {
+        for row in 0..6 {
+            let mut sums = [0.0; 6];
+            for inner in 0..6 {
+                let factor = a[6 * row + inner];
+                (0..6).for_each(|column| sums[column] += factor * b[6 * inner + column]);
+            }
+            (0..6).for_each(|column| c[6 * row + column] -= sums[column]);
+        }
         return;
     }
     for (own, row) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {

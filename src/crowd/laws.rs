@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// The law of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Law {
+pub enum Law {
     /// Coulomb's cone with this friction, which is positive.
     Cone(f64),
     /// Impulses from … to …; a contact without friction, a limit, a joint with friction, a motor.
@@ -24,7 +24,7 @@ pub(super) enum Law {
 }
 
 /// F, A and B.
-pub(super) struct Linear {
+pub struct Linear {
     pub value: Vector3<f64>,
     pub by_rate: Matrix3<f64>,
     pub by_impulse: Matrix3<f64>,
@@ -42,7 +42,7 @@ impl Law {
     /// De Saxcé's shift of the normal rate.
     pub fn shift(self, rate: &Vector3<f64>) -> f64 {
         match self {
-            Law::Cone(friction) => friction * rate.y.hypot(rate.z),
+            Law::Cone(friction) => friction * norm(rate.y, rate.z),
             Law::Interval(..) => 0.0,
         }
     }
@@ -52,7 +52,7 @@ impl Law {
         match self {
             Law::Interval(lower, upper) => Vector3::new(y.x.max(lower).min(upper), 0.0, 0.0),
             Law::Cone(friction) => {
-                let across = y.y.hypot(y.z);
+                let across = norm(y.y, y.z);
                 if y.x >= 0.0 && across <= friction * y.x {
                     *y
                 } else if friction * across <= -y.x {
@@ -73,7 +73,7 @@ impl Law {
                 (lower < y.x && y.x < upper).then(|| Matrix3::from_diagonal(&Vector3::new(1.0, 0.0, 0.0)))
             }
             Law::Cone(friction) => {
-                let across = y.y.hypot(y.z);
+                let across = norm(y.y, y.z);
                 if y.x >= 0.0 && across <= friction * y.x {
                     return Some(Matrix3::identity());
                 }
@@ -122,7 +122,7 @@ impl Law {
                 }
             }
             Law::Cone(friction) => {
-                let across = y.y.hypot(y.z);
+                let across = norm(y.y, y.z);
                 if y.x <= 0.0 {
                     return Linear { value: *r, by_rate: Matrix3::zeros(), by_impulse: one };
                 }
@@ -149,4 +149,8 @@ impl Law {
             }
         }
     }
+}
+
+fn norm(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
 }

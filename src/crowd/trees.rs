@@ -10,14 +10,14 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 6.
 
-use crate::mechanism::description::body_state::{BodyState, WORLD};
-use crate::mechanism::description::joint::FreeRotation;
-use crate::mechanism::description::mechanism::Mechanism;
+use catena_mechanism::description::body_state::{BodyState, WORLD};
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::Mechanism;
 use nalgebra::{Matrix3, Vector3};
 
 /// All trees.
 #[derive(Clone)]
-pub(super) struct Trees {
+pub struct Trees {
     pub trees: Vec<Tree>,
     /// The tree of each body.
     pub of_body: Vec<usize>,
@@ -32,7 +32,7 @@ pub(super) struct Trees {
 
 /// One tree.
 #[derive(Clone, Default)]
-pub(super) struct Tree {
+pub struct Tree {
     pub bodies: Vec<usize>,
     /// Its freedoms by their numbers in the mechanism.
     pub freedoms: Vec<usize>,

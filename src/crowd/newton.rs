@@ -11,8 +11,8 @@
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
 //! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity.
 
-use crate::events::crowd::block_factors::Factors;
-use crate::events::crowd::problem::Problem;
+use crate::block_factors::Factors;
+use crate::problem::Problem;
 use nalgebra::{Matrix3, Vector3};
 
 /// The proximal part lies between these.
@@ -26,7 +26,7 @@ const GROWS: f64 = 100.0;
 
 /// Room for the iterations of any island, and their count.
 #[derive(Clone, Default)]
-pub(super) struct Workspace {
+pub struct Workspace {
     pub factors: Factors,
     pub iterations: usize,
     direction: Vec<f64>,
@@ -37,7 +37,7 @@ pub(super) struct Workspace {
 }
 
 /// Iterates on impulses and rates until the residual is below `tolerance`, at most so often; returns the residual of what it leaves.
-pub(super) fn newton(
+pub fn newton(
     problem: &Problem,
     impulses: &mut [Vector3<f64>],
     v: &mut Vec<f64>,

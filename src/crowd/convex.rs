@@ -9,12 +9,12 @@
 //!
 //! Source: R. T. Rockafellar, Augmented Lagrangians and the proximal point algorithm (1976); G. De Saxcé, Z.-Q. Feng (1998) for the shift.
 
-use crate::events::crowd::newton::{Workspace, newton};
-use crate::events::crowd::problem::Problem;
+use crate::newton::{Workspace, newton};
+use crate::problem::Problem;
 use nalgebra::Vector3;
 
 /// The residual at which an island counts as solved, and the one at which the last rounds stop.
-pub(super) const TOLERANCE: f64 = 5e-9;
+pub const TOLERANCE: f64 = 5e-9;
 const ENOUGH: f64 = 1e-7;
 /// Iterations of Newton's method at first, after a round, and of one convex problem.
 const NEWTON: f64 = 30.0;
@@ -31,12 +31,7 @@ const SEARCHES: usize = 12;
 const SOLVED: f64 = 1e-4;
 
 /// Solves the problem of an island from these impulses; returns its residual.
-pub(super) fn solve(
-    problem: &Problem,
-    impulses: &mut [Vector3<f64>],
-    v: &mut Vec<f64>,
-    room: &mut Workspace,
-) -> f64 {
+pub fn solve(problem: &Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>, room: &mut Workspace) -> f64 {
     let mut residual = newton(problem, impulses, v, [TOLERANCE, NEWTON], room);
     if residual <= TOLERANCE || impulses.is_empty() {
         return residual;
