@@ -16,6 +16,8 @@ use nalgebra::Vector3;
 /// The residual at which an island counts as solved, and the one at which the last rounds stop.
 pub const TOLERANCE: f64 = 5e-9;
 const ENOUGH: f64 = 1e-7;
+/// Blocks are added this often at most.
+const WIDENED: usize = 8;
 /// Iterations of Newton's method at first, after a round, and of one convex problem.
 const NEWTON: f64 = 30.0;
 const AFTER: f64 = 8.0;
@@ -30,8 +32,36 @@ const SEARCHES: usize = 12;
 /// A convex problem is solved when the decrement of Newton's method is this part of the first.
 const SOLVED: f64 = 1e-4;
 
-/// Solves the problem of an island from these impulses; returns its residual.
-pub fn solve(problem: &Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>, room: &mut Workspace) -> f64 {
+/// Solves the problem of an island from these impulses; returns its residual. Blocks that exert no impulse and do not close are left out, until
+/// the others make them close: hundreds of points of a hull are near a floor, and few of them press.
+pub fn solve(problem: &mut Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>, room: &mut Workspace) -> f64 {
+    let all = std::mem::take(&mut problem.blocks);
+    let mut part: Vec<usize> = (0..all.len())
+        .filter(|&number| impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free))
+        .collect();
+    let mut residual = 0.0;
+    for _ in 0..WIDENED {
+        problem.blocks.clear();
+        problem.blocks.extend(part.iter().map(|&number| all[number]));
+        let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
+        residual = solve_all(problem, &mut own, v, room);
+        part.iter().zip(own).for_each(|(&number, impulse)| impulses[number] = impulse);
+        let before = part.len();
+        let mut inside = part.iter().copied().peekable();
+        let others = (0..all.len()).filter(|number| inside.next_if_eq(number).is_none());
+        let more: Vec<usize> = others.filter(|&number| problem.is_called(&all[number], v)).collect();
+        part.extend(more);
+        part.sort_unstable();
+        if part.len() == before {
+            break;
+        }
+    }
+    problem.blocks = all;
+    residual
+}
+
+/// The same with all blocks.
+fn solve_all(problem: &Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>, room: &mut Workspace) -> f64 {
     let mut residual = newton(problem, impulses, v, [TOLERANCE, NEWTON], room);
     if residual <= TOLERANCE || impulses.is_empty() {
         return residual;

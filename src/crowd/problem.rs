@@ -120,7 +120,10 @@ impl<'p> Problem<'p> {
 
     /// H v of a block, without its bias.
     pub fn moved(&self, number: usize, v: &[f64]) -> Vector3<f64> {
-        let block = &self.blocks[number];
+        self.moved_of(&self.blocks[number], v)
+    }
+
+    fn moved_of(&self, block: &Block, v: &[f64]) -> Vector3<f64> {
         let mut rate = Vector3::zeros();
         for side in block.sides.iter().flatten() {
             let v = self.part(side, v);
@@ -135,6 +138,14 @@ impl<'p> Problem<'p> {
             }
         }
         rate
+    }
+
+    /// Whether a block that exerts no impulse presses or pulls at these rates.
+    pub fn is_called(&self, block: &Block, v: &[f64]) -> bool {
+        match block.law {
+            Law::Interval(lower, _) if lower < 0.0 => true,
+            Law::Interval(..) | Law::Cone(_) => self.moved_of(block, v).x + block.bias.x < 0.0,
+        }
     }
 
     /// The rates of the tree of a side.

@@ -1,7 +1,7 @@
 //! A run in a crowd of events: when it begins, the length of its steps (`crowd/`), and when exact steps take over again.
 //!
 //! ```text
-//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to the tolerance          v: speed that impacts can take [m/s]
+//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to the tolerance          v: largest speed so far [m/s]
 //!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`
 //!     ends:     calm, and   n_s c (n + 3 n_c)² < ½ (1/h) c_c (i + 5) n                                expected cost for a second of the motion (s)
 //! ```
@@ -27,6 +27,8 @@ const LENGTHS: [f64; 2] = [1e-4, 2e-3];
 const PLAIN: f64 = 1e-3;
 /// κ: the error of an impact over its change of velocity and the length of the step.
 const SMEARS: f64 = 0.3;
+/// Bodies at rest may come to the speed of a fall for this time (s).
+const FALLS: f64 = 0.1;
 /// c and c_c (s), n_s.
 const ITERATION: f64 = 2e-7;
 const STEP: f64 = 4e-7;
@@ -41,8 +43,8 @@ impl Eventful {
     /// The length of steps over events (s), and whether they keep to the tolerance.
     fn crowd_length(&self) -> (f64, bool) {
         let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
-        let speed = (2.0 * self.memory.kinetic / mass).sqrt();
-        let kept = self.recipe.tolerance().map(|tolerance| tolerance / (SMEARS * speed));
+        let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.whole.gravity.norm());
+        let kept = self.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
         match kept {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
             _ => (PLAIN, false),

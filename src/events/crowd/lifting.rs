@@ -52,10 +52,10 @@ impl Crowd {
                     Given { sides, law, bias: Vector3::new(gap, 0.0, 0.0), compliance: 0.0 }
                 };
                 let blocks = island.candidates.iter().map(block);
-                let problem = Problem::new(trees, &next.rows, [&island.trees, &places], &nothing, blocks);
+                let mut problem = Problem::new(trees, &next.rows, [&island.trees, &places], &nothing, blocks);
                 let mut impulses = vec![Vector3::zeros(); island.candidates.len()];
                 let mut v = Vec::new();
-                solve(&problem, &mut impulses, &mut v, room);
+                solve(&mut problem, &mut impulses, &mut v, room);
                 let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
                 freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
             }

@@ -97,7 +97,7 @@ pub(super) fn move_on(
             if !own.open {
                 continue;
             }
-            own.residual = solve(&own.problem, &mut own.impulses, &mut own.v, room);
+            own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, room);
             let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
             freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
         }

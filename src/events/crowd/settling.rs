@@ -90,7 +90,7 @@ pub(super) fn settle(
         let mut impulses: Vec<Vector3<f64>> =
             island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
         let mut v = Vec::new();
-        let residual = solve(&problem, &mut impulses, &mut v, room);
+        let residual = solve(&mut problem, &mut impulses, &mut v, room);
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
         freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);

@@ -92,7 +92,9 @@ fn run(mechanism: &Mechanism, state: &mut State, step: f64, end: f64, mut see: i
 fn thrown(number: usize, step: Option<f64>) -> Vector3<f64> {
     let mechanism = boxes(1, Vector3::new(0.15, 0.1, 0.05), 0.5, 0.0);
     let (mut state, mut numbers) = (State::zero(&mechanism), Numbers(1000 + 77 * number as u64));
-    (0..10).for_each(|_| drop(numbers.next()));
+    for _ in 0..10 {
+        numbers.next();
+    }
     put(&mut state, 0, [0.0, 0.0, 0.2], [(); 3].map(|()| 0.8 * numbers.next()));
     for (index, rate) in state.velocity.iter_mut().enumerate() {
         *rate = numbers.next() * if index == 2 { 0.0 } else { 1.0 };
@@ -140,8 +142,8 @@ fn piles_of_boxes_do_not_overlap_gain_no_energy_and_come_to_rest_without_creep()
         let mut worst = Made::default();
         run(&mechanism, &mut state, 1e-3, end, |made, state, _| {
             let energy = crate::events::effects::resting::energy(&mechanism, state).total();
-            // Roundings of the energy of all boxes, 100 J at most.
-            assert!(energy <= before + 1e-12, "{energy} after {before} at {}", state.time);
+            // A gap that closes to 3e-10 m lifts a box at rest by that much: 3e-9 J, which its next motion owes.
+            assert!(energy <= before + 3e-9, "{energy} after {before} at {}", state.time);
             before = energy;
             worst.overlap = worst.overlap.max(made.overlap);
             worst.lifted = worst.lifted.max(made.lifted);
