@@ -36,6 +36,7 @@ mod contacts_wedged;
 mod contacts_wobble;
 mod continuous;
 mod continuous_events;
+mod crowds;
 mod exact;
 mod laws;
 mod locked;
