@@ -83,6 +83,8 @@ pub use nalgebra;
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
+pub mod derivatives;
+#[doc(hidden)]
 pub mod drawing;
 #[doc(hidden)]
 pub mod events;

@@ -16,6 +16,13 @@ Examples:
   catena model robot.urdf -o model.html       a page with a slider for each joint
   catena model scene.toml --parameters        the numbers that --set and sweeps can change";
 
+pub const LINEARIZE: &str = "\
+Examples:
+  catena linearize robot.urdf                 modes about the equilibrium near the start
+  catena linearize robot.urdf --hold --at start    with motors that hold it where it starts
+  catena linearize scene.toml --at 2.5 --json     matrices A and B about the state at 2.5 s
+  catena linearize run.mcap --at 2.5          the same of a run that has been logged";
+
 pub const INSPECT: &str = "\
 Examples:
   catena inspect arm7.mcap                    a summary
@@ -66,7 +73,7 @@ mod tests {
 
     #[test]
     fn every_example_is_a_command_line_that_is_understood() {
-        let all = [SIMULATE, MODEL, INSPECT, REPORT, REPLAY, CHART, STRESS, SWEEP, COMPLETIONS, MANUAL];
+        let all = [SIMULATE, MODEL, LINEARIZE, INSPECT, REPORT, REPLAY, CHART, STRESS, SWEEP, COMPLETIONS, MANUAL];
         for line in all.iter().flat_map(|examples| examples.lines()).filter(|line| line.starts_with("  catena ")) {
             // Its explanation comes after two spaces, and its output file after >.
             let command = line.trim_start().split("  ").next().unwrap_or_default();

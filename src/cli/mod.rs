@@ -16,6 +16,7 @@ mod examples;
 mod inspect;
 mod inspect_files;
 mod inspect_follow;
+mod linearize;
 mod logged_state;
 mod model;
 mod page_files;
@@ -57,6 +58,9 @@ enum Verb {
     #[command(after_help = examples::MODEL)]
     /// Show the links and joints that were read, the parts left out and why, and the mechanism that will be simulated
     Model(Box<model::ModelArgs>),
+    #[command(after_help = examples::LINEARIZE)]
+    /// Linear equations of motion about an equilibrium or an instant: matrices, and modes with frequency and damping
+    Linearize(Box<linearize::LinearizeArgs>),
     #[command(after_help = examples::INSPECT)]
     /// Look at a log: a summary, one instant, curves, a table; or compare two logs
     Inspect(Box<inspect::InspectArgs>),
@@ -110,6 +114,7 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
     let ended = match command_line.verb {
         Verb::Simulate(arguments) => report::simulate_and_report(&arguments),
         Verb::Model(arguments) => model::run(&arguments),
+        Verb::Linearize(arguments) => linearize::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),

@@ -1,6 +1,7 @@
 //! The closed contacts in a state of the last step, as reports name them.
 
 use crate::events::integrator::Eventful;
+use crate::events::modes::mode::Mode;
 use crate::events::modes::present::Present;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::inputs::Inputs;
@@ -28,6 +29,27 @@ impl Eventful {
         })
     }
 
+    /// The efforts of a mode in a state of the last step: from outside, of friction and of motors.
+    fn efforts_in(&self, mode: &Mode, state: &State) -> Vec<f64> {
+        let mut efforts = vec![0.0; self.whole.velocity_count];
+        efforts[..self.outside.len()].copy_from_slice(&self.outside);
+        self.felt.add(state.time, &mut efforts);
+        mode.add_constant_efforts(&self.elements, &mut efforts);
+        // A mode that follows at the end of a step was decided with the efforts after a jump of a target, the one before with those before it.
+        let is_next = self.stepped_in.as_ref().is_some_and(|before| !before.is_like(mode));
+        let since = if is_next { state.time } else { self.origin.time };
+        mode.add_motor_efforts(&self.elements, since, state.time, state, &mut efforts);
+        efforts
+    }
+
+    /// Whether it is known of the end of the last step that forces inside their cones hold all closed contacts, which is asked where several forces
+    /// do: to work out the reported ones takes as long as a step.
+    pub(crate) fn holds_all(&self, state: &State) -> bool {
+        let sticks = self.mode.contacts.iter().all(|closed| closed.slides.is_none());
+        let at_end = self.left.as_ref().is_some_and(|left| left == state);
+        at_end && sticks && !self.undecided && self.holding.holds_all(state, &self.efforts_in(&self.mode, state))
+    }
+
     /// Adds the closed contacts in a state of the last step: at its end, or inside it.
     pub(crate) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
         let inside = self.left.as_ref().is_some_and(|left| state.time < left.time);
@@ -37,14 +59,7 @@ impl Eventful {
             return;
         }
         let Eventful { whole, elements, touching, pieces, current, reporting, holding, .. } = self;
-        let mut efforts = vec![0.0; whole.velocity_count];
-        efforts[..self.outside.len()].copy_from_slice(&self.outside);
-        self.felt.add(state.time, &mut efforts);
-        mode.add_constant_efforts(elements, &mut efforts);
-        // A mode that follows at the end of a step was decided with the efforts after a jump of a target, the one before with those before it.
-        let is_next = self.stepped_in.as_ref().is_some_and(|before| !before.is_like(mode));
-        let since = if is_next { state.time } else { self.origin.time };
-        mode.add_motor_efforts(elements, since, state.time, state, &mut efforts);
+        let efforts = self.efforts_in(mode, state);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let mut reporting = reporting.borrow_mut();
         let unique = holding.is_unique() && !inside;

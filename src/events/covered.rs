@@ -17,6 +17,8 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
 pub(super) const SAME_END: f64 = 1e-9;
+/// Closed contacts are looked at inside one of so many spans: states inside them are projected on the contacts, which takes as long as the span.
+const SELDOM: usize = 16;
 /// Instants at which a step that is checked is asked.
 const ASKED: usize = 48;
 
@@ -31,6 +33,9 @@ pub(super) struct GapInside<'e, 'i> {
     /// Its number among the watched functions, and among the pairs.
     pub watched: usize,
     pub pair: usize,
+    /// The end of the step (s), and the gap there once it was asked for (m).
+    pub end: f64,
+    pub at_end: Option<f64>,
 }
 
 impl Approaching for GapInside<'_, '_> {
@@ -38,6 +43,9 @@ impl Approaching for GapInside<'_, '_> {
         let mut value = [0.0];
         let instant = Inside { time, roughly: self.roughly };
         self.eventful.evaluate(self.inputs, self.since, instant, &[self.watched], &mut value);
+        if time == self.end {
+            self.at_end = Some(value[0]);
+        }
         value[0]
     }
 
@@ -77,8 +85,10 @@ impl Eventful {
         self.evaluated.bodies = false;
         let mut least = self.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
         if !self.mode.contacts.is_empty() && end > since {
-            let inside = since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64;
-            for time in [inside, end] {
+            let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
+            let inside = (!short || self.steps % SELDOM == 0)
+                .then(|| since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64);
+            for time in inside.into_iter().chain([end]) {
                 self.place(Inside::at(time));
                 let gaps =
                     self.mode.contacts.iter().map(|closed| touch_motion(&closed.contact.joint, &self.bodies).gap);
@@ -114,7 +124,7 @@ impl Eventful {
             let (allowed, most) = (self.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
             for part in 0..=ASKED {
                 let time = since + (cover.until.min(end) - since) * part as f64 / ASKED as f64;
-                let mut inside = GapInside { eventful: self, inputs, since, roughly, watched, pair };
+                let mut inside = GapInside { eventful: self, inputs, since, roughly, watched, pair, end, at_end: None };
                 let (gap, bodies, reach) = (inside.gap(time), inside.bodies(time), inside.reach());
                 let speed = speed_at(bodies, reach);
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);

@@ -9,6 +9,7 @@ use crate::events::effects::transition::transit;
 use crate::events::finding::cover::Cover;
 use crate::events::finding::cycle::Cycle;
 use crate::events::finding::detection::Looking;
+use crate::events::finding::reserves::Reserves;
 use crate::events::finding::speeds::Speeds;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
@@ -20,6 +21,7 @@ use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::narrowed::Felt;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::piece_steps::PieceRecipe;
+use crate::events::modes::placed::PlacedBodies;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
@@ -78,11 +80,15 @@ pub struct Eventful {
     /// Room for looks at steps.
     pub(super) looking: Looking,
     pub(super) speeds: Speeds,
+    /// How far pairs are from closing, by the looks at steps before.
+    pub(super) reserves: Reserves,
     /// The covered stretches of the last step for each pair that may close in it, by its number among the watched functions.
     pub(super) covers: Vec<(usize, Cover)>,
     /// A bound of the overlap of all pairs in the last step (m).
     pub(super) overlap: f64,
     pub(super) bodies: Vec<BodyState>,
+    /// The bodies in the latest states.
+    pub(super) placed: PlacedBodies,
     /// The directions in which closed contacts slide where the step begins.
     pub(super) slips: Vec<Vector3<f64>>,
     pub(super) efforts: Vec<f64>,
@@ -190,6 +196,8 @@ impl Eventful {
             memory: Memory::new(elements.joints.len(), touching.pairs.len()),
             fresh_pairs: vec![false; touching.pairs.len()],
             speeds: Speeds::default(),
+            reserves: Reserves::default(),
+            placed: PlacedBodies::default(),
             covers: Vec::new(),
             overlap: 0.0,
             bodies: vec![WORLD; mechanism.bodies.len()],
@@ -318,6 +326,7 @@ impl Eventful {
             self.touching = Arc::new(Touching::new(mechanism));
             self.pieces.clear();
             self.crowd = Crowd::new(mechanism).map(Box::new);
+            self.placed.forget();
         }
         if self.left.is_none() {
             self.began = state.time;

@@ -8,14 +8,13 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::events::modes::present::Present;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::kinematics::place_bodies;
 
 impl Eventful {
     /// Places the sample and its bodies at an instant of the last step.
     pub(crate) fn place(&mut self, instant: Inside) {
         self.go_to(instant);
         if !self.evaluated.bodies {
-            place_bodies(&self.whole, &self.sample, &mut self.bodies);
+            self.placed.place(&self.whole, &self.sample, &mut self.bodies);
             self.evaluated.bodies = true;
         }
     }
@@ -56,6 +55,7 @@ impl Eventful {
             watched,
             efforts,
             bodies,
+            placed,
             slips,
             ..
         } = self;
@@ -70,7 +70,7 @@ impl Eventful {
             evaluated.margin = true;
         }
         if !evaluated.bodies && which.iter().any(|&index| watched[index].needs_bodies()) {
-            place_bodies(whole, sample, bodies);
+            placed.place(whole, sample, bodies);
             evaluated.bodies = true;
         }
         let seen = Seen { elements, touching, mode, holding, since, time: instant.time, state: sample, bodies, slips };

@@ -12,8 +12,9 @@ use crate::events::covered::{GapInside, SAME_END};
 use crate::events::finding::approach::{Approaching, Closing, Measure, first_closing};
 use crate::events::finding::cover::Cover;
 use crate::events::finding::detection::{
-    Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change,
+    Bracket, ENDS, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change,
 };
+use crate::events::finding::speeds::Speeds;
 use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
@@ -135,29 +136,32 @@ impl Eventful {
     /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
     fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         self.covers.clear();
-        let open = self.watched.iter().enumerate().filter_map(|(index, watched)| match watched {
-            Watched::Approach(pair) if !self.ignored.contains(watched) => Some((index, *pair)),
-            _ => None,
-        });
-        let open: Vec<(usize, usize)> = open.collect();
-        if open.is_empty() {
+        if !(0..self.watched.len()).any(|watched| self.open_pair(watched).is_some()) {
             return None;
         }
         let end = self.pieces[self.current].small.time;
         let mut speeds = std::mem::take(&mut self.speeds);
         speeds.reset(self.whole.bodies.len());
-        let first = FIRST_SAMPLES.len();
-        let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
-        for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
-            if count == first && speeds.are_steady() {
-                break;
-            }
-            let time = if sample == SAMPLES { end } else { since + (end - since) * sample as f64 / SAMPLES as f64 };
+        for (sample, time) in ENDS.into_iter().zip([since, end]) {
             self.place(Inside::roughly(time));
             speeds.take(sample, &self.bodies);
         }
+        self.reserves.begin(&self.origin, &self.sample, self.touching.pairs.len());
+        // In a span that is short beside the steps of the motion, the speeds at its ends tell whether a reserve lasts.
+        let mut sampled = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
+        if !sampled {
+            self.sample_speeds([since, end], &mut speeds);
+        }
         let mut first: Option<Bracket> = None;
-        for (watched, pair) in open {
+        for watched in 0..self.watched.len() {
+            let Some(pair) = self.open_pair(watched) else { continue };
+            if let Some(rest) = self.reserve(pair, &speeds, end - since) {
+                self.covers.push((watched, Cover { until: end, least: rest }));
+                continue;
+            }
+            if std::mem::take(&mut sampled) {
+                self.sample_speeds([since, end], &mut speeds);
+            }
             let of @ Pair { bodies, reach, breadth, .. } = &self.touching.pairs[pair];
             let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
             let zero = of.within(TOGETHER);
@@ -169,7 +173,7 @@ impl Eventful {
                 changing: speeds.changing(*bodies, *reach, end - since),
             };
             let roughly = self.is_known_roughly(pair);
-            let mut gap = GapInside { eventful: self, inputs, since, roughly, watched, pair };
+            let mut gap = GapInside { eventful: self, inputs, since, roughly, watched, pair, end, at_end: None };
             let mut until = first.map_or(end, |known| known.high);
             let mut cover = Cover::from(since);
             // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
@@ -191,6 +195,9 @@ impl Eventful {
             if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
                 cover.take([cover.until, end], gap.gap(end));
             }
+            if let (None, Some(at_end)) = (found, gap.at_end) {
+                self.reserves.note(pair, at_end);
+            }
             self.covers.push((watched, cover));
             if let Some(found) = found
                 && first.is_none_or(|known| found.root < known.root)
@@ -200,6 +207,39 @@ impl Eventful {
         }
         self.speeds = speeds;
         first
+    }
+
+    /// The pair of a watched function, if it is the gap of one and looked at.
+    fn open_pair(&self, watched: usize) -> Option<usize> {
+        match &self.watched[watched] {
+            open @ Watched::Approach(pair) if !self.ignored.contains(open) => Some(*pair),
+            _ => None,
+        }
+    }
+
+    /// What is left of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
+    fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
+        let of @ Pair { bodies, reach, .. } = &self.touching.pairs[pair];
+        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds.
+        if self.fresh_pairs[pair] || self.mode.contacts.iter().any(|closed| closed.contact.pair == pair) {
+            return None;
+        }
+        self.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(TOGETHER))
+    }
+
+    /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.
+    fn sample_speeds(&mut self, [since, end]: [f64; 2], speeds: &mut Speeds) {
+        let first = FIRST_SAMPLES.len();
+        let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
+        for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
+            if count == first && speeds.are_steady() {
+                break;
+            }
+            if !ENDS.contains(&sample) {
+                self.place(Inside::roughly(since + (end - since) * sample as f64 / SAMPLES as f64));
+                speeds.take(sample, &self.bodies);
+            }
+        }
     }
 
     /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching

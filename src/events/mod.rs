@@ -44,6 +44,7 @@ mod jumps;
 mod last_step;
 mod location;
 mod modes;
+mod moving;
 mod quiet;
 mod singular;
 mod sliding;
@@ -53,3 +54,4 @@ mod turning;
 
 pub use finding::cover::check_certificates;
 pub use integrator::Eventful;
+pub use moving::{Driving, Moving, MovingError, Stuck};

@@ -93,6 +93,9 @@ impl Eventful {
         let bodies = body_states(&self.whole, state);
         efforts_of_wrenches(&self.whole, &bodies, &mut momenta, &mut impulses);
         joint_efforts(&self.whole, &state.position, &self.origin.velocity, &mut own);
+        for (freedom, armature) in self.whole.rotors() {
+            impulses[freedom] += armature * self.origin.velocity[freedom];
+        }
         for (impulse, (own, effort)) in impulses.iter_mut().zip(own.iter().zip(efforts)) {
             *impulse += step * (own + effort);
         }

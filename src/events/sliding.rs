@@ -18,7 +18,6 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
-use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use crate::stepping::watching::unseen::Pushes;
@@ -170,8 +169,8 @@ impl Eventful {
         if self.mode.contacts.is_empty() {
             return false;
         }
-        let Eventful { whole, mode, bodies, .. } = self;
-        place_bodies(whole, end, bodies);
+        let Eventful { whole, mode, bodies, placed, .. } = self;
+        placed.place(whole, end, bodies);
         mode.contacts.iter().any(|closed| touch_motion(&closed.contact.joint, bodies).gap < -OVERLAP)
     }
 
@@ -202,7 +201,7 @@ impl Eventful {
         if self.mode.contacts.is_empty() {
             return;
         }
-        place_bodies(&self.whole, state, &mut self.bodies);
+        self.placed.place(&self.whole, state, &mut self.bodies);
         for closed in &self.mode.contacts {
             let begins = closed.slides.unwrap_or_default();
             let slip = touch_motion(&closed.contact.joint, &self.bodies).slip;

@@ -21,7 +21,6 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::energy;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
-use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
 /// Events at one instant before a step is made without a look at their functions.
@@ -56,7 +55,10 @@ impl Eventful {
         self.mode.add_constant_efforts(&self.elements, &mut self.efforts);
         self.note_slips(state);
         if !self.touching.pairs.is_empty() {
-            self.stepped_in = Some(self.mode.clone());
+            match &mut self.stepped_in {
+                Some(known) => known.copy_from(&self.mode),
+                none => *none = Some(self.mode.clone()),
+            }
         }
         let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
         let mut stopped = slow.filter(|_| straight && !blind);
@@ -147,7 +149,7 @@ impl Eventful {
         self.fresh_motors.fill(false);
         self.fresh_pairs.fill(false);
         if !self.touching.pairs.is_empty() {
-            place_bodies(&self.whole, state, &mut self.bodies);
+            self.placed.place(&self.whole, state, &mut self.bodies);
             let speeds = self.bodies.iter().map(|body| body.velocity.norm());
             self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
             self.memory.kinetic = self.memory.kinetic.max(energy(&self.whole, &self.bodies).kinetic);

@@ -16,9 +16,11 @@ use crate::features::rims::{Joined, Meeting, off_rim};
 use crate::shapes::convex::{Convex, Core, kind};
 use crate::shapes::error::GeometryError;
 use crate::shapes::extents::{Extents, Lengths};
-use catena_mechanism::description::contact::{Collider, Shape};
+use crate::shapes::prepared::Prepared;
+use catena_mechanism::description::contact::{Collider, Shape, Surface};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// Two rims are at the same place up to this part of their radii.
 const CROSSES: f64 = 1e-6;
@@ -26,11 +28,14 @@ const CROSSES: f64 = 1e-6;
 /// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
 const STANDS_IN: f64 = 5e-12;
 
+/// The prepared surfaces of triangles.
+static MESHES: Prepared<Surface, Mesh> = Prepared::new();
+
 /// Two colliders, prepared for questions.
 #[derive(Clone, Debug)]
 pub struct PairGeometry {
     first: First,
-    second: Convex,
+    second: Arc<Convex>,
     /// Whether `first` is collider b.
     exchanged: bool,
     reach: [f64; 2],
@@ -41,8 +46,8 @@ pub struct PairGeometry {
 #[derive(Clone, Debug)]
 enum First {
     HalfSpace(HalfSpace),
-    Mesh(Mesh),
-    Convex(Convex),
+    Mesh(Arc<Mesh>),
+    Convex(Arc<Convex>),
 }
 
 /// The distance of two colliders at one instant.
@@ -61,10 +66,13 @@ pub struct Distance {
 impl PairGeometry {
     /// Prepares two colliders; their shapes and their poses in the bodies count, and for tolerances whether they are obstacles.
     pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
-        let (one, other) = (Convex::new(&a.shape, &a.pose)?, Convex::new(&b.shape, &b.pose)?);
+        let (one, other) = (Convex::shared(&a.shape, &a.pose)?, Convex::shared(&b.shape, &b.pose)?);
         let exchanged = one.is_some() && other.is_none();
         let obstacle = |collider: &Collider| match &collider.shape {
-            Shape::Mesh(surface) => Ok(First::Mesh(Mesh::new(surface, &collider.pose)?)),
+            Shape::Mesh(surface) => {
+                let make = || Mesh::new(surface, &collider.pose);
+                Ok(First::Mesh(MESHES.of(surface, &collider.pose, make)?))
+            }
             _ => Ok(First::HalfSpace(HalfSpace {
                 point: collider.pose.translation.vector,
                 normal: collider.pose.rotation * Vector3::z(),

@@ -15,7 +15,7 @@
 //! leaf to root: the wrench a subtree needs for the rest (δα, δa) of its anchor's acceleration is
 //!     [ n ]   [ A   B ] [ δα ]   [ n ]                   A [kg m²], B [kg m], M [kg]; a rigid body has A = I, B = [h]×,
 //!     [ f ] = [ Bᵀ  M ] [ δa ] + [ f ]                   M = m 1, and the children add theirs, shifted by their arms
-//!     U = 𝓜 s,  d = sᵀU,  y = τ − sᵀ(n, f)               for each free screw s = (e, 0) or (0, e), one after another:
+//!     U = 𝓜 s,  d = sᵀU + J,  y = τ − sᵀ(n, f)           J: the rotor of the joint [kg m² or kg]; for each free screw s = (e, 0) or (0, e), one after another:
 //!     𝓜 ← 𝓜 − U Uᵀ/d,   (n, f) ← (n, f) + U y/d
 //!
 //! root to leaf:    q̈ = (y − Uᵀδ)/d,   δ ← δ + s q̈       in the reverse order of the screws
@@ -206,7 +206,7 @@ impl ArticulatedBody {
             }
             let applied = |offset: usize| joint_force.map_or(0.0, |force| force[link.velocity_index + offset]);
             if link.kind == JointKind::Revolute {
-                let mut screw = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0));
+                let mut screw = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0), link.armature);
                 // Referred to the parent's anchor already here, which shortens the chain of the third pass.
                 screw.angular += cross(&motion.arm, &screw.linear);
                 self.screws[link.velocity_index] = screw;
@@ -216,12 +216,12 @@ impl ArticulatedBody {
                 let screws = &mut self.screws[link.velocity_index..link.velocity_index + count];
                 for offset in (translations.len()..count).rev() {
                     let axis = rotation_axis(link.kind, offset - translations.len());
-                    screws[offset] = subtree.eliminate_rotation(&column(&motion.frame, axis), applied(offset));
+                    screws[offset] = subtree.eliminate_rotation(&column(&motion.frame, axis), applied(offset), 0.0);
                 }
                 let parent = &self.motion[link.parent];
                 for (offset, &axis) in translations.iter().enumerate().rev() {
                     let direction = times(&parent.frame, &column(&link.mount, axis));
-                    screws[offset] = subtree.eliminate_translation(&direction, applied(offset));
+                    screws[offset] = subtree.eliminate_translation(&direction, applied(offset), link.armature);
                 }
             }
             if link.parent == index {

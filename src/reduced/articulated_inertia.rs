@@ -52,20 +52,20 @@ impl Articulated {
         self.force += other.force;
     }
 
-    /// Frees the rotation about `axis`, with the torque `applied` on it.
+    /// Frees the rotation about `axis`, with the torque `applied` on it and a rotor of inertia `armature`.
     #[inline(always)]
-    pub fn eliminate_rotation(&mut self, axis: &Vector3<f64>, applied: f64) -> Screw {
+    pub fn eliminate_rotation(&mut self, axis: &Vector3<f64>, applied: f64, armature: f64) -> Screw {
         let angular = self.angular.times(axis);
         let linear = transpose_times(&self.coupling, axis);
-        self.eliminate(axis, &angular, &linear, dot(axis, &angular), applied - dot(axis, &self.torque))
+        self.eliminate(axis, &angular, &linear, dot(axis, &angular) + armature, applied - dot(axis, &self.torque))
     }
 
-    /// Frees the translation along `axis`, with the force `applied` on it.
+    /// Frees the translation along `axis`, with the force `applied` on it and a rotor of inertia `armature`.
     #[inline(always)]
-    pub fn eliminate_translation(&mut self, axis: &Vector3<f64>, applied: f64) -> Screw {
+    pub fn eliminate_translation(&mut self, axis: &Vector3<f64>, applied: f64, armature: f64) -> Screw {
         let angular = times(&self.coupling, axis);
         let linear = self.linear.times(axis);
-        self.eliminate(axis, &angular, &linear, dot(axis, &linear), applied - dot(axis, &self.force))
+        self.eliminate(axis, &angular, &linear, dot(axis, &linear) + armature, applied - dot(axis, &self.force))
     }
 
     /// The rank-one step: `U = (angular, linear)`, `d = inertia`, `y = unbalanced`.

@@ -26,6 +26,8 @@ pub struct Link {
     pub moment: Vector3<f64>,
     /// Inertia about the anchor [kg m²].
     pub inertia: Symmetric,
+    /// Inertia of the rotor of its joint [kg m² or kg].
+    pub armature: f64,
 }
 
 impl Link {
@@ -59,6 +61,7 @@ impl Link {
             mass: body.mass,
             moment: centre * body.mass,
             inertia: Symmetric::from_matrix(&inertia),
+            armature: joint.armature,
         }
     }
 }

@@ -183,6 +183,9 @@ pub enum Problem {
     /// Friction that would drive.
     #[error("its friction {0} is negative; give one that is not")]
     NegativeFriction(f64),
+    /// A rotor that would push.
+    #[error("its armature {0} is negative; give one that is not")]
+    NegativeArmature(f64),
     /// A motor or setting of a joint that is not in the tree.
     #[error("{0:?} closes a loop; only joints of a URDF's tree can have motors, limits and friction")]
     NotOfTree(String),

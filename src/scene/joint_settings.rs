@@ -59,6 +59,8 @@ pub struct SceneJoint {
     pub friction: Option<f64>,
     /// Viscous damping [N m s/rad or N s/m], not negative.
     pub damping: Option<f64>,
+    /// Inertia of the rotor that is geared to it, about its own coordinate [kg m² or kg], not negative.
+    pub armature: Option<f64>,
     /// The line of its `name`.
     pub line: usize,
 }

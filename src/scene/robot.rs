@@ -222,6 +222,8 @@ pub struct UrdfJoint {
     pub limit: Option<Limit>,
     /// Damping and friction, if given.
     pub dynamics: Option<Dynamics>,
+    /// Inertia of the rotor that is geared to it, about its own coordinate [kg m² or kg], if the file says one.
+    pub armature: Option<f64>,
     /// The joint this one should follow, if any.
     pub mimic: Option<Mimic>,
     /// Line of the `<joint>` element.

@@ -1,5 +1,6 @@
 //! The errors of a session: in its input, the start, the run, or the log.
 
+use crate::derivatives::linear::about::LinearizeError;
 use crate::instant::start::assembly::AssemblyError;
 use crate::model::ModelError;
 use crate::output::log::LogError;
@@ -127,6 +128,9 @@ pub enum Error {
     /// Some motions of the tree move no mass.
     #[error("the mass matrix is singular here: some motion of the joints moves no mass")]
     SingularMass,
+    /// A state has no linear equations of motion.
+    #[error(transparent)]
+    Linear(#[from] LinearizeError),
     /// A setting must be made before the first step.
     #[error("{0}: the run has begun; set it before the first step")]
     Begun(&'static str),

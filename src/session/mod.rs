@@ -17,6 +17,7 @@ mod dynamics;
 mod engine;
 mod error;
 mod held_start;
+mod linear;
 mod loaded;
 mod many;
 mod model;
@@ -51,6 +52,7 @@ pub use error::{ControllerFailure, Error};
 pub use held_start::Hold;
 #[cfg(feature = "scene")]
 pub(crate) use held_start::mechanism_from;
+pub use linear::{Linear, Mode, Stability};
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
 pub use many::{Rollout, Trajectories};

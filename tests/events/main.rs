@@ -48,6 +48,7 @@ mod pendulum;
 mod reactions;
 mod robots;
 mod robots_on_floor;
+mod rotors;
 mod scene_files;
 mod singular_places;
 mod slides;

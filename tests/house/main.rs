@@ -38,6 +38,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "instant",
             "events",
             "simulation",
+            "derivatives",
             "output",
             "session",
             "errors",

@@ -90,6 +90,12 @@ impl Watch {
         (watch, seen)
     }
 
+    /// Whether a solid cannot move.
+    fn stands(&self, solid: usize) -> bool {
+        let links = &self.model.description().links;
+        self.links[solid].is_none_or(|link| links[link].body.is_none())
+    }
+
     fn overlaps(&self, seen: &mut Seen, time: f64) {
         let described = self.model.description();
         let bodies = body_states(&described.mechanism, &self.state);
@@ -107,7 +113,8 @@ impl Watch {
         let sets = |index: usize| if moving[index].is_empty() { &self.standing[index] } else { &moving[index] };
         for one in 0..self.scene.solids.len() {
             for other in 0..one {
-                if !self.scene.may_touch(one, other) {
+                // A link that the world holds may stand in an obstacle: no motion parts the two.
+                if !self.scene.may_touch(one, other) || [one, other].into_iter().all(|index| self.stands(index)) {
                     continue;
                 }
                 for (a, b) in sets(one).iter().flat_map(|a| sets(other).iter().map(move |b| (a, b))) {

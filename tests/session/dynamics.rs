@@ -47,6 +47,39 @@ fn inverse_dynamics_are_the_wrenches_that_joints_carry() {
 }
 
 #[test]
+fn rotors_add_their_inertia_to_the_mass_matrix_and_to_the_efforts_of_accelerations() {
+    let folder = crate::folder("rotors");
+    let urdf = robot("arm7.urdf");
+    let bare = Model::load(&urdf).expect("a model");
+    let joints: Vec<String> = bare.joint_names().iter().map(|name| name.to_string()).collect();
+    let mut scene = format!("[[robot]]\nurdf = {urdf:?}\n");
+    let rotor = |index: usize| 0.05 + 0.1 * index as f64;
+    for (index, joint) in joints.iter().enumerate() {
+        scene += &format!("[[joint]]\nname = {joint:?}\narmature = {}\n", rotor(index));
+    }
+    let file = folder.join("rotors.toml");
+    std::fs::write(&file, scene).expect("a scene");
+    let model = Model::load(&file).expect("a model");
+    let n = model.coordinates().v_count();
+    let (q, v, a) = (numbers(n, 0.3), numbers(n, 1.1), numbers(n, 2.5));
+    let more = model.mass_matrix(&q).expect("a matrix") - bare.mass_matrix(&q).expect("a matrix");
+    let efforts =
+        model.inverse_dynamics(&q, &v, &a).expect("efforts") - bare.inverse_dynamics(&q, &v, &a).expect("efforts");
+    let back = model
+        .forward_dynamics(&q, &v, model.inverse_dynamics(&q, &v, &a).expect("efforts").as_slice())
+        .expect("accelerations");
+    for row in 0..n {
+        for column in 0..n {
+            let wanted = if row == column { rotor(row) } else { 0.0 };
+            // Roundings of entries of some kg m².
+            assert!((more[(row, column)] - wanted).abs() < 1e-14, "{row} {column}: {more}");
+        }
+        assert!((efforts[row] - rotor(row) * a[row]).abs() < 1e-11, "{row}: {efforts}");
+        assert!((back[row] - a[row]).abs() < 1e-10, "{row}: {back}");
+    }
+}
+
+#[test]
 fn forward_dynamics_are_those_of_the_articulated_body_algorithm_and_undo_inverse_ones() {
     for name in ["arm7.urdf", "gantry.urdf", "humanoid.urdf", "spherical_chain.urdf", "planar_slider.urdf"] {
         let model =

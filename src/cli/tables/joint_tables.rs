@@ -49,7 +49,11 @@ pub fn as_json(model: &Model, start: &State) -> Vec<(&'static str, Value)> {
             "period": motor.period,
         })
     });
+    let rotors = mechanism.rotors();
+    let armatures =
+        rotors.map(|(freedom, armature)| json!({"joint": mechanism.joint_of_freedom(freedom), "armature": armature}));
     vec![
+        ("armatures", armatures.collect()),
         ("limits", limits.collect()),
         ("friction", friction.collect()),
         ("speeds", speeds.collect()),
@@ -88,6 +92,17 @@ pub fn tables(model: &Model, start: &State) -> [Table; 2] {
     for limit in &nonsmooth.speeds {
         let (length, _) = units(mechanism, limit.coordinate);
         put(limit.coordinate, 3, format!("{} {length}/s", number(limit.speed)));
+    }
+    for (freedom, armature) in mechanism.rotors() {
+        let unit = if mechanism
+            .body_of_freedom(freedom)
+            .is_some_and(|body| mechanism.bodies[body].joint.kind.unit(0) == "m")
+        {
+            "kg"
+        } else {
+            "kg m²"
+        };
+        rows.entry(freedom).or_default()[4].push(format!("rotor of {} {unit}", number(armature)));
     }
     let mut joints = Table::new(
         "Limits and friction of joints",

@@ -90,7 +90,11 @@ pub(crate) fn first_closing(
     let mut low = pair.look(start);
     // One look at the end is enough for distant bodies.
     let last = pair.look(end);
-    if low.gap > measure.closed && last.gap > 0.0 && low.gap + last.gap >= measure.speed * (end - start) {
+    let closes = measure.speed * (end - start);
+    let open = low.gap > measure.closed && low.gap + last.gap >= closes;
+    // A pair that has just changed its state counts as closed at the start, unless its gap there lasts through the step.
+    let lasts = low.gap > measure.zero && low.gap >= closes;
+    if last.gap > 0.0 && (open || lasts) {
         cover.take([start, end], low.gap.min(last.gap));
         return None;
     }
@@ -269,6 +273,23 @@ mod tests {
         let (found, cover) = look(gap, 1.0, [0.0, 1.0], 0.0, 1e-3);
         assert_eq!((found, looks), (None, 2));
         assert_eq!(cover, Cover { until: 1.0, least: 2.0 });
+    }
+
+    #[test]
+    fn a_pair_that_has_just_changed_its_state_is_looked_at_twice_while_its_gap_lasts_through_the_step() {
+        let looks = |gap: f64| {
+            let mut looks = 0;
+            let gap = |time: f64| {
+                looks += 1;
+                gap - 0.5 * time
+            };
+            let found = look(gap, 1.0, [0.0, 1.0], f64::INFINITY, 1e-3);
+            (found, looks)
+        };
+        assert_eq!(looks(1.0), ((None, Cover { until: 1.0, least: 0.5 }), 2));
+        // It might close.
+        let ((found, _), more) = looks(0.75);
+        assert!(found.is_none() && more > 2, "{more}");
     }
 
     #[test]

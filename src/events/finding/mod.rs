@@ -4,5 +4,6 @@ pub(crate) mod approach;
 pub mod cover;
 pub(crate) mod cycle;
 pub(crate) mod detection;
+pub(crate) mod reserves;
 pub(crate) mod speeds;
 pub(crate) mod watched;

@@ -50,7 +50,7 @@ pub(crate) struct ClosedForces {
 /// Held blocks at an instant, and whether all of them are in common free fall.
 #[derive(Clone)]
 pub(crate) struct Load {
-    held: Closing,
+    pub held: Closing,
     together: bool,
 }
 
@@ -114,15 +114,22 @@ pub(crate) struct Closing {
 impl Closing {
     /// In a state of a mode, under efforts from outside, of friction in joints and of motors.
     pub fn at(at: &Present, response: &mut Response, state: &State, efforts: &[f64]) -> Self {
-        let Present { whole, elements, mode, .. } = *at;
+        let whole = at.whole;
         let bodies = body_states(whole, state);
         let blocks = blocks(at, &bodies);
         let rows = Rows::of(response, state, &blocks);
-        let mut free = vec![0.0; whole.velocity_count];
-        response.accelerations(state, efforts, &mut free);
+        let mut closing = Closing { bodies, blocks, rows, free: vec![0.0; whole.velocity_count], offset: Vec::new() };
+        closing.drive(at, response, state, efforts);
+        closing
+    }
+
+    /// The same in the same state under other efforts: its bodies, rows and their response are functions of the state alone.
+    pub fn drive(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
+        let Present { whole, elements, mode, .. } = *at;
+        let Closing { bodies, blocks, free, offset, .. } = self;
+        response.accelerations(state, efforts, free);
         let joint = |contact: usize| &mode.contacts[contact].contact.joint;
-        let offset = second_rates(whole, elements, &bodies, state, &free, &blocks, joint);
-        Closing { bodies, blocks, rows, free, offset }
+        *offset = second_rates(whole, elements, bodies, state, free, blocks, joint);
     }
 
     /// How fast what each row is of falls.
@@ -159,15 +166,8 @@ impl Closing {
     }
 }
 
-/// The forces in a state of a mode, under efforts from outside, of friction in joints and of motors.
-pub(crate) fn closed_forces(
-    at: &Present,
-    response: &mut Response,
-    state: &State,
-    efforts: &[f64],
-    unique: bool,
-) -> ClosedForces {
-    let held = Closing::at(at, response, state, efforts);
+/// The forces of held blocks in a state of a mode.
+pub(crate) fn closed_forces(at: &Present, held: Closing, unique: bool) -> ClosedForces {
     let Closing { blocks, rows, offset, .. } = &held;
     let forces = held.forces(unique);
     let (mut joints, mut contacts, mut weights, mut row) = (Vec::new(), Vec::new(), Vec::new(), 0);

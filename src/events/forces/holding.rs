@@ -10,7 +10,7 @@
 //! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of
 //! the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::events::forces::closed_forces::{ClosedForces, Load, are_unique, closed_forces};
+use crate::events::forces::closed_forces::{ClosedForces, Closing, Load, are_unique, closed_forces};
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
@@ -47,8 +47,9 @@ pub(crate) struct Holding {
     contact_size: f64,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     weights: Vec<f64>,
-    /// m.
+    /// m, and whether it belongs to the state and efforts of the forces.
     margin: f64,
+    margin_known: bool,
     /// The state and the efforts that they were worked out for last.
     known: Option<(State, Vec<f64>)>,
     how: How,
@@ -126,6 +127,7 @@ impl Holding {
             contact_size: 0.0,
             weights: Vec::new(),
             margin,
+            margin_known: false,
             known: None,
             how,
         }
@@ -185,6 +187,8 @@ impl Holding {
         if self.recall(state, efforts).is_some() {
             return;
         }
+        let same = |known: &State| known.position == state.position && known.velocity == state.velocity;
+        let stands = self.known.as_ref().is_some_and(|(known, _)| same(known));
         match &mut self.known {
             Some((known, before)) => {
                 known.copy_from(state);
@@ -192,6 +196,7 @@ impl Holding {
             }
             none => *none = Some((state.clone(), efforts.to_vec())),
         }
+        self.margin_known = false;
         let Present { whole, elements, moving, .. } = *at;
         let Holding { joints, efforts: found, sizes, how, .. } = self;
         match how {
@@ -210,22 +215,37 @@ impl Holding {
                 }
             }
             How::Closed { unique, last } => {
-                let ClosedForces { joints, contacts, weights, size, load } =
-                    closed_forces(at, response, state, efforts, *unique);
+                let held = match last.take().filter(|_| stands) {
+                    Some(load) => {
+                        let mut held = load.held;
+                        held.drive(at, response, state, efforts);
+                        held
+                    }
+                    None => Closing::at(at, response, state, efforts),
+                };
+                let ClosedForces { joints, contacts, weights, size, load } = closed_forces(at, held, *unique);
                 for (joint, effort) in joints {
                     (found[joint], sizes[joint]) = (effort, size);
                 }
                 (self.contacts, self.weights, self.contact_size) = (contacts, weights, size);
-                *last = (!*unique).then(|| Box::new(load));
+                *last = Some(Box::new(load));
             }
         }
     }
 
     /// Works out m where the efforts have been worked out last: it may take as long as all of them.
     pub fn evaluate_margin(&mut self) {
-        if let How::Closed { last: Some(load), .. } = &self.how {
+        if let How::Closed { last: Some(load), unique: false } = &self.how
+            && !self.margin_known
+        {
             self.margin = load.margin();
+            self.margin_known = true;
         }
+    }
+
+    /// Whether some admissible forces hold all in a state under these efforts, so far as that was worked out for them last.
+    pub fn holds_all(&self, state: &State, efforts: &[f64]) -> bool {
+        self.margin_known && self.margin > 0.0 && self.recall(state, efforts).is_some()
     }
 }
 

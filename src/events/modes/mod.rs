@@ -6,4 +6,5 @@ pub(crate) mod mode;
 pub(crate) mod narrowed;
 pub(crate) mod piece;
 pub(crate) mod piece_steps;
+pub(crate) mod placed;
 pub(crate) mod present;

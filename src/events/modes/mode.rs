@@ -142,6 +142,15 @@ impl Mode {
 }
 
 impl Mode {
+    /// Takes the modes of another. Allocates only for more contacts.
+    pub fn copy_from(&mut self, other: &Mode) {
+        let Mode { joints, motors, contacts, idle } = other;
+        self.joints.clone_from(joints);
+        self.motors.clone_from(motors);
+        self.contacts.clone_from(contacts);
+        self.idle.clone_from(idle);
+    }
+
     /// Whether another differs in the directions of slips at most.
     pub fn is_like(&self, other: &Mode) -> bool {
         let of = |closed: &Closed| (closed.contact.pair, closed.contact.features, closed.slides.is_some());

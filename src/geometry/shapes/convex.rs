@@ -13,9 +13,14 @@
 use crate::shapes::error::GeometryError;
 use crate::shapes::hull::{check_points, check_surface, convex_hull};
 use crate::shapes::polytope::{Face, Polytope};
+use crate::shapes::prepared::Prepared;
 use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// The prepared hulls.
+static HULLS: Prepared<Vec<Vector3<f64>>, Convex> = Prepared::new();
 
 /// Farthest point of a shape from its origin (m): beyond it coordinates are rounded to more than 1e-10 m, and gaps count as closed up to more than
 /// 1e-5 m.
@@ -134,12 +139,18 @@ impl Convex {
         2.0 * (inside + self.radius)
     }
 
+    /// The same as [`Convex::new`], and the same hull for the same points and pose.
+    pub fn shared(shape: &Shape, pose: &Pose) -> Result<Option<Arc<Self>>, GeometryError> {
+        match shape {
+            Shape::Hull(points) => HULLS.of(points, pose, || Convex::of_hull(points, pose)).map(Some),
+            _ => Ok(Convex::new(shape, pose)?.map(Arc::new)),
+        }
+    }
+
     /// A convex shape with its pose in the body; `None` for half spaces and meshes.
     pub fn new(shape: &Shape, pose: &Pose) -> Result<Option<Self>, GeometryError> {
         let kind = kind(shape);
-        if !pose.translation.vector.iter().chain(pose.rotation.matrix()).all(|entry| entry.is_finite()) {
-            return Err(GeometryError::Pose { shape: kind });
-        }
+        check_pose(kind, pose)?;
         let positive = |what: &'static str, value: f64| match value > 0.0 && value < 1e150 {
             true => Ok(value),
             false => Err(GeometryError::Size { shape: kind, what, value }),
@@ -163,13 +174,24 @@ impl Convex {
                     Vector3::new(positive("x size", half.x)?, positive("y size", half.y)?, positive("z size", half.z)?);
                 Convex::round(cuboid(&half, pose), 0.0)
             }
-            Shape::Hull(points) => {
-                check_points(points)?;
-                let placed: Vec<Vector3<f64>> = points.iter().map(|point| pose.rotation * point + origin).collect();
-                Convex::round(convex_hull(&placed)?, 0.0)
-            }
+            Shape::Hull(points) => Convex::of_hull(points, pose)?,
         }))
     }
+
+    /// The hull of points (m) with their pose in the body.
+    fn of_hull(points: &[Vector3<f64>], pose: &Pose) -> Result<Self, GeometryError> {
+        check_pose("convex hull", pose)?;
+        check_points(points)?;
+        let placed: Vec<Vector3<f64>> =
+            points.iter().map(|point| pose.rotation * point + pose.translation.vector).collect();
+        Ok(Convex::round(convex_hull(&placed)?, 0.0))
+    }
+}
+
+/// Whether the entries of a pose are numbers.
+fn check_pose(kind: &'static str, pose: &Pose) -> Result<(), GeometryError> {
+    let entries = pose.translation.vector.iter().chain(pose.rotation.matrix()).all(|entry| entry.is_finite());
+    if entries { Ok(()) } else { Err(GeometryError::Pose { shape: kind }) }
 }
 
 /// Whether a shape can be used.
@@ -183,7 +205,7 @@ pub fn check_shape(shape: &Shape) -> Result<(), GeometryError> {
             check_surface(surface)?;
             surface.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max)
         }
-        _ => Convex::new(shape, &Pose::identity())?.map_or(0.0, |convex| convex.reach()),
+        _ => Convex::shared(shape, &Pose::identity())?.map_or(0.0, |convex| convex.reach()),
     };
     if reach <= FARTHEST { Ok(()) } else { Err(GeometryError::TooFar { shape: kind(shape), reach, limit: FARTHEST }) }
 }

@@ -10,3 +10,4 @@ pub(crate) mod hull_surface;
 pub(crate) mod neighbours;
 pub(crate) mod plane;
 pub(crate) mod polytope;
+pub(crate) mod prepared;

@@ -44,6 +44,9 @@ const SPREADS: [f64; 6] = [10.0, 100.0, 1.0, 30.0, 3.0, 0.3];
 const MORE_SPREADS: [f64; 5] = [300.0, 0.1, 20.0, 1000.0, 50.0];
 /// Scaled forces above this many times the largest free rate pinch a body.
 const LARGE: f64 = 1e4;
+/// Such forces are an answer if the natural map is below this part of the largest free rate: forces of 1e8 that a light body under a heavy one bears
+/// have roundings of 1e-8.
+const LEFT: f64 = 1e-7;
 /// Iterations of Newton's method with a compliance that follows the map.
 const SOFT_ITERATIONS: usize = 300;
 /// Newton iterations of one round.
@@ -70,15 +73,17 @@ impl Best {
         Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY }
     }
 
-    /// Takes forces that are better; says whether the problem is solved.
+    /// Takes forces that are better; says whether the problem is solved. Large forces solve it if they leave a small part of the free rates, too: the
+    /// roundings of a singular mobility times forces without end can be any rates.
     fn take(&mut self, scaled: &Scaled, forces: Vec<f64>) -> bool {
         let mut rates = vec![0.0; forces.len()];
         scaled.rates(&forces, &mut rates);
         let (merit, residual) = (scaled.merit(&forces, &rates), scaled.residual(&forces, &rates));
-        if merit < self.merit || residual <= SOLVED {
+        let is_solved = residual <= SOLVED && (is_small(scaled, &forces) || merit.sqrt() <= LEFT * fastest(scaled));
+        if merit < self.merit || is_solved {
             (self.forces, self.merit, self.residual) = (forces, merit, residual);
         }
-        residual <= SOLVED
+        is_solved
     }
 }
 

@@ -401,4 +401,32 @@ mod tests {
         println!("most energy gained {most:e}, most rounds {rounds}, without rebound {without_rebound}");
         assert!(most <= 2e-15, "{most:e}");
     }
+
+    #[test]
+    fn a_contact_with_fewer_freedoms_than_rows_gets_impulses_of_the_size_of_the_momentum() {
+        // Two freedoms and three rows: D has rank 2, and rates with a part along its null vector are no rates of the mechanism. Newton's law asks for
+        // such rates, and roundings of D times impulses of 1e12 would give them.
+        let mut random_numbers = Random::new(7);
+        for round in 0..2000 {
+            let rows = DMatrix::from_fn(3, 2, |_, _| random_numbers.signed());
+            let mobility = &rows * rows.transpose();
+            let momentum = nalgebra::DVector::from_fn(2, |_, _| random_numbers.signed());
+            let before = &rows * &momentum;
+            let laws = [Law::Contact { friction: random_numbers.between(0.05, 1.5) }];
+            let problem = Problem { mobility: &mobility, free: before.as_slice(), laws: &laws };
+            let found = impact(&problem, &[random_numbers.between(0.0, 1.0)]).expect("an impact");
+            let kinetic = 0.5 * momentum.norm_squared();
+            let after =
+                (&rows.transpose() * nalgebra::DVector::from_vec(found.impulses.clone()) + &momentum).norm_squared();
+            let normal = rows.row(0).norm();
+            // Friction that nearly jams has impulses that are larger than the momentum; laws are solved to 1e-11 of impulses that are not larger than 100.
+            assert!(found.impulses[0] <= 1e6 * kinetic.sqrt() / normal, "round {round}: {:?}", found.impulses);
+            assert!((0.5 * after - (kinetic - found.lost)).abs() <= 1e-9 * kinetic, "round {round}: {after}");
+            assert!(
+                found.lost >= -1e-9 * kinetic && found.lost <= (1.0 + 1e-9) * kinetic,
+                "round {round}: {:e}",
+                found.lost
+            );
+        }
+    }
 }

@@ -44,12 +44,15 @@ pub fn mass_matrix(mechanism: &Mechanism, state: &State) -> DMatrix<f64> {
         }
     }
     let mut matrix = DMatrix::zeros(count, count);
+    mechanism.rotors().for_each(|(freedom, armature)| matrix[(freedom, freedom)] = armature);
     for first in 0..count {
         move_alone(first, &mut bodies);
         for second in first..count {
             let (owner, linear, angular) = &momenta[second];
             let at = &bodies[*owner];
             let entry = at.velocity.dot(linear) + at.angular_velocity.dot(angular);
+            // On the diagonal is the rotor of the joint.
+            let entry = matrix[(first, second)] + entry;
             (matrix[(first, second)], matrix[(second, first)]) = (entry, entry);
         }
     }

@@ -38,6 +38,8 @@ pub(crate) struct StageUnknowns<'s, V: Lanes, G: Geometry<V>> {
     pub increment: &'s mut [V],
     /// Efforts of forces along every freedom in the rows [N m, N]; empty without forces.
     pub efforts: &'s [V],
+    /// Minus the residual of the rotor of every freedom [kg m² or kg m]; empty without rotors.
+    pub rotors: &'s [V],
     /// Length of the step (s).
     pub step: f64,
 }
@@ -78,7 +80,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
     /// One iteration, after the bodies are placed: fills the increments, advances the multipliers; returns the largest increment.
     pub fn solve(&mut self, stages: StageUnknowns<'_, V, G>) -> f64 {
         let Newton { coupled, geometry, mimics } = self;
-        let StageUnknowns { plan, start, displacement, increment, efforts, step } = stages;
+        let StageUnknowns { plan, start, displacement, increment, efforts, rotors, step } = stages;
         coupled.step = step;
         in_lanes!(V, coupled.evaluate(geometry));
         coupled.keep_gaps_of_motions(geometry, plan, start, displacement);
@@ -88,6 +90,9 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
             let square = V::splat(step * step);
             for (scaled, &effort) in coupled.efforts.iter_mut().zip(efforts) {
                 *scaled = effort * square;
+            }
+            for (scaled, &carried) in coupled.efforts.iter_mut().zip(rotors) {
+                *scaled = *scaled + carried;
             }
         });
         in_lanes!(V, coupled.push());

@@ -186,7 +186,7 @@ impl<V: Lanes> Coupled<V> {
         });
     }
 
-    /// Adds the forces along the freedom itself: efforts, the resistance of joint springs and dampers, and mimics: (row, slot, coefficient).
+    /// Adds the forces along the freedom itself: efforts, the resistance of joint springs and dampers, rotors, and mimics: (row, slot, coefficient).
     #[inline(always)]
     fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
         let active = self.mixing.active;
@@ -208,11 +208,11 @@ impl<V: Lanes> Coupled<V> {
             let block = self.fronts.right_block(right);
             block[k] = block[k] + first_lane::<V>(effort.as_ref()[k]);
         }
-        let lent = self.known.lent_to(freedom);
-        if lent != 0.0 {
-            let lent = V::splat(lent);
+        let besides = self.known.lent_to(freedom) + self.rotors[freedom];
+        if besides != 0.0 {
+            let besides = V::splat(besides);
             for k in 0..active {
-                let entry = self.mixing.mass[k] * lent;
+                let entry = self.mixing.mass[k] * besides;
                 let pivot = self.fronts.pivot();
                 pivot[k] = pivot[k] + entry;
             }

@@ -126,6 +126,8 @@ pub struct Coupled<V: Lanes> {
     /// Resistances of the point springs, and of every freedom's joint springs and dampers.
     pub(crate) resistances: Vec<Resistance>,
     pub(crate) in_joints: Vec<Resistance>,
+    /// Inertia of the rotor of every freedom [kg m² or kg].
+    pub(crate) rotors: Vec<f64>,
     /// Efforts along the freedoms, times h².
     pub efforts: Vec<V>,
     /// Length of the step (s).
@@ -222,6 +224,8 @@ impl<V: Lanes> Coupled<V> {
                 in_joints[spring.coordinate.freedom].stiffness += spring.stiffness;
             }
         }
+        let mut rotors = vec![0.0; mechanism.velocity_count];
+        mechanism.rotors().for_each(|(freedom, armature)| rotors[freedom] = armature);
         let (bodies, rows, nothing) = (mechanism.bodies.len(), count, [V::zero(); TWIST]);
         let weights = weights(mechanism);
         let weight = |row: usize| -> f64 {
@@ -243,6 +247,7 @@ impl<V: Lanes> Coupled<V> {
             mimic_rows,
             resistances,
             in_joints,
+            rotors,
             loops,
             turning_friction: vec![V::zero(); if forces { mechanism.rubbing().count() } else { 0 }],
             rolling: vec![None; rows],

@@ -179,9 +179,13 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     fn push(&self, freedom: usize) -> Option<Push<V::One>> {
         let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
         // The resistance of dampers is among the efforts.
-        Some(Push {
+        let push = Push {
             effort: applied.efforts[freedom].alone(self.last()) * self.momenta.impulse,
             inertia: V::One::zero(),
+        };
+        Some(match applied.rotor(freedom) {
+            None => push,
+            Some((carried, inertia)) => push.plus(carried.alone(self.last()), V::One::splat(inertia)),
         })
     }
 }

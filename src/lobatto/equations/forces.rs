@@ -113,6 +113,9 @@ impl<V: Lanes> Applied<V> {
             self.efforts[freedom] = self.efforts[freedom] + effort;
             work = effort.mul_add(motion.rate(place, motion.displacement[freedom], motion.rates[freedom]), work);
         }
+        if let Some(rotors) = &mut self.rotors {
+            rotors.evaluate(motion, end);
+        }
         (dissipated, work)
     }
 
@@ -129,6 +132,8 @@ impl<V: Lanes> Applied<V> {
             extensions: &start.applied.extensions,
             times,
             inverse,
+            step: stages.step,
+            coefficients: &stages.coefficients,
         };
         let (mut dissipated, mut work) = self.evaluate_scalars(&motion, place, end);
         for ball in &self.plan.balls {

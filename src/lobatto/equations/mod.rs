@@ -13,6 +13,7 @@ pub mod forces;
 pub mod loops;
 pub mod pivot;
 pub mod residual;
+pub mod rotors;
 pub(crate) mod slips;
 pub mod spatial_loops;
 pub(crate) mod springs;

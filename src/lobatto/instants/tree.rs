@@ -67,7 +67,7 @@ impl<V: Lanes> LaneInstants<V> {
             Some(body) => FixedFrame::new(body + 1, &(bodies[*body].joint.on_child.inverse() * in_body)),
         };
         let count = mechanism.velocity_count;
-        let has_efforts = !mechanism.forces.is_empty();
+        let has_efforts = !mechanism.is_unforced();
         LaneInstants {
             links: links.iter().map(link).collect(),
             bodies: (0..bodies.len()).map(|body| Constants::new(bodies, body)).collect(),
@@ -158,9 +158,10 @@ impl<V: Lanes> LaneInstants<V> {
             let motion = &self.motion[index + 1];
             let mut subtree = rigid(motion, body.mass).plus(&self.gathered[index + 1]);
             self.gathered[index + 1] = Articulated::zero();
+            let armature = self.mechanism.bodies[index].joint.armature;
             let push = |offset: usize| {
                 let row = self.efforts.get(body.velocity_index + offset)?;
-                Some(Push { effort: lanes_of(row), inertia: V::zero() })
+                Some(Push { effort: lanes_of(row), inertia: V::splat(armature) })
             };
             let translations = body.kind.translation_axes();
             let columns = motion.frame.columns();

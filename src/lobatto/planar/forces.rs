@@ -80,6 +80,8 @@ impl<V: Lanes> PlanarStages<V> {
             extensions,
             times: coefficients.nodes * V::splat(self.step),
             inverse: V::splat(1.0 / self.step),
+            step: self.step,
+            coefficients,
         };
         let (mut dissipated, mut work) = applied.evaluate_scalars(&motion, place, end);
         let mut acting = std::mem::take(&mut self.acting);

@@ -175,6 +175,10 @@ impl PlanarStart {
             let moving = [velocity[0] - spin * com[1], velocity[1] + spin * com[0]];
             energy.kinetic +=
                 0.5 * flat.mass * (moving[0] * moving[0] + moving[1] * moving[1]) + 0.5 * flat.central * spin * spin;
+            let joint = &mechanism.bodies[index].joint;
+            if joint.armature != 0.0 {
+                energy.kinetic += 0.5 * joint.armature * self.rates[joint.velocity_index].powi(2);
+            }
             energy.potential -=
                 flat.mass * (plan.gravity[0] * (position[0] + com[0]) + plan.gravity[1] * (position[1] + com[1]));
             let (mass, inertia) = (flat.mass * per_unit, flat.inertia * per_unit);

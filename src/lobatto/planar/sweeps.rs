@@ -214,10 +214,16 @@ impl<V: Lanes> PlanarStages<V> {
         sign: f64,
     ) -> Option<Push<V>> {
         match &self.applied {
-            Some(applied) if FORCED => Some(Push {
-                effort: applied.efforts[freedom] * V::splat(sign) * sweep.forces,
-                inertia: V::splat(if MOMENTUM { 0.0 } else { self.step * applied.resistance[freedom] }),
-            }),
+            Some(applied) if FORCED => {
+                let push = Push {
+                    effort: applied.efforts[freedom] * V::splat(sign) * sweep.forces,
+                    inertia: V::splat(if MOMENTUM { 0.0 } else { self.step * applied.resistance[freedom] }),
+                };
+                Some(match applied.rotor(freedom) {
+                    None => push,
+                    Some((carried, inertia)) => push.plus(carried * V::splat(sign), V::splat(inertia)),
+                })
+            }
             _ => None,
         }
     }

@@ -37,8 +37,16 @@ pub struct Articulated<V> {
 pub struct Push<V> {
     /// The effort τ.
     pub effort: V,
-    /// Derivative of a damper's effort, κ, as an inertia.
+    /// Derivative of a damper's effort and the inertia of a rotor, κ, as an inertia.
     pub inertia: V,
+}
+
+impl<V: Arithmetic> Push<V> {
+    /// With an effort and an inertia besides.
+    #[inline(always)]
+    pub fn plus(self, effort: V, inertia: V) -> Self {
+        Push { effort: self.effort + effort, inertia: self.inertia + inertia }
+    }
 }
 
 /// Factors of the elimination of one degree of freedom for the forward solve.

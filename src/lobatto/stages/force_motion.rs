@@ -7,6 +7,7 @@
 
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::forces::SpringLaw;
+use crate::stages::coefficients::Coefficients;
 
 /// The stage of each lane, and the weights that make velocities of displacements there.
 #[derive(Clone, Copy)]
@@ -28,6 +29,9 @@ pub(crate) struct Motion<'s, V> {
     /// `h c_i` and `1/h`.
     pub(crate) times: V,
     pub(crate) inverse: V,
+    /// Length of the step (s), and the coefficients of the scheme.
+    pub(crate) step: f64,
+    pub(crate) coefficients: &'s Coefficients<V>,
 }
 
 impl<V: Lanes> Motion<'_, V> {

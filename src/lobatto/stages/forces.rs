@@ -7,6 +7,7 @@ use crate::numbers::reductions::at_end;
 use crate::plan::forces::AppliedPlan;
 use crate::stages::coefficients::row_stage;
 use crate::stages::force_motion::Place;
+use crate::stages::rotors::Rotors;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
@@ -23,6 +24,8 @@ pub struct Applied<V> {
     /// Energy that the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
     pub(crate) plan: AppliedPlan,
+    /// Rotors that are geared to joints.
+    pub(crate) rotors: Option<Rotors<V>>,
     /// Efforts that change in time, at the stages of the attempt.
     pub(crate) changing: Vec<Changing<V>>,
     /// The place whose velocities the rows take.
@@ -40,10 +43,18 @@ pub(crate) struct Changing<V> {
     pub(crate) end: V,
 }
 
+impl<V: Copy> Applied<V> {
+    /// Minus the residual of the rotor of a degree of freedom, or its momentum at the end of the step, and its inertia; `None` without rotors.
+    #[inline(always)]
+    pub(crate) fn rotor(&self, freedom: usize) -> Option<(V, f64)> {
+        self.rotors.as_ref().map(|rotors| (rotors.carried[freedom], rotors.inertia[freedom]))
+    }
+}
+
 impl<V: Lanes> Applied<V> {
-    /// Room for the forces of a mechanism; `None` without forces.
+    /// Room for the forces and rotors of a mechanism; `None` without them.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Option<Box<Self>> {
-        if mechanism.forces.is_empty() {
+        if mechanism.is_unforced() {
             return None;
         }
         let active = tableau.stages - 1;
@@ -69,6 +80,7 @@ impl<V: Lanes> Applied<V> {
             resistance,
             exchange: Exchange::default(),
             plan: AppliedPlan::new(mechanism),
+            rotors: Rotors::new(mechanism, tableau),
             changing: Vec::new(),
             rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
             end: place(&|lane| lane + 1, &end_weight),

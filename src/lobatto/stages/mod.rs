@@ -24,6 +24,7 @@ pub mod momenta;
 pub mod pose;
 pub mod predictor;
 pub mod predictor_balls;
+pub mod rotors;
 pub mod row_geometry;
 pub mod rows;
 pub mod start;

@@ -253,6 +253,10 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
     fn push(&self, freedom: usize) -> Option<Push<V>> {
         let applied = if FORCED { self.applied? } else { return None };
         let inertia = V::splat(self.step * applied.resistance[freedom]);
-        Some(Push { effort: applied.efforts[freedom] * self.sweep.forces, inertia })
+        let push = Push { effort: applied.efforts[freedom] * self.sweep.forces, inertia };
+        Some(match applied.rotor(freedom) {
+            None => push,
+            Some((carried, inertia)) => push.plus(carried, V::splat(inertia)),
+        })
     }
 }

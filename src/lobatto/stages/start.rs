@@ -233,6 +233,9 @@ impl Start {
                 + sigma[5] * spin.z * spin.z;
             energy.kinetic += 0.5 * (body.mass * own.velocity.norm_squared())
                 + 0.5 * (0.5 * moments.sum() * spin.norm_squared() - spread);
+            if joint.armature != 0.0 {
+                energy.kinetic += 0.5 * joint.armature * velocity[0] * velocity[0];
+            }
             energy.potential -= body.mass * mechanism.gravity.dot(&own.position);
             self.bodies[index] = BodyStart {
                 mass: body.mass * per_unit,

@@ -162,7 +162,9 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
     fn stage_unknowns(&mut self) -> StageUnknowns<'_, V, Flat<V>> {
         let PlanarStages { plan, start, displacement, increment, applied, step, .. } = &mut self.stages;
         let efforts = applied.as_ref().map_or(&[][..], |applied| &applied.efforts);
-        StageUnknowns { plan, start, displacement, increment, efforts, step: *step }
+        let rotors = applied.as_ref().and_then(|applied| applied.rotors.as_ref());
+        let rotors = rotors.map_or(&[][..], |rotors| &rotors.carried);
+        StageUnknowns { plan, start, displacement, increment, efforts, rotors, step: *step }
     }
 
     fn legendre(&self, top: V) -> f64 {

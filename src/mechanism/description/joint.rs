@@ -152,12 +152,15 @@ pub struct Joint {
     pub position_index: usize,
     /// First entry of this joint in the velocity vector.
     pub velocity_index: usize,
+    /// Inertia of a rotor that is geared to the joint, about the coordinate of the joint [kg m² or kg]: it adds `½ armature q̇²` to the kinetic
+    /// energy. Zero but for joints with one degree of freedom.
+    pub armature: f64,
 }
 
 impl Joint {
     /// A joint whose place in the state vectors [`crate::description::mechanism::Mechanism::new`] will fill in.
     pub fn new(name: &str, kind: JointKind, on_parent: Pose, on_child: Pose) -> Self {
-        Joint { name: name.to_string(), kind, on_parent, on_child, position_index: 0, velocity_index: 0 }
+        Joint { name: name.to_string(), kind, on_parent, on_child, position_index: 0, velocity_index: 0, armature: 0.0 }
     }
 
     /// The entries of this joint in the position vector.

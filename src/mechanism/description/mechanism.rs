@@ -109,7 +109,19 @@ impl Mechanism {
     /// Whether the tree of joints under gravity is all there is.
     #[inline]
     pub fn is_plain_tree(&self) -> bool {
-        !self.has_closures() && self.forces.is_empty()
+        !self.has_closures() && self.is_unforced()
+    }
+
+    /// Whether the bodies under gravity are all that joints feel: no forces act, and no rotors turn.
+    #[inline]
+    pub fn is_unforced(&self) -> bool {
+        self.forces.is_empty() && self.rotors().next().is_none()
+    }
+
+    /// The degree of freedom and the armature of every joint that turns a rotor.
+    pub fn rotors(&self) -> impl Iterator<Item = (usize, f64)> {
+        let turning = self.bodies.iter().map(|body| &body.joint).filter(|joint| joint.armature != 0.0);
+        turning.map(|joint| (joint.velocity_index, joint.armature))
     }
 
     /// Whether there are equations between coordinates that the tree does not have.

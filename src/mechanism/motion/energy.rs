@@ -8,7 +8,7 @@
 //! Springs and loads with a potential add theirs ([`crate::description::forces`]).
 
 use crate::description::body_state::{BodyState, WORLD};
-use crate::description::joint::FreeRotation;
+use crate::description::joint::{FreeRotation, Joint};
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::stored;
 use crate::ground::matrices::{column, cross, dot, product, times, transpose_times};
@@ -51,13 +51,29 @@ fn spin(inertia: &Vector3<f64>, body: &BodyState) -> Vector3<f64> {
     times(&body.rotation, &inertia.component_mul(&transpose_times(&body.rotation, &body.angular_velocity)))
 }
 
-/// The energy that the bodies have by themselves, under gravity: without springs and loads.
+/// The rate of a joint with one degree of freedom [rad/s or m/s], from the motion of its two bodies.
+fn axial_rate(joint: &Joint, parent: &BodyState, child: &BodyState) -> f64 {
+    let spin = child.angular_velocity - parent.angular_velocity;
+    if joint.kind.rotation() != FreeRotation::None {
+        return dot(&times(&child.rotation, &column(joint.on_child.rotation.matrix(), 2)), &spin);
+    }
+    let arm = child.position + times(&child.rotation, &joint.on_child.translation.vector) - parent.position;
+    let on_child = child.velocity + cross(&child.angular_velocity, &(parent.position + arm - child.position));
+    let slip = on_child - parent.velocity - cross(&parent.angular_velocity, &arm);
+    dot(&times(&parent.rotation, &column(joint.on_parent.rotation.matrix(), 2)), &slip)
+}
+
+/// The energy that the bodies and the rotors of their joints have by themselves, under gravity: without springs and loads.
 #[inline]
 pub fn energy(mechanism: &Mechanism, bodies: &[BodyState]) -> Energy {
     let mut energy = Energy::default();
     for (body, state) in mechanism.bodies.iter().zip(bodies) {
         energy.kinetic += 0.5 * body.mass * state.velocity.norm_squared()
             + 0.5 * state.angular_velocity.dot(&spin(&body.inertia, state));
+        if body.joint.armature != 0.0 {
+            let parent = body.parent.map_or(&WORLD, |parent| &bodies[parent]);
+            energy.kinetic += 0.5 * body.joint.armature * axial_rate(&body.joint, parent, state).powi(2);
+        }
         energy.potential -= body.mass * mechanism.gravity.dot(&state.position);
     }
     energy

@@ -116,10 +116,10 @@ impl OtherTree {
         tree.order.iter().enumerate().for_each(|(own, &body)| of_file[body] = own);
         let joint = |body: usize| {
             let hang = &tree.hangs[body];
-            let (name, kind, mut frames) = match hang.by {
+            let (name, kind, mut frames, armature) = match hang.by {
                 Edge::Tree(of) => {
                     let joint = &file.bodies[of].joint;
-                    (&joint.name, joint.kind, [joint.on_parent, joint.on_child])
+                    (&joint.name, joint.kind, [joint.on_parent, joint.on_child], joint.armature)
                 }
                 Edge::Loop(index) => {
                     let joint = &file.loops[index];
@@ -127,14 +127,14 @@ impl OtherTree {
                         hanging(joint, plane, &zero).unwrap_or((JointKind::Floating, [joint.a.frame, joint.b.frame]));
                     let half = Rotation3::from_matrix_unchecked(Matrix3::from_diagonal(&ways[body]));
                     on_b.rotation *= half;
-                    (&joint.name, kind, [on_a, on_b])
+                    (&joint.name, kind, [on_a, on_b], 0.0)
                 }
             };
             if hang.backwards {
                 frames.reverse();
                 frames = frames.map(|frame| turned(&frame));
             }
-            Joint::new(name, kind, frames[0], frames[1])
+            Joint { armature, ..Joint::new(name, kind, frames[0], frames[1]) }
         };
         let bodies = tree.order.iter().map(|&body| Body {
             parent: tree.hangs[body].parent.map(|parent| of_file[parent]),

@@ -170,6 +170,7 @@ fn fixed_joints(mechanism: &Mechanism) -> Vec<bool> {
     let Nonsmooth { friction, motors, .. } = &mechanism.nonsmooth;
     let bodies = bodies.chain(friction.iter().map(|friction| friction.coordinate.body));
     let bodies = bodies.chain(motors.iter().map(|motor| motor.coordinate.body));
+    let bodies = bodies.chain(mechanism.rotors().filter_map(|(freedom, _)| mechanism.body_of_freedom(freedom)));
     for body in bodies.chain(mechanism.mimics.iter().flat_map(|mimic| [mimic.follower.body, mimic.leader.body])) {
         fixed[body] = true;
     }

@@ -14,7 +14,7 @@ use crate::scene::{Scene, UrdfJointKind, Warning};
 use std::collections::HashMap;
 
 impl Model {
-    /// Fills the mimic relations and limits, which need no start: where the robots start depends on them.
+    /// Fills the mimic relations, limits and rotors, which need no start: where the robots start depends on them.
     ///
     /// # Errors
     /// [`ModelError::Coupling`] with the line of the joint.
@@ -24,9 +24,13 @@ impl Model {
         let mut warnings = Vec::new();
         let mimics = builder.urdf_mimics(&mut warnings)?;
         let limits = builder.limits(&mut warnings);
+        let rotors = builder.rotors(&mut warnings);
         self.mechanism.mimics = mimics;
         self.mechanism.nonsmooth.limits.clone_from(&limits);
         self.mechanism.limits = limits;
+        for (body, armature) in rotors {
+            self.mechanism.bodies[body].joint.armature = armature;
+        }
         self.warnings.extend(warnings);
         Ok(())
     }

@@ -9,3 +9,4 @@ pub(crate) mod joints;
 pub(crate) mod limits;
 pub(crate) mod loops;
 pub(crate) mod motors;
+pub(crate) mod rotors;

@@ -8,8 +8,7 @@ use crate::scene::robot::UrdfJointKind;
 use nalgebra::Vector3;
 
 /// Attributes that are not simulated, and what they say.
-const UNSIMULATED: [(&str, &str); 5] = [
-    ("armature", "the inertia of its rotor"),
+const UNSIMULATED: [(&str, &str); 4] = [
     ("actuatorfrcrange", "the bound of its actuators together"),
     ("springdamper", "its spring by time constant and damping ratio"),
     ("actuatorgravcomp", "its gravity compensation"),
@@ -55,6 +54,11 @@ impl Reader<'_> {
                 self.not_simulated(&joint, "stiffness of ball joints is not simulated".to_string());
             }
         }
+        let mut armature = number_of("armature", 0.0)?;
+        if kind == UrdfJointKind::Spherical && armature != 0.0 {
+            self.not_simulated(&joint, "armature of ball joints is not simulated".to_string());
+            armature = 0.0;
+        }
         for (attribute, what) in UNSIMULATED {
             let is_said = joint.text(attribute).is_some_and(|text| {
                 text.split_whitespace()
@@ -80,6 +84,7 @@ impl Reader<'_> {
             limit,
             damping: number_of("damping", 0.0)?,
             friction: number_of("frictionloss", 0.0)?,
+            armature,
             spring,
             mimic: None,
             line: joint.line,

@@ -78,6 +78,8 @@ pub(crate) struct Joint {
     pub limit: Option<(f64, f64)>,
     pub damping: f64,
     pub friction: f64,
+    /// Inertia of its rotor [kg m² or kg].
+    pub armature: f64,
     /// Stiffness, and the position at which its spring is free, counted as here.
     pub spring: Option<(f64, f64)>,
     /// Whom it follows: the leader, the multiplier and the offset.

@@ -245,8 +245,13 @@ fn write_joint(index: usize, between: &Between, joint: &Option<Joint>, text: &mu
             let (lower, upper) = joint.limit.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
             let _ = writeln!(text, "<limit lower=\"{lower}\" upper=\"{upper}\" effort=\"inf\" velocity=\"inf\"/>");
         }
-        if joint.damping != 0.0 || joint.friction != 0.0 {
-            let _ = writeln!(text, "<dynamics damping=\"{}\" friction=\"{}\"/>", joint.damping, joint.friction);
+        if joint.damping != 0.0 || joint.friction != 0.0 || joint.armature != 0.0 {
+            let Joint { damping, friction, armature, .. } = joint;
+            let _ = write!(text, "<dynamics damping=\"{damping}\" friction=\"{friction}\"");
+            if *armature != 0.0 {
+                let _ = write!(text, " armature=\"{armature}\"");
+            }
+            *text += "/>\n";
         }
         if let Some((leader, multiplier, offset)) = &joint.mimic {
             let _ = writeln!(

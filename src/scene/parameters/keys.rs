@@ -189,6 +189,7 @@ impl Keys {
             self.put("joint", &format!("{name}.restitution"), Range::Fraction, Place::Restitution(reference()));
             self.put("joint", &format!("{name}.friction"), Range::NotNegative, Place::Friction(reference()));
             self.put("joint", &format!("{name}.damping"), Range::NotNegative, Place::Damping(reference()));
+            self.put("joint", &format!("{name}.armature"), Range::NotNegative, Place::Armature(reference()));
         }
     }
 

@@ -108,6 +108,7 @@ pub(crate) enum Place {
     Restitution(JointReference),
     Friction(JointReference),
     Damping(JointReference),
+    Armature(JointReference),
     Motor {
         motor: usize,
         what: MotorNumber,

@@ -80,6 +80,11 @@ impl Place {
                 said.damping = said.damping.or(urdf.dynamics.map(|dynamics| dynamics.damping));
                 Optional(&mut said.damping)
             }
+            Place::Armature(of) => {
+                let (said, urdf) = settings(scene, of)?;
+                said.armature = said.armature.or(urdf.armature);
+                Optional(&mut said.armature)
+            }
             Place::Motor { motor, what } => {
                 let motor = scene.motors.get_mut(*motor)?;
                 match (what, &mut motor.law) {
@@ -269,6 +274,7 @@ fn settings<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut Sc
             restitution: None,
             friction: None,
             damping: None,
+            armature: None,
             line,
         });
         scene.joints.len() - 1

@@ -42,7 +42,8 @@ impl Place {
             | Place::UpperLimit(of)
             | Place::Restitution(of)
             | Place::Friction(of)
-            | Place::Damping(of) => of_joint(scene, of.robot, &of.joint),
+            | Place::Damping(of)
+            | Place::Armature(of) => of_joint(scene, of.robot, &of.joint),
             Place::Body { robot, .. } => {
                 let robot = &scene.robots[*robot];
                 here(robot.line, Element::Body(robot.name.clone()))

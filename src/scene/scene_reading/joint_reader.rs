@@ -148,7 +148,7 @@ impl CouplingReader<'_> {
         let mut joints: Vec<SceneJoint> = Vec::with_capacity(tables.len());
         for table in tables {
             let table_span = table.span();
-            let JointTable { name, limit, restitution, friction, damping } = table.into_inner();
+            let JointTable { name, limit, restitution, friction, damping, armature } = table.into_inner();
             let owner = Element::Joint(name.get_ref().clone());
             let joint = self.tree_joint(&name, loops, &owner)?;
             if let Some(first) = joints.iter().find(|other| other.joint == joint) {
@@ -156,8 +156,9 @@ impl CouplingReader<'_> {
                 return Err(self.text.error(&name.span(), Some(owner), problem));
             }
             let refuse = |span, message| Err(self.text.error(&span, Some(owner.clone()), Problem::Keys(message)));
-            if limit.is_none() && restitution.is_none() && friction.is_none() && damping.is_none() {
-                return refuse(table_span, "give its limit, restitution, friction or damping");
+            let numbers = [friction, damping, armature];
+            if limit.is_none() && restitution.is_none() && numbers.iter().all(Option::is_none) {
+                return refuse(table_span, "give its limit, restitution, friction, damping or armature");
             }
             let number = |given: Quantity| self.joint_number(&joint, given, false, &name.span(), &owner);
             let limit = match limit {
@@ -175,6 +176,7 @@ impl CouplingReader<'_> {
                 restitution: restitution.map(|restitution| restitution.get_ref().0),
                 friction: friction.map(|friction| friction.0),
                 damping: damping.map(|damping| damping.0),
+                armature: armature.map(|armature| armature.0),
                 line: self.text.line(&name.span()),
             });
         }

@@ -46,6 +46,7 @@ pub(crate) struct JointTable {
     pub restitution: Option<Spanned<Fraction>>,
     pub friction: Option<NotNegative>,
     pub damping: Option<NotNegative>,
+    pub armature: Option<NotNegative>,
 }
 
 /// A name or a list of names, each with its place.

@@ -9,6 +9,7 @@ use crate::scene::text::XmlText;
 use crate::scene::urdf_reading::element::{CleanAttribute, CleanElement};
 use crate::scene::urdf_reading::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
 use crate::scene::urdf_reading::surface_friction::says_friction_alone;
+use crate::scene::urdf_reading::transmissions::says_rotor;
 use crate::scene::warning::Warning;
 use roxmltree::Node;
 use std::path::Path;
@@ -86,7 +87,7 @@ impl Cleaner<'_> {
             let known = schema.children.iter().find(|known| known.schema.name == child.tag_name().name());
             match known.filter(|_| child.tag_name().namespace() == self.namespace.as_deref()) {
                 Some(known) => self.child(child, known.schema, known.count, &mut element)?,
-                None if says_friction_alone(child) => {}
+                None if says_friction_alone(child) || says_rotor(child) => {}
                 None => self.ignore(child, format!("<{}>", qualified(child)), schema.name),
             }
         }

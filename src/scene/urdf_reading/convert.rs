@@ -90,6 +90,11 @@ impl Converter<'_> {
             let problem = Problem::NegativeFriction(friction);
             return Err(error_at(self.file, line_of("dynamics"), Some(owner), problem));
         }
+        let armature = element.child("dynamics").and_then(|dynamics| dynamics.number("armature"));
+        if let Some(armature) = armature.filter(|armature| *armature < 0.0) {
+            let problem = Problem::NegativeArmature(armature);
+            return Err(error_at(self.file, line_of("dynamics"), Some(owner), problem));
+        }
         let (origin, rpy) = self.origin(element, &owner)?;
         let [parent, child] =
             ["parent", "child"].map(|role| element.child(role).map_or(String::new(), |link| link.text("link")));
@@ -109,6 +114,7 @@ impl Converter<'_> {
             given_axis,
             limit,
             dynamics,
+            armature,
             mimic,
             line: element.line,
         })

@@ -9,6 +9,7 @@ pub(crate) mod mesh_files;
 pub(crate) mod package_path;
 pub(crate) mod schema;
 pub(crate) mod surface_friction;
+pub(crate) mod transmissions;
 pub(crate) mod tree;
 pub(crate) mod unsimulated;
 pub(crate) mod urdf;

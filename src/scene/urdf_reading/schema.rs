@@ -191,8 +191,14 @@ static LIMIT: Schema = leaf(
         attribute("velocity", Limit, Assumed("0")),
     ],
 );
-static DYNAMICS: Schema =
-    leaf("dynamics", &[attribute("damping", Numbers(1), Optional), attribute("friction", Numbers(1), Optional)]);
+static DYNAMICS: Schema = leaf(
+    "dynamics",
+    &[
+        attribute("damping", Numbers(1), Optional),
+        attribute("friction", Numbers(1), Optional),
+        attribute("armature", Numbers(1), Optional),
+    ],
+);
 static MIMIC: Schema = leaf(
     "mimic",
     &[

@@ -10,6 +10,7 @@ use crate::scene::urdf_reading::mesh_files::MeshFiles;
 use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::urdf_reading::schema::ROBOT;
 use crate::scene::urdf_reading::surface_friction::take_friction;
+use crate::scene::urdf_reading::transmissions::take_rotors;
 use crate::scene::urdf_reading::tree::find_root;
 use crate::scene::urdf_reading::unsimulated::unsimulated;
 use crate::scene::urdf_reading::xacro::{expanded, is_source};
@@ -78,7 +79,8 @@ fn read_robot(
         impossible_inertias: Vec::new(),
     };
     let mut links = robot.children_named("link").map(|link| converter.link(link)).collect::<Result<Vec<_>, _>>()?;
-    let joints = robot.children_named("joint").map(|joint| converter.joint(joint)).collect::<Result<Vec<_>, _>>()?;
+    let mut joints =
+        robot.children_named("joint").map(|joint| converter.joint(joint)).collect::<Result<Vec<_>, _>>()?;
     let mut loops: Vec<UrdfLoop> = Vec::with_capacity(closing.len());
     for element in &closing {
         let closing = converter.closing_joint(element, &links)?;
@@ -90,9 +92,11 @@ fn read_robot(
     }
     let root = find_root(path, &links, &joints, robot.line)?;
     let of_friction = take_friction(&xml, xml.document()?.root_element(), &mut links);
+    let of_rotors = take_rotors(&xml, xml.document()?.root_element(), &mut joints);
 
     let mut warnings = xml.warnings;
     warnings.extend(of_friction);
+    warnings.extend(of_rotors);
     warnings.extend(repairs);
     warnings.extend(converter.warnings);
     warnings.extend(Warning::of_kind(converter.impossible_inertias, "link", "links"));

@@ -103,6 +103,11 @@ impl RunIntegrator {
         }
     }
 
+    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
+    pub(crate) fn holds_all(&self, state: &State) -> bool {
+        matches!(self, RunIntegrator::Eventful(eventful) if eventful.holds_all(state))
+    }
+
     /// Lets accumulating impacts leave this part of the height that they may leave, and at least this multiple of the least height.
     #[must_use]
     pub(crate) fn leaving(mut self, part: f64, least: f64) -> Self {

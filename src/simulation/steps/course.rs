@@ -258,7 +258,9 @@ impl Course {
         self.bookkeeper.record(mechanism, state, bodies, outcome);
         if self.sampled_state.is_some() {
             self.contacts.clear();
-            integrator.contacts(mechanism, state, &mut self.contacts);
+            if !integrator.holds_all(state) {
+                integrator.contacts(mechanism, state, &mut self.contacts);
+            }
             let mut figures = ContactFigures::default();
             figures.see(state.time, &self.contacts, &mechanism.nonsmooth.pairs);
             figures.penetration = figures.penetration.max(integrator.overlap());

@@ -43,6 +43,11 @@ pub(crate) trait Tells {
     fn overlap(&self) -> f64 {
         0.0
     }
+
+    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
+    fn holds_all(&self, _state: &State) -> bool {
+        false
+    }
 }
 
 impl Tells for dyn Integrator + '_ {}
@@ -59,6 +64,13 @@ impl Tells for Making<'_> {
         match self {
             Making::Alone(alone) => alone.overlap(),
             Making::Telling(assessed) => assessed.overlap(),
+        }
+    }
+
+    fn holds_all(&self, state: &State) -> bool {
+        match self {
+            Making::Alone(alone) => alone.holds_all(state),
+            Making::Telling(assessed) => assessed.holds_all(state),
         }
     }
 }

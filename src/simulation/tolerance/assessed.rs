@@ -196,6 +196,11 @@ impl<'a> Assessed<'a> {
         self.run.overlap()
     }
 
+    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
+    pub(crate) fn holds_all(&self, state: &State) -> bool {
+        self.run.holds_all(state)
+    }
+
     /// The present error (m), or `None` if the run was interrupted before it was known; infinite if it cannot be estimated any more.
     fn error(&mut self, mechanism: &Mechanism, state: &State) -> Option<f64> {
         let carried = match self.by {

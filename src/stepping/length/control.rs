@@ -176,7 +176,7 @@ impl Control {
             stop,
             wanted,
             limit: kept * wanted,
-            telling: mechanism.forces.is_empty(),
+            telling: mechanism.is_unforced(),
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
             largest: 0.0,
             between: Some(0.0),
@@ -202,7 +202,7 @@ impl Control {
 
     /// Takes note of other forces.
     pub fn meet(&mut self, mechanism: &Mechanism) {
-        self.telling = mechanism.forces.is_empty();
+        self.telling = mechanism.is_unforced();
         self.patience = if mechanism.is_plain_tree() { PATIENCE } else { 0 };
     }
 

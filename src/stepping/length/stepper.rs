@@ -97,7 +97,7 @@ impl Stepper {
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kernel: Box<dyn Step>) -> Self {
         Stepper {
             kernel,
-            watch: Watch::new(tableau, !mechanism.forces.is_empty()),
+            watch: Watch::new(tableau, !mechanism.is_unforced()),
             tableau,
             modes: Modes::new(mechanism),
             origin: State::zero(mechanism),
@@ -142,7 +142,7 @@ impl Stepper {
         if now.forces.driven && !mechanism.forces.driven {
             self.outside.driven = Some(now.clone());
         }
-        self.watch = Watch::new(self.tableau, !now.forces.is_empty());
+        self.watch = Watch::new(self.tableau, !now.is_unforced());
         self.damped = has_dampers(&now.forces);
         self.modes = Modes::new(&now);
         now

@@ -28,6 +28,7 @@ use catena_lobatto::solve::sweeps::collect;
 use catena_lobatto::stages::articulated::{Articulated, Eliminated, Push};
 use catena_lobatto::stages::start::{BodyStart, Start};
 use catena_lobatto::vectors::portable::Portable;
+use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::BodyWrench;
 use nalgebra::{Matrix3, Vector3};
 
@@ -79,6 +80,8 @@ pub struct Dynamics {
     wrenches: Vec<Pair>,
     /// In the joints along each degree of freedom [N m or N].
     efforts: Vec<f64>,
+    /// Inertia of the rotor of each degree of freedom [kg m² or kg].
+    rotors: Vec<f64>,
 }
 
 impl Dynamics {
@@ -94,7 +97,13 @@ impl Dynamics {
             accelerations: vec![0.0; freedoms],
             wrenches: vec![Pair::default(); count],
             efforts: vec![0.0; freedoms],
+            rotors: vec![0.0; freedoms],
         }
+    }
+
+    /// Takes the rotors of a mechanism.
+    pub fn take_rotors(&mut self, mechanism: &Mechanism) {
+        mechanism.rotors().for_each(|(freedom, armature)| self.rotors[freedom] = armature);
     }
 
     /// Applies wrenches about the centres of mass of the bodies at `start`, and efforts in the joints, from now on.
@@ -132,7 +141,7 @@ impl Dynamics {
             let mut total = alone.plus(&self.slots[plan.below(index)]);
             for freedom in own.freedoms().rev() {
                 let axis = Vector::splat(&start.axes[freedom]);
-                let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(0.0) });
+                let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(self.rotors[freedom]) });
                 let Eliminated { force_ratio, torque_ratio, bias, inverse, .. } =
                     if freedom < own.first_axis + own.translations {
                         total.eliminate_translation(axis, push)

@@ -71,9 +71,11 @@ impl Motion {
             let multipliers = vec![0.0; projection.row_count()];
             Closing { projection, multipliers, bodies: vec![BodyAcceleration::default(); mechanism.bodies.len()] }
         });
+        let mut dynamics = Dynamics::new(&plan, mechanism.velocity_count);
+        dynamics.take_rotors(mechanism);
         Motion {
             start: Start::new(mechanism),
-            dynamics: Dynamics::new(&plan, mechanism.velocity_count),
+            dynamics,
             wrenches: vec![BodyWrench::default(); mechanism.bodies.len()],
             efforts: vec![0.0; mechanism.velocity_count],
             plan,

@@ -1,7 +1,7 @@
 //! `catena inspect`: what it says of a log is what the run reported.
 
+mod another_encoding;
 mod damaged;
-mod earlier;
 mod whole;
 
 use crate::common::command::{run, text};

@@ -68,7 +68,7 @@ pub struct JointStates {
     pub positions: Vec<f64>,
     /// Velocities [rad/s, m/s].
     pub velocities: Vec<f64>,
-    /// Efforts along the axes [N m, N]; empty in logs of earlier versions.
+    /// Efforts along the axes [N m, N]; empty if the log has none.
     pub efforts: Vec<f64>,
 }
 
@@ -194,21 +194,6 @@ pub fn multi_dof_states(data: &[u8]) -> Result<MultiDofStates, String> {
     } else {
         Err(format!("it names {} joints and has other counts of numbers", names.len()))
     }
-}
-
-/// Decodes a `std_msgs/msg/Float64MultiArray` of one dimension, as logs of earlier versions have them.
-///
-/// # Errors
-/// The defect of the message.
-pub fn figures(data: &[u8]) -> Result<Vec<f64>, String> {
-    let mut cdr = CdrReader::new(data)?;
-    cdr.sequence(|cdr| {
-        cdr.string()?;
-        cdr.unsigned()?;
-        cdr.unsigned()
-    })?;
-    cdr.unsigned()?;
-    cdr.doubles()
 }
 
 /// Decodes a `std_msgs/msg/String`.

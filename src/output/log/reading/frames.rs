@@ -7,10 +7,10 @@
 use crate::output::log::encoding::line;
 use crate::output::log::encoding::names::LIBRARY;
 use crate::output::log::encoding::time::seconds;
+use crate::output::log::reading::decode;
 use crate::output::log::reading::decode::{JointStates, LinkPose, LogLine, LoggedContact, LoggedEvent, MultiDofStates};
 use crate::output::log::reading::reader::{Item, LogChannel, read_log};
 use crate::output::log::reading::records::{Completeness, FROM_SOME_PLACE, ReadError};
-use crate::output::log::reading::{decode, protobuf};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -71,19 +71,19 @@ impl Frame {
     }
 }
 
-/// The topics of a frame, and the schemas of their messages; logs of earlier versions have Foxglove's transforms.
-const TOPICS: [(&str, &[&str]); 6] = [
-    ("/tf", &["tf2_msgs/msg/TFMessage", "foxglove.FrameTransforms"]),
-    ("/joint_states", &["sensor_msgs/msg/JointState"]),
-    ("/multi_dof_joint_states", &["sensor_msgs/msg/MultiDOFJointState"]),
-    ("/reactions", &["sensor_msgs/msg/MultiDOFJointState"]),
-    ("/motors", &["sensor_msgs/msg/JointState"]),
-    ("/contacts", &["catena_msgs/msg/Contacts"]),
+/// The topics of a frame, and the schemas of their messages.
+const TOPICS: [(&str, &str); 6] = [
+    ("/tf", "tf2_msgs/msg/TFMessage"),
+    ("/joint_states", "sensor_msgs/msg/JointState"),
+    ("/multi_dof_joint_states", "sensor_msgs/msg/MultiDOFJointState"),
+    ("/reactions", "sensor_msgs/msg/MultiDOFJointState"),
+    ("/motors", "sensor_msgs/msg/JointState"),
+    ("/contacts", "catena_msgs/msg/Contacts"),
 ];
 
 /// Which of [`TOPICS`] a channel has.
 fn topic_of(channel: &LogChannel) -> Option<usize> {
-    TOPICS.iter().position(|(topic, schemas)| channel.topic == *topic && schemas.contains(&channel.schema.as_str()))
+    TOPICS.iter().position(|(topic, schema)| channel.topic == *topic && channel.schema == *schema)
 }
 
 /// Receives the items of a log besides frames.
@@ -218,9 +218,6 @@ impl Builder<'_> {
             ("/tf", "tf2_msgs/msg/TFMessage") => {
                 self.frame.get_or_insert_with(new_frame).links = decode::transforms(data)?;
             }
-            ("/tf", "foxglove.FrameTransforms") => {
-                self.frame.get_or_insert_with(new_frame).links = protobuf::transforms(data)?;
-            }
             ("/joint_states", "sensor_msgs/msg/JointState") => {
                 self.frame.get_or_insert_with(new_frame).joints = decode::joint_states(data)?;
             }
@@ -249,24 +246,7 @@ impl Builder<'_> {
                 let solver = decode::named_numbers(data)?;
                 self.figures.get_or_insert_with(new_figures).solver = Some(solver);
             }
-            // Logs of earlier versions have figures without names.
-            ("/energy", "std_msgs/msg/Float64MultiArray") => {
-                let mut energy = decode::figures(data)?;
-                // Figures of smooth runs have no friction and no impacts. The earliest logs were of runs without any exchange of energy.
-                energy.resize(7, 0.0);
-                let energy = energy.first_chunk().copied();
-                self.figures.get_or_insert_with(new_figures).energy = energy;
-            }
-            ("/constraint", "std_msgs/msg/Float64MultiArray") => {
-                let violation = decode::figures(data)?.first_chunk().copied();
-                self.figures.get_or_insert_with(new_figures).violation = violation;
-            }
-            ("/solver", "std_msgs/msg/Float64MultiArray") => {
-                let solver = decode::figures(data)?.first_chunk().copied();
-                self.figures.get_or_insert_with(new_figures).solver = solver;
-            }
             (line::TOPIC, "rcl_interfaces/msg/Log") => self.visitor.line(time, decode::log_line(data)?),
-            ("/log", "foxglove.Log") => self.visitor.line(time, protobuf::log_line(data)?),
             _ => {}
         }
         if let Some(topic) = topic_of(channel) {

@@ -4,7 +4,6 @@ pub mod decode;
 pub mod frame_stream;
 pub mod frames;
 pub mod meshes;
-pub(crate) mod protobuf;
 pub mod reader;
 pub mod records;
 pub mod recovery;

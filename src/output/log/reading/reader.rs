@@ -19,7 +19,7 @@ pub struct LogChannel {
     pub topic: String,
     /// Name of the schema, empty without one.
     pub schema: String,
-    /// How messages are encoded: `cdr`, `protobuf`.
+    /// How messages are encoded: `cdr`.
     pub encoding: String,
 }
 
@@ -105,7 +105,7 @@ pub(crate) fn is_unfinished(path: &Path) -> bool {
         return false;
     }
     match last_words(path) {
-        // A log of an earlier version, which did not say how it ended, may be dear to its owner.
+        // A complete log that does not say how its run ended may be dear to its owner.
         Ok(Some(words)) => words.is_some_and(|words| words.get(OUTCOME).is_none_or(|outcome| outcome != FINISHED)),
         // There is no index, or it is damaged.
         Ok(None) | Err(_) => !says_finished(path),

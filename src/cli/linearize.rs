@@ -1,0 +1,245 @@
+//! `catena linearize`: linear equations of motion and their modes, about an equilibrium or an instant of a run.
+
+use crate::cli::arguments::input::InputArgs;
+use crate::cli::arguments::numbers::{Assignment, pairs, positive};
+use crate::cli::logged_state::{LogInstant, start_of};
+use crate::cli::recorded::Recorded;
+use crate::cli::tables::table::{Table, number};
+use crate::cli::terminal::printing::{Failure, print, print_json};
+use anyhow::anyhow;
+use catena::mechanism::ground::words::counted;
+use catena::mechanism::motion::state::State;
+use catena::session::{Linear, Mode, Model, Simulation, Stability};
+use nalgebra::DMatrix;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Read as _;
+use std::path::Path;
+
+/// Linear equations of motion and their modes
+#[derive(Clone, Debug, clap::Args)]
+pub struct LinearizeArgs {
+    /// The robot or scene, or the log of a run, which carries it; the other options of the input are for robots and scenes alone.
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    /// About which state: `rest`, the equilibrium near the start; `start`; or a time T [s] of the run [default: rest, of a log its end]
+    #[arg(long, value_name = "rest|start|T")]
+    at: Option<At>,
+
+    /// Position of a joint at the start [rad, m] (repeatable)
+    #[arg(long, value_name = "JOINT=VALUE")]
+    position: Vec<Assignment>,
+
+    /// Velocity of a joint at the start [rad/s, m/s] (repeatable)
+    #[arg(long, value_name = "JOINT=VALUE")]
+    velocity: Vec<Assignment>,
+
+    /// Add the matrices of a discrete system with this step [s], inputs being held over a step
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive, requires = "json")]
+    discrete: Option<f64>,
+
+    /// Print one JSON object, with all matrices, instead of a table
+    #[arg(long)]
+    json: bool,
+}
+
+/// `--at`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum At {
+    Rest,
+    Start,
+    Time(f64),
+}
+
+impl std::str::FromStr for At {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "rest" => Ok(At::Rest),
+            "start" => Ok(At::Start),
+            "end" => Ok(At::Time(f64::INFINITY)),
+            number => match number.parse::<f64>() {
+                Ok(time) if time.is_finite() && time >= 0.0 => Ok(At::Time(time)),
+                _ => Err(format!("{number:?} is no instant; give rest, start, or a time in s that is not negative")),
+            },
+        }
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`Failure`]: 2 for bad input and states without linear equations, 1 if a run to the instant fails.
+pub fn run(args: &LinearizeArgs) -> Result<(), Failure> {
+    let linear = if is_log(&args.input.input) { of_log(args)? } else { of_input(args)? };
+    if args.json { print_json(&as_json(args, &linear)) } else { print(as_text(&linear)) }
+}
+
+/// Whether a file begins as MCAP files do.
+fn is_log(path: &Path) -> bool {
+    let mut magic = [0; 5];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic));
+    read.is_ok() && magic == *b"\x89MCAP"
+}
+
+fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
+    let log = &args.input.input;
+    if !args.position.is_empty() || !args.velocity.is_empty() {
+        return Err(Failure::input(anyhow!("--position and --velocity: a log has its own states; take one with --at T")));
+    }
+    let recorded = Recorded::open(log).map_err(Failure::input)?;
+    let time = match args.at {
+        Some(At::Start) => 0.0,
+        Some(At::Time(time)) => time,
+        Some(At::Rest) | None => f64::INFINITY,
+    };
+    let instant = LogInstant { log: log.clone(), time };
+    let (state, _) = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?;
+    let model = Model::of_loaded(recorded.loaded, log.clone(), recorded.arguments.input.world.world());
+    Ok(model.linear_of_state(&state, &[], args.at == Some(At::Rest))?)
+}
+
+fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {
+    let loaded = args.input.load().map_err(Failure::input)?;
+    args.input.refuse_warnings(&loaded.model).map_err(Failure::input)?;
+    let model = Model::of_loaded(loaded, args.input.input.clone(), args.input.world.world());
+    let (positions, velocities) = (pairs(&args.position), pairs(&args.velocity));
+    let at_start = || -> Result<State, Failure> { Ok(model.loaded().assembled(&positions, &velocities, None)?.state) };
+    match args.at {
+        None | Some(At::Rest) => Ok(model.linear_of_state(&at_start()?, &[], true)?),
+        Some(At::Start) => Ok(model.linear_of_state(&at_start()?, &[], false)?),
+        Some(At::Time(time)) if time.is_infinite() => {
+            Err(Failure::input(anyhow!("--at end is for logs; give rest, start, or a time in s")))
+        }
+        Some(At::Time(0.0)) => Ok(model.linear_of_state(&at_start()?, &[], false)?),
+        Some(At::Time(time)) => {
+            let mut run = Simulation::new(&model).without_figures().duration(time);
+            for rule in &args.input.keep {
+                run = run.keep(*rule);
+            }
+            let mut run = run.start(positions)?.velocities(velocities)?;
+            run.run()?;
+            let (q, v) = run.coordinates()?;
+            let mut state = model.state_at(&q, Some(&v))?;
+            state.time = run.time();
+            Ok(model.linear_of_state(&state, &[], false)?)
+        }
+    }
+}
+
+fn as_text(linear: &Linear) -> String {
+    let mut text = String::new();
+    let at = match linear.iterations {
+        Some(iterations) => {
+            format!("about the equilibrium, found in {}", counted(iterations, "iteration", "iterations"))
+        }
+        None => format!("about t = {} s", number(linear.time)),
+    };
+    // Writing into a String cannot fail.
+    let _ = writeln!(text, "{}: {}", counted(linear.names.len(), "independent coordinate", "independent coordinates"), at);
+    if linear.iterations.is_none() && linear.largest_acceleration > 0.0 {
+        let _ = writeln!(text, "not an equilibrium: joints accelerate by up to {}", number(linear.largest_acceleration));
+    }
+    for (joint, reason) in &linear.stuck {
+        let _ = writeln!(text, "{joint} is stuck: {reason}");
+    }
+    for joint in &linear.saturated {
+        let _ = writeln!(text, "the motor of {joint} is at its bound");
+    }
+    if linear.sticking_contacts > 0 {
+        let _ = writeln!(text, "{} stick", counted(linear.sticking_contacts, "contact", "contacts"));
+    }
+    let head = ["mode", "frequency [Hz]", "damping ratio", "time constant [s]", "stable", "largest parts"];
+    let mut table = Table::new("Modes", &head);
+    for (index, mode) in linear.modes.iter().enumerate() {
+        table.row(vec![
+            (index + 1).to_string(),
+            number(mode.frequency),
+            mode.damping_ratio.map_or(String::new(), number),
+            mode.time_constant.map_or(String::new(), number),
+            stable(mode.stability).to_string(),
+            largest_parts(linear, mode),
+        ]);
+    }
+    table.write(&mut text);
+    text
+}
+
+fn stable(stability: Stability) -> &'static str {
+    match stability {
+        Stability::Stable => "yes",
+        Stability::Neutral => "neutral",
+        Stability::Unstable => "no",
+        Stability::Free => "free",
+    }
+}
+
+/// The three largest parts of a mode.
+fn largest_parts(linear: &Linear, mode: &Mode) -> String {
+    const SHOWN: usize = 3;
+    const LEAST: f64 = 0.1;
+    let mut parts: Vec<usize> = (0..mode.shape.len()).collect();
+    parts.sort_by(|&one, &other| mode.shape[other].norm().total_cmp(&mode.shape[one].norm()));
+    let largest = parts.first().map_or(0.0, |&part| mode.shape[part].norm());
+    let shown = parts.iter().take(SHOWN).filter(|&&part| mode.shape[part].norm() >= LEAST * largest);
+    let worded = shown.map(|&part| {
+        let value = mode.shape[part];
+        let sign = if value.re < 0.0 { -1.0 } else { 1.0 };
+        format!("{} {:.2}", linear.freedoms[part], sign * value.norm())
+    });
+    worded.collect::<Vec<_>>().join(", ")
+}
+
+fn as_json(args: &LinearizeArgs, linear: &Linear) -> Value {
+    let modes: Vec<Value> = linear
+        .modes
+        .iter()
+        .map(|mode| {
+            json!({
+                "eigenvalue": [mode.eigenvalue.re, mode.eigenvalue.im],
+                "frequency": mode.frequency,
+                "damping_ratio": mode.damping_ratio,
+                "time_constant": mode.time_constant,
+                "stable": stable(mode.stability),
+                "shape": mode.shape.iter().map(|entry| [entry.re, entry.im]).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    let stuck: Vec<Value> =
+        linear.stuck.iter().map(|(joint, reason)| json!({ "joint": joint, "reason": reason })).collect();
+    let mut report = json!({
+        "catena": env!("CARGO_PKG_VERSION"),
+        "input": args.input.input.display().to_string(),
+        "time": linear.time,
+        "equilibrium": linear.iterations.is_some(),
+        "iterations": linear.iterations,
+        "largest_acceleration": linear.largest_acceleration,
+        "q": linear.q,
+        "v": linear.v,
+        "coordinates": linear.names,
+        "units": linear.units,
+        "A": rows(&linear.a),
+        "freedoms": linear.freedoms,
+        "B": rows(&linear.b),
+        "targets": linear.targets,
+        "B_targets": rows(&linear.b_targets),
+        "inertia": rows(&linear.inertia),
+        "damping": rows(&linear.damping),
+        "stiffness": rows(&linear.stiffness),
+        "modes": modes,
+        "stuck": stuck,
+        "saturated": linear.saturated,
+        "sticking_contacts": linear.sticking_contacts,
+    });
+    if let Some(step) = args.discrete {
+        let (a, [b, b_targets]) = linear.discrete(step);
+        report["discrete"] = json!({ "step": step, "A": rows(&a), "B": rows(&b), "B_targets": rows(&b_targets) });
+    }
+    report
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}

@@ -1,0 +1,6 @@
+//! The equations of motion of a mechanism, over numbers that carry derivatives.
+
+pub mod closures;
+pub mod figures;
+pub mod placed;
+pub mod residual;

@@ -1,0 +1,107 @@
+//! Linear equations about an instant of a run, or about the equilibrium near a state.
+//!
+//! They hold within a mode: joints that are stuck stay so, motors keep to their laws or bounds, and contacts stay as they are. An equilibrium is
+//! that of its own mode: joints that Newton's iteration moves beyond a limit are put on it, and the mode is decided again.
+
+use crate::derivatives::linear::equilibrium::{EquilibriumError, settle};
+use crate::derivatives::linear::linearised::{LinearError, Linearised};
+use crate::derivatives::linear::modes::{LinearMode, NoModes};
+use crate::events::{Moving, MovingError};
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::state::State;
+
+/// Modes that are tried for an equilibrium.
+const MODES: usize = 20;
+
+/// Why there are no linear equations.
+#[derive(Debug, thiserror::Error)]
+pub enum LinearizeError {
+    /// The mode of the state cannot be told.
+    #[error(transparent)]
+    Moving(#[from] MovingError),
+    /// The equations cannot be solved.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// There is no equilibrium.
+    #[error(transparent)]
+    Equilibrium(#[from] EquilibriumError),
+    /// There are no modes.
+    #[error(transparent)]
+    Modes(#[from] NoModes),
+    /// No mode has its own equilibrium.
+    #[error(
+        "no equilibrium was found: joints stick and slide in turn from one attempt to the next; \
+         give a start at which they rest, or take an instant with --at T"
+    )]
+    Undecided,
+}
+
+/// Linear equations of motion, with the mechanism that they are of.
+pub struct About {
+    pub moving: Moving,
+    /// The state of the whole mechanism.
+    pub state: State,
+    pub linearised: Linearised,
+    pub modes: Vec<LinearMode>,
+    /// Iterations to the equilibrium; `None` at an instant.
+    pub iterations: Option<usize>,
+}
+
+/// The equations about a state of a mechanism, under efforts along its degrees of freedom.
+///
+/// # Errors
+/// [`LinearizeError`] for states whose motion has no linear equations.
+pub fn about_instant(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<About, LinearizeError> {
+    of(Moving::at(mechanism, state, efforts)?, state.clone(), None)
+}
+
+/// The equations about the equilibrium near a state, under the same efforts.
+///
+/// # Errors
+/// As of [`about_instant`], and if no equilibrium is found.
+pub fn about_rest(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<About, LinearizeError> {
+    let mut state = state.clone();
+    state.velocity.fill(0.0);
+    let mut moving = Moving::at(mechanism, &state, efforts)?;
+    let mut iterations = 0;
+    for _ in 0..MODES {
+        let mut own = moving.state.clone();
+        let mut there = state.clone();
+        let mut is_outside = |own: &State| {
+            moving.spread(own, &mut there);
+            !put_within_limits(mechanism, &mut there)
+        };
+        iterations += settle(moving.mechanism(), &mut own, &moving.efforts, &moving.driven(), &mut is_outside)?;
+        moving.spread(&own, &mut state);
+        state.velocity.fill(0.0);
+        let is_within = put_within_limits(mechanism, &mut state);
+        let there = Moving::at(mechanism, &state, efforts)?;
+        let same = there.stuck == moving.stuck && there.motors == moving.motors && there.sticking == moving.sticking;
+        moving = there;
+        if same && is_within {
+            return of(moving, state, Some(iterations));
+        }
+    }
+    Err(LinearizeError::Undecided)
+}
+
+fn of(moving: Moving, state: State, iterations: Option<usize>) -> Result<About, LinearizeError> {
+    let linearised = Linearised::about(moving.mechanism(), &moving.state, &moving.efforts, &moving.driven())?;
+    let modes = linearised.modes()?;
+    Ok(About { moving, state, linearised, modes, iterations })
+}
+
+/// Puts joints that are beyond a limit on it; returns whether there were none.
+fn put_within_limits(mechanism: &Mechanism, state: &mut State) -> bool {
+    let mut within = true;
+    for limit in &mechanism.nonsmooth.limits {
+        let slot = limit.coordinate.position;
+        let position = state.position[slot] + state.compensation[slot];
+        let inside = position.min(limit.upper).max(limit.lower);
+        if inside != position {
+            (state.position[slot], state.compensation[slot]) = (inside, 0.0);
+            within = false;
+        }
+    }
+    within
+}

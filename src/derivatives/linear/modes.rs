@@ -1,0 +1,223 @@
+//! The modes of linear equations of motion: motions `x(t) = Re(z e^{λ t})`.
+//!
+//! ```text
+//!     A z = λ z        frequency |Im λ|/2π [Hz],   damping ratio −Re λ/|λ|,   time constant 1/|Re λ| [s]
+//! ```
+//!
+//! Without damping λ² = −σ for the eigenvalues σ of the symmetric `L⁻¹ K L⁻ᵀ` with `H = L Lᵀ`: zeros and equal frequencies are found to rounding.
+//! Otherwise the eigenvalues are those of A by Schur's decomposition, and z is the singular vector of A − λ with the least singular value, or with
+//! the next ones where an eigenvalue is met again.
+//!
+//! Free motions are the null space of K. Their zeros are counted there, because a double zero of A is only found to the root of a rounding:
+//! a free motion without damping has two zeros, one with damping has one.
+//!
+//! Source: G. H. Golub, C. F. Van Loan, Matrix Computations, Johns Hopkins 2013, chapters 7 and 8.
+
+use crate::derivatives::linear::linearised::Linearised;
+use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
+
+/// Entries below this part of the largest are roundings: of damping, asymmetry, and singular values.
+const ROUNDING: f64 = 1e-11;
+/// Real parts below this part of |λ| say neither growth nor decay.
+const NEUTRAL: f64 = 1e-10;
+/// Eigenvalues this near to each other, as a part of the largest, are one.
+const EQUAL: f64 = 1e-7;
+/// Sweeps of Schur's decomposition, for each eigenvalue.
+const SWEEPS: usize = 200;
+
+/// How a mode goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    /// It decays.
+    Stable,
+    /// It neither decays nor grows.
+    Neutral,
+    /// It grows.
+    Unstable,
+    /// It moves without a restoring force: λ = 0.
+    Free,
+}
+
+/// A mode; those that swing stand for both λ and its conjugate.
+#[derive(Clone, Debug)]
+pub struct LinearMode {
+    /// λ [1/s], its imaginary part not negative.
+    pub eigenvalue: Complex<f64>,
+    pub stability: Stability,
+    /// z along all degrees of freedom (n), of norm one; the largest entry is real and positive.
+    pub shape: DVector<Complex<f64>>,
+}
+
+impl LinearMode {
+    /// Hz; zero for modes that do not swing.
+    pub fn frequency(&self) -> f64 {
+        self.eigenvalue.im / std::f64::consts::TAU
+    }
+
+    /// −Re λ/|λ|; `None` for free motions.
+    pub fn damping_ratio(&self) -> Option<f64> {
+        (self.stability != Stability::Free).then(|| -self.eigenvalue.re / self.eigenvalue.norm() + 0.0)
+    }
+
+    /// 1/|Re λ| (s); `None` where it neither decays nor grows.
+    pub fn time_constant(&self) -> Option<f64> {
+        matches!(self.stability, Stability::Stable | Stability::Unstable).then(|| 1.0 / self.eigenvalue.re.abs())
+    }
+}
+
+/// The modes could not be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the eigenvalues of the linear equations were not found: its numbers are too far apart in size")]
+pub struct NoModes;
+
+impl Linearised {
+    /// The modes, the slowest frequency first.
+    ///
+    /// # Errors
+    /// [`NoModes`] where Schur's decomposition does not converge.
+    pub fn modes(&self) -> Result<Vec<LinearMode>, NoModes> {
+        if self.inertia.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut modes = match self.undamped() {
+            Some(modes) => modes,
+            None => self.damped()?,
+        };
+        let order = |mode: &LinearMode| (mode.eigenvalue.norm(), mode.eigenvalue.re);
+        modes.sort_by(|one, other| {
+            let ((size, real), (other_size, other_real)) = (order(one), order(other));
+            size.total_cmp(&other_size).then(real.total_cmp(&other_real))
+        });
+        Ok(modes)
+    }
+
+    /// The modes by the symmetric problem; `None` if there is damping, or forces without a potential.
+    fn undamped(&self) -> Option<Vec<LinearMode>> {
+        let Linearised { inertia, damping, stiffness, .. } = self;
+        let (d, scale) = (inertia.nrows(), self.scale());
+        let turning = self.state.view((0, 0), (d, d)).amax();
+        let rubs = self.scaled(damping).amax() > ROUNDING * scale.sqrt();
+        let circulates = self.scaled(&(stiffness - stiffness.transpose())).amax() > ROUNDING * scale;
+        if rubs || circulates || turning > 0.0 {
+            return None;
+        }
+        let lower = inertia.clone().cholesky()?.l();
+        let half = lower.solve_lower_triangular(&(0.5 * (stiffness + stiffness.transpose())))?;
+        let symmetric = lower.solve_lower_triangular(&half.transpose())?;
+        let SymmetricEigen { eigenvalues, eigenvectors } = (0.5 * (&symmetric + symmetric.transpose())).symmetric_eigen();
+        let shapes = lower.transpose().solve_upper_triangular(&eigenvectors)?;
+        let mut modes = Vec::new();
+        for (index, &square) in eigenvalues.iter().enumerate() {
+            let shape = shapes.column(index).map(|entry| Complex::new(entry, 0.0));
+            let mut add = |eigenvalue, stability| modes.push(self.mode(eigenvalue, stability, &shape));
+            if square.abs() <= ROUNDING * scale {
+                add(Complex::new(0.0, 0.0), Stability::Free);
+            } else if square > 0.0 {
+                add(Complex::new(0.0, square.sqrt()), Stability::Neutral);
+            } else {
+                add(Complex::new(-(-square).sqrt(), 0.0), Stability::Stable);
+                add(Complex::new((-square).sqrt(), 0.0), Stability::Unstable);
+            }
+        }
+        Some(modes)
+    }
+
+    /// The modes by the eigenvalues of A.
+    fn damped(&self) -> Result<Vec<LinearMode>, NoModes> {
+        let d = self.inertia.nrows();
+        let mut balanced = self.state.clone();
+        nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced);
+        let sweeps = SWEEPS * 2 * d;
+        let schur = Schur::try_new(balanced, f64::EPSILON, sweeps).ok_or(NoModes)?;
+        let mut values: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+        values.sort_by(|one, other| one.norm().total_cmp(&other.norm()));
+        let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let zeros = self.zeros();
+        values[..zeros].fill(Complex::new(0.0, 0.0));
+        let mut modes: Vec<LinearMode> = self.free_motions().into_iter().collect();
+        let complex = self.state.map(|entry| Complex::new(entry, 0.0));
+        let mut before: Vec<Complex<f64>> = Vec::new();
+        for &value in values[zeros..].iter().filter(|value| value.im >= 0.0) {
+            let again = before.iter().filter(|other| (*other - value).norm() <= EQUAL * largest).count();
+            before.push(value);
+            let shifted = &complex - DMatrix::from_diagonal_element(2 * d, 2 * d, value);
+            let decomposed = shifted.try_svd(false, true, f64::EPSILON, 0).ok_or(NoModes)?;
+            let rows = decomposed.v_t.ok_or(NoModes)?;
+            // The singular values are sorted, the largest first.
+            let row = (2 * d).saturating_sub(1 + again);
+            let shape = rows.row(row).adjoint().rows(0, d).into_owned();
+            let stability = match value.re {
+                re if re.abs() <= NEUTRAL * value.norm() => Stability::Neutral,
+                re if re < 0.0 => Stability::Stable,
+                _ => Stability::Unstable,
+            };
+            modes.push(self.mode(value, stability, &shape));
+        }
+        Ok(modes)
+    }
+
+    /// The free motions: the null space of K.
+    fn free_motions(&self) -> Vec<LinearMode> {
+        let null = self.null_space(false);
+        let of = |shape: nalgebra::DVectorView<f64>| {
+            self.mode(Complex::new(0.0, 0.0), Stability::Free, &shape.map(|entry| Complex::new(entry, 0.0)))
+        };
+        null.column_iter().map(|column| of(column.as_view())).collect()
+    }
+
+    /// How often zero is an eigenvalue of A, at rest.
+    fn zeros(&self) -> usize {
+        let (right, left) = (self.null_space(false), self.null_space(true));
+        if right.is_empty() {
+            return 0;
+        }
+        let rubbing = left.tr_mul(&(&self.damping * &right));
+        let braked = rubbing.rank(ROUNDING * self.damping.amax().max(f64::MIN_POSITIVE));
+        (2 * right.ncols() - braked).min(self.state.nrows())
+    }
+
+    /// Right or left null vectors of K in columns; without any where ball joints turn.
+    fn null_space(&self, of_transpose: bool) -> DMatrix<f64> {
+        let d = self.inertia.nrows();
+        if self.state.view((0, 0), (d, d)).amax() > 0.0 {
+            return DMatrix::zeros(d, 0);
+        }
+        let scaled = self.scaled(&self.stiffness);
+        let scaled = if of_transpose { scaled.transpose() } else { scaled };
+        let least = ROUNDING * self.scale();
+        let decomposed = scaled.svd(false, true);
+        let Some(rows) = decomposed.v_t else { return DMatrix::zeros(d, 0) };
+        let null: Vec<usize> = (0..d).filter(|&index| decomposed.singular_values[index] <= least).collect();
+        // Back from scaled coordinates.
+        let weights = self.weights();
+        DMatrix::from_fn(d, null.len(), |row, column| weights[row] * rows[(null[column], row)])
+    }
+
+    /// `H_ii^{−1/2}`: coordinates in which all inertias are about one.
+    fn weights(&self) -> DVector<f64> {
+        self.inertia.diagonal().map(|inertia| 1.0 / inertia.max(f64::MIN_POSITIVE).sqrt())
+    }
+
+    fn scaled(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        let weights = self.weights();
+        DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| {
+            weights[row] * matrix[(row, column)] * weights[column]
+        })
+    }
+
+    /// The size of K in these coordinates [1/s²].
+    fn scale(&self) -> f64 {
+        self.scaled(&self.stiffness).amax().max(f64::MIN_POSITIVE)
+    }
+
+    /// A mode with its shape along all degrees of freedom.
+    fn mode(&self, eigenvalue: Complex<f64>, stability: Stability, shape: &DVector<Complex<f64>>) -> LinearMode {
+        let whole = self.motions.map(|entry| Complex::new(entry, 0.0)) * shape;
+        let largest = whole.iter().copied().fold(Complex::new(0.0, 0.0), |largest, entry| {
+            if entry.norm() > largest.norm() * (1.0 + NEUTRAL) { entry } else { largest }
+        });
+        let norm = whole.norm();
+        let turn = if norm > 0.0 { largest.conj() / (largest.norm() * norm) } else { Complex::new(1.0, 0.0) };
+        LinearMode { eigenvalue, stability, shape: whole * turn }
+    }
+}

@@ -1,0 +1,13 @@
+//! Derivatives of motions: equations of motion over numbers that carry their own derivatives, and what is computed with them.
+//!
+//! | room | contents |
+//! |---|---|
+//! | `numbers` | numbers with derivatives: by parameters ([`numbers::dual`]) and by time ([`numbers::jet`]) |
+//! | `equations` | places, forces and closures of a mechanism, written once for any such number |
+//! | `linear` | equilibria, linear equations of motion, and their modes |
+//!
+//! A room imports those above it in this table. Runs without derivatives call none of this code.
+
+pub mod equations;
+pub mod linear;
+pub mod numbers;

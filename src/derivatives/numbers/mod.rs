@@ -1,0 +1,6 @@
+//! Numbers that carry derivatives, and their vectors.
+
+pub mod dual;
+pub mod jet;
+pub mod number;
+pub mod vector;

@@ -1,0 +1,183 @@
+//! The mechanism that moves in a state: for equations that hold until the next event.
+//!
+//! The mode of a state is decided as at the start of a run ([`crate::events::modes::mode`]): held joints are parts of their parents, motors are
+//! springs, dampers and efforts, closed contacts that stick are closures. Sampled motors count as motors that follow their laws at every instant.
+
+use crate::events::integrator::Eventful;
+use crate::events::modes::mode::{Closed, JointMode, MotorMode};
+use crate::instant::holding::held::Held;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
+use crate::mechanism::motion::integrator::StepError;
+use crate::mechanism::motion::state::State;
+use crate::stepping::integrator::MethodError;
+use crate::stepping::recipe::{Recipe, Steps};
+use nalgebra::DVector;
+use std::sync::Arc;
+
+/// A joint that does not move, and its cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stuck {
+    pub joint: String,
+    /// On this limit, or by friction alone.
+    pub on: Option<Side>,
+}
+
+impl Stuck {
+    /// Its cause in words.
+    pub fn reason(&self) -> &'static str {
+        match self.on {
+            None => "friction",
+            Some(Side::Lower) => "lower limit",
+            Some(Side::Upper) => "upper limit",
+        }
+    }
+}
+
+/// A motor as it acts in a state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driving {
+    /// Its number among the motors.
+    pub motor: usize,
+    /// The degree of freedom of the mechanism that moves; `None` if it is held.
+    pub freedom: Option<usize>,
+    /// The effort for each unit of its target; zero at its bound.
+    pub by_target: f64,
+    /// Whether it is at its bound.
+    pub saturated: bool,
+}
+
+/// The mechanism that moves.
+#[derive(Clone)]
+pub struct Moving {
+    whole: Arc<Mechanism>,
+    held: Arc<Held>,
+    /// The state of the mechanism that moves.
+    pub state: State,
+    /// Efforts along its degrees of freedom that do not depend on the state [N m or N].
+    pub efforts: DVector<f64>,
+    pub stuck: Vec<Stuck>,
+    pub motors: Vec<Driving>,
+    /// Contacts that are closed and stick at a point.
+    pub sticking: usize,
+}
+
+/// The mechanism that moves cannot be told.
+#[derive(Debug, thiserror::Error)]
+pub enum MovingError {
+    /// No integrator takes the mechanism.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The state cannot be.
+    #[error(transparent)]
+    State(#[from] StepError),
+    /// Contacts slide or roll.
+    #[error(
+        "{count} closed contacts slide or roll here, and linear equations know contacts that stick at a point alone; \
+         leave contact out with --contact none, or take an instant without these contacts"
+    )]
+    Contacts { count: usize },
+}
+
+impl Moving {
+    /// In a state of a mechanism, under efforts along its degrees of freedom.
+    ///
+    /// # Errors
+    /// [`MovingError`] for states outside of limits, and contacts that slide or roll.
+    pub fn at(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<Self, MovingError> {
+        let mut whole = mechanism.clone();
+        whole.nonsmooth.motors.iter_mut().for_each(|motor| motor.period = 0.0);
+        let recipe = Recipe { steps: Steps::Fixed { stages: 2, step: 1e-3 }, kept: Vec::new() };
+        let mut eventful = Eventful::new(&whole, recipe)?;
+        let mut state = state.clone();
+        eventful.begin(&whole, Inputs::constant(efforts), &mut state)?;
+        eventful.moving(whole, &state, efforts)
+    }
+
+    /// The mechanism that moves.
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.held.mechanism
+    }
+
+    /// The state of the whole mechanism for a state of this one; `state` has the places of held joints.
+    pub fn spread(&self, own: &State, state: &mut State) {
+        self.held.spread(&self.whole, own, state);
+    }
+
+    /// The degree of freedom of the whole mechanism for each one of this mechanism.
+    pub fn freedoms_of_whole(&self) -> Vec<usize> {
+        let mut freedoms = vec![0; self.held.mechanism.velocity_count];
+        for freedom in 0..self.whole.velocity_count {
+            if let Some(own) = self.held.freedom(&self.whole, freedom) {
+                freedoms[own] = freedom;
+            }
+        }
+        freedoms
+    }
+
+    /// The degrees of freedom that motors drive.
+    pub fn driven(&self) -> Vec<usize> {
+        self.motors.iter().filter_map(|motor| motor.freedom).collect()
+    }
+}
+
+impl Eventful {
+    /// The mechanism that moves in the mode of a state.
+    fn moving(&self, whole: Mechanism, state: &State, efforts: &[f64]) -> Result<Moving, MovingError> {
+        let piece = &self.pieces[self.current];
+        let held = piece.moving.clone();
+        let slides_or_rolls = held.mechanism.touches.len();
+        if slides_or_rolls > 0 {
+            return Err(MovingError::Contacts { count: slides_or_rolls });
+        }
+        let mut of_whole = vec![0.0; whole.velocity_count];
+        Inputs::constant(efforts).write_constant(&mut of_whole);
+        self.mode.add_constant_efforts(&self.elements, &mut of_whole);
+        let mut own = vec![0.0; held.mechanism.velocity_count];
+        held.gather_velocities(&whole, &of_whole, &mut own);
+        let mut drives = piece.drives.clone();
+        drives.begin(state.time);
+        for (entry, &freedom) in drives.freedoms().iter().enumerate() {
+            own[freedom] += drives.effort(entry, state.time);
+        }
+        let joints = self.elements.joints.iter().zip(&self.mode.joints);
+        let stuck = joints.filter_map(|(joint, mode)| match mode {
+            JointMode::Free { .. } => None,
+            JointMode::Held { on } => {
+                Some(Stuck { joint: whole.bodies[joint.coordinate.body].joint.name.clone(), on: *on })
+            }
+        });
+        let stuck = stuck.collect();
+        let motors = self.elements.motors.iter().zip(&self.mode.motors).enumerate().map(|(number, (motor, mode))| {
+            let saturated = matches!(mode, MotorMode::Saturated(_));
+            Driving {
+                motor: number,
+                freedom: held.freedom(&whole, motor.coordinate.freedom),
+                by_target: if saturated { 0.0 } else { by_target(&motor.law) },
+                saturated,
+            }
+        });
+        let motors = motors.collect();
+        let sticks = |closed: &&Closed| closed.slides.is_none();
+        Ok(Moving {
+            state: held.gather(&whole, state),
+            efforts: DVector::from_vec(own),
+            stuck,
+            motors,
+            sticking: self.mode.contacts.iter().filter(sticks).count(),
+            held,
+            whole: Arc::new(whole),
+        })
+    }
+}
+
+/// The effort for each unit of a target that stays where it is.
+fn by_target(law: &MotorLaw) -> f64 {
+    match *law {
+        MotorLaw::Position { kp, .. } => kp,
+        MotorLaw::Velocity { kd } => kd,
+        MotorLaw::Effort => 1.0,
+    }
+}
