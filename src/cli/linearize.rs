@@ -87,7 +87,9 @@ fn is_log(path: &Path) -> bool {
 fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
     let log = &args.input.input;
     if !args.position.is_empty() || !args.velocity.is_empty() {
-        return Err(Failure::input(anyhow!("--position and --velocity: a log has its own states; take one with --at T")));
+        return Err(Failure::input(anyhow!(
+            "--position and --velocity: a log has its own states; take one with --at T"
+        )));
     }
     let recorded = Recorded::open(log).map_err(Failure::input)?;
     let time = match args.at {
@@ -138,9 +140,11 @@ fn as_text(linear: &Linear) -> String {
         None => format!("about t = {} s", number(linear.time)),
     };
     // Writing into a String cannot fail.
-    let _ = writeln!(text, "{}: {}", counted(linear.names.len(), "independent coordinate", "independent coordinates"), at);
+    let _ =
+        writeln!(text, "{}: {}", counted(linear.names.len(), "independent coordinate", "independent coordinates"), at);
     if linear.iterations.is_none() && linear.largest_acceleration > 0.0 {
-        let _ = writeln!(text, "not an equilibrium: joints accelerate by up to {}", number(linear.largest_acceleration));
+        let _ =
+            writeln!(text, "not an equilibrium: joints accelerate by up to {}", number(linear.largest_acceleration));
     }
     for (joint, reason) in &linear.stuck {
         let _ = writeln!(text, "{joint} is stuck: {reason}");

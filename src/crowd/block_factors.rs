@@ -16,7 +16,7 @@ pub struct Pattern {
     order: Vec<usize>,
     /// The nodes after each that it is joined with.
     later: Vec<Vec<usize>>,
-    /// Where the blocks of a pair of nodes begin; pairs that are not joined have no place.
+    /// The first entries of the blocks of pairs of nodes, for pairs that are joined.
     places: Vec<usize>,
     total: usize,
 }

@@ -94,7 +94,7 @@ fn shift(problem: &Problem, number: usize, v: &[f64]) -> f64 {
     problem.blocks[number].law.shift(&problem.rate(number, v, &Vector3::zeros()))
 }
 
-/// What the penalty of a convex problem is made of.
+/// The penalty of a convex problem.
 struct Penalty<'p> {
     problem: &'p Problem<'p>,
     start: Vec<Vector3<f64>>,

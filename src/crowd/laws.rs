@@ -6,7 +6,7 @@
 //!     F + A du + B dr = 0                          one step of Newton's method
 //! ```
 //!
-//! `u` are rates with what is in their bias [m/s], `r` impulses (N s), both along normal and two tangents; `ρ` is the mass at the row (kg). An interval
+//! `u` are rates with their bias [m/s], `r` impulses (N s), both along normal and two tangents; `ρ` is the mass at the row (kg). An interval
 //! has the first component alone. The exact law has De Saxcé's shift: `K ∋ r ⊥ u + μ|u_T| n ∈ K*`; its natural map is what a residual is made of.
 //!
 //! Source: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods, Computer Methods in

@@ -2,8 +2,8 @@
 //!
 //! - [`trees`]: mass matrices in joint rates;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
-//! - [`laws`], [`problem`]: what is solved;
-//! - `block_factors`, [`newton`], [`convex`]: how.
+//! - [`laws`], [`problem`]: the equations;
+//! - `block_factors`, [`newton`], [`convex`]: the solvers.
 
 #![deny(unsafe_code)]
 

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! ε is a proximal part: without it contacts that stick at places that do not fit together have no bounded impulses. A step is halved until the sum of
-//! the squared natural maps falls; full steps are taken a few times if none does. The best impulses of all iterations are the answer.
+//! the squared natural maps falls. If five halvings do not help, the full step is taken, a few times at most. The best impulses of all iterations are the answer.
 //!
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
 //! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity.
@@ -36,7 +36,7 @@ pub struct Workspace {
     moved: Vec<f64>,
 }
 
-/// Iterates on impulses and rates until the residual is below `tolerance`, at most so often; returns the residual of what it leaves.
+/// Iterates on impulses and rates until the residual is below `tolerance`, with a largest number of iterations; returns the residual at the end.
 pub fn newton(
     problem: &Problem,
     impulses: &mut [Vector3<f64>],

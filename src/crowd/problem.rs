@@ -26,7 +26,7 @@ pub struct Block {
     sides: [Option<Side>; 2],
 }
 
-/// What a block is made of.
+/// The data of a block.
 #[derive(Clone, Copy)]
 pub struct Given {
     /// The rows on its trees.

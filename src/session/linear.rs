@@ -136,11 +136,8 @@ impl Model {
     #[doc(hidden)]
     pub fn linear_of_state(&self, state: &State, efforts: &[f64], settled: bool) -> Result<Linear, Error> {
         let mechanism = &self.description().mechanism;
-        let about = if settled {
-            about_rest(mechanism, state, efforts)?
-        } else {
-            about_instant(mechanism, state, efforts)?
-        };
+        let about =
+            if settled { about_rest(mechanism, state, efforts)? } else { about_instant(mechanism, state, efforts)? };
         Ok(self.told(&about))
     }
 
@@ -155,12 +152,14 @@ impl Model {
             body.map_or("", |joint| joint.kind.unit(freedom - joint.velocity_index))
         };
         let motor_joint = |motor: usize| freedom_name(whole, whole.nonsmooth.motors[motor].coordinate.freedom);
-        let driving: Vec<_> =
-            moving.motors.iter().filter_map(|motor| Some((motor, motor.freedom.filter(|_| !motor.saturated)?))).collect();
+        let driving: Vec<_> = moving
+            .motors
+            .iter()
+            .filter_map(|motor| Some((motor, motor.freedom.filter(|_| !motor.saturated)?)))
+            .collect();
         let columns: Vec<_> =
             driving.iter().map(|&(motor, freedom)| linearised.input.column(freedom) * motor.by_target).collect();
-        let b_targets =
-            DMatrix::from_fn(linearised.input.nrows(), columns.len(), |row, column| columns[column][row]);
+        let b_targets = DMatrix::from_fn(linearised.input.nrows(), columns.len(), |row, column| columns[column][row]);
         let (q, v) = self.flat(state);
         Linear {
             names: linearised.independent.iter().map(name).collect(),

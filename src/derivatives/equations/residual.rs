@@ -24,26 +24,26 @@ struct Load<T> {
 }
 
 /// ρ (n) of a motion whose offsets have their rates and accelerations; without the efforts of closures and of efforts from outside.
-pub fn residual<T: Number>(
-    figures: &Figures<Jet<T>>,
-    placed: &[Placed<Jet<T>>],
-    offsets: &Offsets<Jet<T>>,
-) -> Vec<T> {
-    let mut loads: Vec<Load<T>> = placed.iter().zip(&figures.bodies).map(|(at, body)| {
-        let mass = body.mass.value;
-        let moment = body.moment.map(|entry| entry.value);
-        let second = body.second_moments.map(|column| column.map(|entry| entry.value));
-        let fall = at.frame.origin.map(|entry| entry.acceleration) - figures.gravity.map(|entry| entry.value);
-        let turn = at.frame.axes.map(|column| column.map(|entry| entry.acceleration));
-        let force = fall.scaled(mass) + turn.apply(moment);
-        let axes = values(&at.frame.axes);
-        let mut torque = Vector::zero();
-        for (column, axis) in axes.0.iter().enumerate() {
-            let pull = fall.scaled(moment.0[column]) + turn.apply(second.0[column]);
-            torque = torque + axis.cross(pull);
-        }
-        Load { force, torque }
-    }).collect();
+pub fn residual<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<T>>], offsets: &Offsets<Jet<T>>) -> Vec<T> {
+    let mut loads: Vec<Load<T>> = placed
+        .iter()
+        .zip(&figures.bodies)
+        .map(|(at, body)| {
+            let mass = body.mass.value;
+            let moment = body.moment.map(|entry| entry.value);
+            let second = body.second_moments.map(|column| column.map(|entry| entry.value));
+            let fall = at.frame.origin.map(|entry| entry.acceleration) - figures.gravity.map(|entry| entry.value);
+            let turn = at.frame.axes.map(|column| column.map(|entry| entry.acceleration));
+            let force = fall.scaled(mass) + turn.apply(moment);
+            let axes = values(&at.frame.axes);
+            let mut torque = Vector::zero();
+            for (column, axis) in axes.0.iter().enumerate() {
+                let pull = fall.scaled(moment.0[column]) + turn.apply(second.0[column]);
+                torque = torque + axis.cross(pull);
+            }
+            Load { force, torque }
+        })
+        .collect();
     add_point_springs(figures, placed, &mut loads);
     for wrench in &figures.wrenches {
         let force = wrench.force.map(|entry| entry.value);
@@ -74,8 +74,8 @@ fn add_point_springs<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<
         let [a, b] = ends.map(|end| end_frame(end, placed).origin);
         let gap = b - a;
         let length = gap.dot(gap).square_root();
-        let tension = spring.stiffness.value * (length.value - spring.rest_length.value)
-            + spring.damping.value * length.rate;
+        let tension =
+            spring.stiffness.value * (length.value - spring.rest_length.value) + spring.damping.value * length.rate;
         let pull = gap.map(|entry| entry.value).scaled(tension / length.value);
         let mut add = |end: &End<Jet<T>>, place: Vector<Jet<T>>, need: Vector<T>| {
             let Some(body) = end.body else { return };
@@ -89,11 +89,7 @@ fn add_point_springs<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<
 }
 
 /// The loads of each subtree along the degrees of freedom of its joint.
-fn along_freedoms<T: Number>(
-    figures: &Figures<Jet<T>>,
-    placed: &[Placed<Jet<T>>],
-    mut loads: Vec<Load<T>>,
-) -> Vec<T> {
+fn along_freedoms<T: Number>(figures: &Figures<Jet<T>>, placed: &[Placed<Jet<T>>], mut loads: Vec<Load<T>>) -> Vec<T> {
     let mut rows = vec![T::zero(); figures.freedoms];
     for (index, body) in figures.bodies.iter().enumerate().rev() {
         let at = &placed[index];

@@ -35,7 +35,8 @@ impl Independent {
             let places = (0..m).filter(|&row| free(&rows, row));
             let places = places.flat_map(|row| (0..n).map(move |column| (row, column)));
             let places = places.filter(|&(_, column)| free(&dependent, column));
-            let Some((row, column)) = places.max_by(|&one, &other| left[one].abs().total_cmp(&left[other].abs())) else {
+            let Some((row, column)) = places.max_by(|&one, &other| left[one].abs().total_cmp(&left[other].abs()))
+            else {
                 break;
             };
             let pivot = left[(row, column)];

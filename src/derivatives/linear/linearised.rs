@@ -55,7 +55,9 @@ pub struct Linearised {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearError {
     /// Some motion moves no mass.
-    #[error("some motion of the joints moves no mass here: give every moving link a mass, or a start off the singular position of its loops")]
+    #[error(
+        "some motion of the joints moves no mass here: give every moving link a mass, or a start off the singular position of its loops"
+    )]
     Singular,
     /// A number is not finite.
     #[error("the equations of motion are not finite numbers here: a spring between points may have no length")]
@@ -120,8 +122,9 @@ impl Linearised {
         let forces = -along(&by_position.efforts, &by_velocity.efforts);
         let second = -along(&by_position.closures[2], &by_velocity.closures[2]).select_rows(&split.rows);
         let (by_state, _) = solver.solve(&forces, &second).ok_or(LinearError::Singular)?;
-        let (by_effort, _) =
-            solver.solve(&DMatrix::identity(n, n), &DMatrix::zeros(split.rows.len(), n)).ok_or(LinearError::Singular)?;
+        let (by_effort, _) = solver
+            .solve(&DMatrix::identity(n, n), &DMatrix::zeros(split.rows.len(), n))
+            .ok_or(LinearError::Singular)?;
         let mut matrix = DMatrix::zeros(2 * d, 2 * d);
         let turning = (turning(mechanism, state) * &motions).select_rows(&split.independent);
         matrix.view_mut((0, 0), (d, d)).copy_from(&turning);

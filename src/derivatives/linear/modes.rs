@@ -104,7 +104,8 @@ impl Linearised {
         let lower = inertia.clone().cholesky()?.l();
         let half = lower.solve_lower_triangular(&(0.5 * (stiffness + stiffness.transpose())))?;
         let symmetric = lower.solve_lower_triangular(&half.transpose())?;
-        let SymmetricEigen { eigenvalues, eigenvectors } = (0.5 * (&symmetric + symmetric.transpose())).symmetric_eigen();
+        let SymmetricEigen { eigenvalues, eigenvectors } =
+            (0.5 * (&symmetric + symmetric.transpose())).symmetric_eigen();
         let shapes = lower.transpose().solve_upper_triangular(&eigenvectors)?;
         let mut modes = Vec::new();
         for (index, &square) in eigenvalues.iter().enumerate() {

@@ -5,13 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number with the arithmetic that mechanics needs.
 pub trait Number:
-    Copy
-    + Debug
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// A constant.
     fn of(value: f64) -> Self;

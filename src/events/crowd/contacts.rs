@@ -1,4 +1,4 @@
-//! What may press, hold or pull in a step: contacts within reach, limits, friction of joints, motors with a bound.
+//! The candidates of a step: contacts within reach, limits, friction of joints, motors with a bound.
 //!
 //! ```text
 //!     contact:  distance ≤ h (s_a + s_b) · 5/4 + 2 g h²        s: largest speed of a body's points [m/s]
@@ -49,7 +49,7 @@ pub(super) enum Key {
     Motor(usize),
 }
 
-/// What may press, hold or pull.
+/// A contact, limit, joint with friction or motor that may act in a step.
 #[derive(Clone)]
 pub(super) struct Candidate {
     pub key: Key,
@@ -137,7 +137,7 @@ impl Candidate {
         }
     }
 
-    /// Whether its curvature is that of a smooth motion, which the next step has as well: corners of one face share theirs.
+    /// Whether the next step has about the same curvature: so have points on curved paths, but not the corners of one face.
     fn keeps_curve(&self, trees: &Trees) -> bool {
         let Some(Contact { joint, .. }) = &self.contact else { return false };
         match joint.touch.pairing().map(|pairing| pairing.cores) {

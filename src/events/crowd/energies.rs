@@ -5,7 +5,7 @@
 //! ```
 //!
 //! W is the work of motors and efforts (J). A gain that is larger than the kinetic energy T, as of a lift of bodies at rest, is a debt of the next motion.
-//! With forces between bodies, or loads, all trees are one group.
+//! All trees are one group if forces act between bodies, or loads.
 
 use crate::crowd::islands::groups;
 use crate::crowd::trees::{Tree, Trees};
@@ -19,7 +19,7 @@ use crate::mechanism::motion::state::State;
 /// A gain of this part of the energies is rounding.
 const ROUNDING: f64 = 1e-15;
 
-/// The energies of the trees at the start of a step, and what they owe.
+/// The energies of the trees at the start of a step, and their debts.
 #[derive(Clone)]
 pub(super) struct Energies {
     /// Whether forces act that do not belong to one tree.

@@ -1,10 +1,10 @@
-//! What still overlaps at the end of a step is moved apart by the least motion.
+//! Shapes that still overlap at the end of a step are moved apart by the least motion.
 //!
 //! ```text
 //!     min ½ |δ|²_M     φ + H_N δ ≥ 0         for all contacts and limits with a gap φ below 1e-6 (m or rad),     q ← q ⊕ δ
 //! ```
 //!
-//! It is a jump of position beside the mechanics: the largest one of a run is told, and what it adds to the energy is taken from the motion.
+//! It is a jump of position beside the mechanics. The report tells the largest one, and the energy that it adds is taken from the motion.
 
 use crate::crowd::convex::solve;
 use crate::crowd::islands::islands;

@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 const MEETS: f64 = 3e-10;
 const ROUNDS: usize = 4;
 
-/// What a step starts with.
+/// The start of a step.
 pub(super) struct Moving<'m> {
     pub scene: Scene<'m>,
     pub start: &'m State,

@@ -1,4 +1,4 @@
-//! (B): the rates at the end of a step, of all that is closed there.
+//! (B): the rates at the end of a step, with all contacts and limits that are closed there.
 //!
 //! ```text
 //!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n
@@ -17,7 +17,7 @@ use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
-/// What the rates come from.
+/// The displacement and the free rates of a step.
 pub(super) struct Settling<'s> {
     pub scene: Scene<'s>,
     pub start: &'s State,
@@ -29,7 +29,7 @@ pub(super) struct Settling<'s> {
     pub free: &'s [f64],
 }
 
-/// What came of it.
+/// The result.
 #[derive(Clone, Default)]
 pub(super) struct Settled {
     pub residual: f64,

@@ -72,7 +72,7 @@ pub(crate) struct Crowd {
     displacement: Vec<f64>,
 }
 
-/// What a step has done.
+/// The result of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Made {
     /// Iterations of all islands.
