@@ -34,7 +34,7 @@ pub(super) struct Settling<'s> {
 pub(super) struct Settled {
     pub residual: f64,
     pub unsolved: usize,
-    /// Contacts and limits that have closed.
+    /// Contacts and limits that have closed with an impact.
     pub closed: usize,
     /// Work of motors along the freedoms, and what friction of joints took (J).
     pub work: Vec<f64>,
@@ -80,9 +80,9 @@ pub(super) fn settle(
             if !candidate.closes() || candidate.was_closed {
                 continue;
             }
-            settled.closed += 1;
             let approach = problem.moved(place, &before).x;
-            if candidate.restitution > 0.0 && approach < -slow {
+            if approach < -slow {
+                settled.closed += 1;
                 problem.blocks[place].bias.x = candidate.restitution * approach;
             }
         }

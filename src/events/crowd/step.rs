@@ -93,7 +93,7 @@ pub(crate) struct Made {
     pub friction: f64,
     /// The energy that the mechanism has lost beside those (J).
     pub lost: f64,
-    /// Number of contacts and limits that have closed, and number of all that are closed.
+    /// Number of contacts and limits that have closed with an impact, and number of all that are closed.
     pub closed: usize,
     pub held: usize,
     /// The largest change of the velocity of a body's points [m/s], and the kinetic energy at the end (J).
@@ -137,6 +137,9 @@ impl Crowd {
     pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
         let whole = scene.whole;
         let start = state.clone();
+        if !evenly {
+            self.still = 0;
+        }
         if self.is_asleep() {
             // As `sleeps` has found.
             state.time += step;
