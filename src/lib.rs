@@ -104,6 +104,8 @@ pub mod simulation;
 pub mod study;
 
 #[doc(hidden)]
+pub use catena_crowd as crowd;
+#[doc(hidden)]
 pub use catena_geometry as geometry;
 #[doc(hidden)]
 pub use catena_kernels as kernels;

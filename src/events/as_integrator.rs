@@ -32,6 +32,9 @@ impl Integrator for Eventful {
         if moved || self.is_other(mechanism) {
             self.begin(mechanism, inputs, state)?;
         }
+        if let Some(outcome) = self.go_on_in_crowd(inputs, state, until) {
+            return Ok(outcome);
+        }
         self.heed(inputs, state);
         self.follow_commands(inputs, state);
         let mut next = self.next_instant(state.time, until);
@@ -93,9 +96,14 @@ impl Integrator for Eventful {
     }
 
     fn dense(&mut self, _mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        let Eventful { whole, pieces, last, sample, origin, stepped_over, .. } = self;
+        let Eventful { whole, pieces, last, sample, origin, stepped_over, crowd, .. } = self;
         sample.copy_from(origin);
         if let Some(end) = stepped_over {
+            if let Some(inside) = crowd.as_ref().and_then(|crowd| crowd.inside(whole, origin, end, time)) {
+                position.copy_from_slice(&inside.position);
+                velocity.copy_from_slice(&inside.velocity);
+                return;
+            }
             let nearest = if time - origin.time < end.time - time { &*origin } else { &*end };
             position.copy_from_slice(&nearest.position);
             velocity.copy_from_slice(&nearest.velocity);
@@ -133,6 +141,7 @@ impl Integrator for Eventful {
         description.unsolved_contacts = self.unsolved;
         description.contact_solvers = self.solvers;
         (description.first_order_steps, description.first_order_time) = self.first_order;
+        (description.first_order_residual, description.first_order_lift) = self.crowd_figures;
         (description.rebounds_left_out, description.rebounds_energy) = self.cut;
         description
     }
@@ -142,13 +151,18 @@ impl Integrator for Eventful {
     }
 
     fn contacts(&self, _mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
-        self.report_contacts(state, out);
+        if !self.report_crowd(state, out) {
+            self.report_contacts(state, out);
+        }
     }
 
     fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
         let mut status = JointStatus::default();
         for (joint, mode) in self.elements.joints.iter().zip(&self.mode.joints) {
-            let held = if let JointMode::Held { on } = *mode { Some(on) } else { None };
+            let held = match *mode {
+                JointMode::Held { on } if !self.in_crowd => Some(on),
+                _ => None,
+            };
             status = joint.status(body, held).unwrap_or(status);
         }
         for (motor, mode) in self.elements.motors.iter().zip(&self.mode.motors) {

@@ -96,7 +96,7 @@ impl Eventful {
         let mut least = self.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
         if !self.mode.contacts.is_empty() && end > since {
             let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
-            let inside = (!short || self.steps % SELDOM == 0)
+            let inside = (!short || self.steps.is_multiple_of(SELDOM))
                 .then(|| since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64);
             for time in inside.into_iter().chain([end]) {
                 self.place(Inside::at(time));

@@ -24,7 +24,7 @@ const CROWDS: [(usize, f64); 2] = [(100, 1e-5), (400, 1e-3)];
 /// of its unknowns. The break of ten billiard balls has 1e7, in impacts that are all true. Soon after a crowd less is enough.
 const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
-const LABOUR_WITHIN: f64 = 1e-2;
+pub(super) const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
 /// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length.
 pub(super) const JAM_STEP: f64 = 1e-6;
@@ -32,6 +32,8 @@ pub(super) const JAM_STEP: f64 = 1e-6;
 const JAM_LONGER: f64 = 4.0;
 /// A crowd is left by one such step. Another crowd within this many of its steps takes twice as many as before.
 const SOON: f64 = 10.0;
+/// A crowd of steps over events ends after this many without an event.
+const CALM: usize = 10;
 /// The most steps of the least length that leave a crowd.
 const LONGEST: usize = 512;
 
@@ -50,6 +52,9 @@ pub(super) struct Crowding {
     jam: (f64, f64),
     /// Whether the next step of first order is that one.
     jams: bool,
+    /// Steps over events without an event until now, and how many end the crowd; when it began and ended (s).
+    calm: (usize, usize),
+    spell: (f64, f64),
 }
 
 impl Crowding {
@@ -62,6 +67,8 @@ impl Crowding {
         ended: f64::NEG_INFINITY,
         jam: (0.0, f64::NEG_INFINITY),
         jams: false,
+        calm: (0, CALM),
+        spell: (0.0, f64::NEG_INFINITY),
     };
 
     /// Counts steps that would only repeat earlier events, and are not made.
@@ -79,8 +86,9 @@ impl Crowding {
         *events += usize::from(event);
     }
 
-    /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order.
-    pub fn count(&mut self, time: f64, work: usize) -> bool {
+    /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
+    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`.
+    pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
         self.jams = false;
         if self.left == 0 {
             let mut crowded = false;
@@ -95,6 +103,7 @@ impl Crowding {
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
+            let most = bearable.map_or(most, |bearable| most.min(bearable));
             let laboured = work > most && events >= LABOUR_EVENTS;
             if !crowded && !laboured {
                 return false;
@@ -133,6 +142,33 @@ impl Crowding {
         if self.jams { self.jam.0 } else { self.longer() as f64 * STEP }
     }
 
+    /// Whether the next step is in the place of one that jams, and the run is exact after it.
+    pub fn is_jam(&self) -> bool {
+        self.jams
+    }
+
+    /// Steps over events begin at a time (s); if the last ones ended soon before, more calm steps end them.
+    pub fn enter(&mut self, time: f64) {
+        let (began, ended) = self.spell;
+        let soon = time - ended <= (SOON * (ended - began)).max(2.0 * LABOUR_WITHIN);
+        self.calm = (0, if soon { (2 * self.calm.1).min(LONGEST) } else { CALM });
+        self.spell.0 = time;
+    }
+
+    /// Counts a step over events with this number of them; returns whether the crowd is over, if exact steps are no dearer.
+    pub fn is_calm(&mut self, events: usize) -> bool {
+        self.calm.0 = if events == 0 { self.calm.0 + 1 } else { 0 };
+        self.calm.0 >= self.calm.1
+    }
+
+    /// Steps over events end at a time (s).
+    pub fn leave(&mut self, time: f64) {
+        self.spell.1 = time;
+        self.left = 0;
+        self.jams = false;
+        (self.counts, self.labour) = (Crowding::CALM.counts, Crowding::CALM.labour);
+    }
+
     fn longer(&self) -> usize {
         (self.made / FINE).clamp(1, LONGER)
     }
@@ -165,7 +201,7 @@ mod tests {
         let (mut crowding, mut time, mut steps, mut coarse) = (Crowding::CALM, 0.0, 0, 0);
         while time < 1.0 {
             let failed = fails.is_some_and(|each| steps % each == each - 1);
-            if crowding.count(time, work) {
+            if crowding.count(time, work, None) {
                 (coarse, time) = (coarse + 1, time + crowding.length());
             } else if failed {
                 crowding.fail(time);
@@ -192,7 +228,7 @@ mod tests {
         let run = |events: bool| {
             let (mut crowding, mut time, mut steps, mut coarse) = (Crowding::CALM, 0.0, 0, 0);
             while time < 1.0 {
-                if crowding.count(time, 5) {
+                if crowding.count(time, 5, None) {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
                     crowding.labour(time, 10, 100, events && steps % 2 == 0);
@@ -233,7 +269,7 @@ mod tests {
         let mut crowding = Crowding::CALM;
         for time in [0.1, 0.2] {
             crowding.fail(time);
-            assert!(crowding.length() == STEP && !crowding.count(time + STEP, 1));
+            assert!(crowding.length() == STEP && !crowding.count(time + STEP, 1, None));
         }
     }
 }

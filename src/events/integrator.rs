@@ -1,5 +1,6 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for the reduced mechanism of a mode, ended at events.
 
+use crate::events::crowd::step::Crowd;
 use crate::events::crowding::Crowding;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
@@ -133,6 +134,11 @@ pub struct Eventful {
     pub(super) quiet: usize,
     /// The counts of crowds of events.
     pub(super) crowding: Crowding,
+    /// The workspace of steps over many impacts, and whether the run makes them now.
+    pub(super) crowd: Option<Box<Crowd>>,
+    pub(super) in_crowd: bool,
+    /// The largest residual and the largest lift of these steps (m).
+    pub(super) crowd_figures: (f64, f64),
     /// The end of the last step, if it was one of first order.
     pub(super) stepped_over: Option<State>,
     /// The mode of the last step, where there are pairs that may touch.
@@ -233,6 +239,9 @@ impl Eventful {
             undecided: false,
             first_order: (0, 0.0),
             crowding: Crowding::CALM,
+            crowd: Crowd::new(mechanism).map(Box::new),
+            in_crowd: false,
+            crowd_figures: (0.0, 0.0),
             stepped_over: None,
             asleep: false,
             quiet: 0,
@@ -312,6 +321,7 @@ impl Eventful {
             self.reporting = RefCell::new(Reporting::new(mechanism));
             self.touching = Arc::new(Touching::new(mechanism));
             self.pieces.clear();
+            self.crowd = Crowd::new(mechanism).map(Box::new);
             self.placed.forget();
         }
         if self.left.is_none() {

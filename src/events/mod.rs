@@ -33,6 +33,8 @@ mod closing;
 mod commanded;
 mod contact_points;
 mod covered;
+mod crowd;
+mod crowded;
 mod crowding;
 mod effects;
 mod entering;

@@ -26,6 +26,7 @@ use crate::instant::holding::elements::inward;
 use crate::instant::holding::touching::Contact;
 use crate::instant::start::assembly::assemble;
 use crate::mechanism::description::body_state::WORLD;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
@@ -77,13 +78,18 @@ impl Eventful {
         // Given steps may be short without any event.
         let chosen = self.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
-        !self.touching.pairs.is_empty() && self.crowding.count(state.time, work)
+        let bearable = self.bearable_labour();
+        let may = !self.touching.pairs.is_empty() && !self.recipe.keeps(Rule::Crowds);
+        may && self.crowding.count(state.time, work, bearable)
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.
     pub(super) fn stumble(&mut self, inputs: Inputs, state: &mut State, until: f64) -> StepOutcome {
         let start = self.origin.clone();
         state.copy_from(&start);
+        if let Some(outcome) = self.enter_crowd(inputs, state, until) {
+            return outcome;
+        }
         let efforts = self.mode.driving_efforts(&self.elements, inputs, state);
         let mut free = vec![0.0; self.whole.velocity_count];
         self.response.accelerations(state, &efforts, &mut free);
@@ -110,7 +116,6 @@ impl Eventful {
         self.land(&pressed, &limits, state);
         let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
         self.bound(&start, state, work);
-        self.unsolved += 1;
         self.first_order = (self.first_order.0 + 1, self.first_order.1 + step);
         self.see_jump(&start, state);
         self.stepped_over = Some(state.clone());
@@ -357,6 +362,7 @@ mod tests {
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
+        eventful.crowd = None;
         let mut state = State::zero(&mechanism);
         state.position[2] = 100.0;
         let inputs = Inputs::constant(&[0.0; 6]);
@@ -387,6 +393,7 @@ mod tests {
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
+        eventful.crowd = None;
         // Turned by 0.3 rad about y, over an edge that the centre of mass goes round at 2 rad/s.
         let (angle, spin) = (0.3_f64, 2.0);
         let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
@@ -432,6 +439,7 @@ mod tests {
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
+        eventful.crowd = None;
         let (angle, spin) = (0.1_f64, 1.0);
         let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
         let arm = turned * Vector3::new(-0.1, 0.0, 0.1);

@@ -122,7 +122,7 @@ fn a_nut_on_a_screw_falls_slowly_and_turns() {
     assert!((z - 8.0 * a).abs() < 1e-10 && (v - 4.0 * a).abs() < 1e-10, "{z} {v} instead of {} {}", 8.0 * a, 4.0 * a);
     assert!((turn - k * z).abs() < 1e-10 && (rate - k * v).abs() < 1e-9, "{turn} {z}");
     std::fs::write(&screw, urdf.replace("0.05", "0")).expect("a robot");
-    let error = catena::session::Model::load(&screw).err().expect("no thread").to_string();
+    let error = catena::session::Model::load(&screw).expect_err("no thread").to_string();
     assert!(error.contains("screw.urdf:1: joint \"thread\": a screw needs its thread"), "{error}");
 }
 
@@ -134,7 +134,7 @@ fn couplings_that_cannot_be_are_refused_and_every_number_has_a_key_path() {
         ("[[coupling]]\njoints = { left = 1, rear = 2 }\n", "there is no joint \"rear\""),
         ("[[coupling]]\nname = \"differential\"\njoints = { left = 1, right = 1 }\n", "line 3"),
     ] {
-        let error = catena::session::Model::load(differential("refused", table)).err().expect(reason).to_string();
+        let error = catena::session::Model::load(differential("refused", table)).expect_err(reason).to_string();
         assert!(error.contains("axle.toml:") && error.contains(reason) && !error.contains('\n'), "{error}");
     }
     let file = differential("keys", &loads([0.1, 0.0, 0.0]));

@@ -133,7 +133,7 @@ fn what_cannot_be_a_load_is_refused_in_one_line() {
         ("[[drag]]\nlink = \"cart\"\n", "drag needs its linear"),
         ("[[drag]]\nlink = \"base\"\nlinear = 1\n", "drag of \"base\""),
     ] {
-        let error = catena::session::Model::load(cart("refused", scene)).err().expect(reason).to_string();
+        let error = catena::session::Model::load(cart("refused", scene)).expect_err(reason).to_string();
         assert!(error.contains("cart.toml:") && error.contains(reason) && !error.contains('\n'), "{error}");
     }
 }

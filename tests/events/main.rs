@@ -38,6 +38,7 @@ mod continuous;
 mod continuous_events;
 mod costs;
 mod couplings;
+mod crowds;
 mod exact;
 mod laws;
 mod loads;

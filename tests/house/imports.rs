@@ -183,7 +183,7 @@ fn absolute(source: &Source, path: &[String]) -> Option<(String, Vec<String>)> {
             match rest.split_first() {
                 Some((room, rest))
                     if of_crate == "catena"
-                        && ["mechanism", "geometry", "lobatto", "kernels", "stepping", "reduced"]
+                        && ["mechanism", "geometry", "lobatto", "kernels", "stepping", "reduced", "crowd"]
                             .contains(&room.as_str()) =>
                 {
                     ours(room, rest)

@@ -53,10 +53,11 @@ const FLOORS: [(&str, &[&str]); 3] = [
 ];
 
 /// The crates from the ground up.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
     "mechanism",
     "geometry",
     "reduced",
+    "crowd",
     "lobatto",
     "kernels/avx512",
     "kernels/avx2",

@@ -50,6 +50,7 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
             Rule::Spheres => bodies_in_space(spherical_bodies),
             Rule::Pivots => bodies_in_space(pivoted_bodies),
             Rule::Tumblers => bodies_in_space(tumbling_bodies),
+            Rule::Crowds => model.mechanism.nonsmooth.pairs.len(),
         };
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),
@@ -65,6 +66,7 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
                 let cut = counted(count, "other joint is cut", "other joints are cut");
                 format!("{cut}, {}", rule.saving())
             }
+            Rule::Crowds => format!("{}, {}", counted(count, "pair", "pairs"), rule.saving()),
             Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres | Rule::Pivots | Rule::Tumblers => {
                 format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
             }

@@ -115,13 +115,15 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
             (kinetic - kinetic_energy(scene, state, &state.velocity) - done.lost).abs()
         };
         // NaN is off, too.
-        if !(off(&done, state) <= OFF * kinetic) {
+        let balances = off(&done, state) <= OFF * kinetic;
+        if !balances {
             state.velocity.copy_from_slice(&velocity);
             let rates = blocks.iter().zip(&found.rates).zip(&found.impulses).filter(|(_, impulse)| **impulse != 0.0);
             let rates: Vec<(usize, f64)> = rates.filter_map(|((block, rate), _)| rate_of_joint(block, *rate)).collect();
             done.lost = give_rates(scene.whole, state, &rates);
         }
-        if !(done.lost >= -GAIN * kinetic) {
+        let gains_nothing = done.lost >= -GAIN * kinetic;
+        if !gains_nothing {
             state.velocity = velocity;
             return Err(Unsolved::Numbers { block: 0 });
         }

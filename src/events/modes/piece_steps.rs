@@ -5,6 +5,7 @@
 
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
@@ -54,6 +55,11 @@ impl PieceRecipe {
             ..whole.clone()
         };
         Ok(self.make(&nothing, &[])?.description())
+    }
+
+    /// Whether a rule is switched off.
+    pub fn keeps(&self, rule: Rule) -> bool {
+        matches!(self, PieceRecipe::Lobatto(recipe) if recipe.kept.contains(&rule))
     }
 
     /// The tolerance from which steps are chosen (m); `None` for given steps.

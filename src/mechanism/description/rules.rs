@@ -28,6 +28,8 @@ pub enum Rule {
     Pivots,
     /// A body that floats freely has only the equations of its rotation.
     Tumblers,
+    /// Steps go over many impacts at once where single ones cost more than their instants are worth.
+    Crowds,
 }
 
 /// There is no such rule.
@@ -37,7 +39,7 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 10] = [
+    pub const ALL: [Rule; 11] = [
         Rule::Islands,
         Rule::Sleep,
         Rule::Locked,
@@ -48,6 +50,7 @@ impl Rule {
         Rule::Spheres,
         Rule::Pivots,
         Rule::Tumblers,
+        Rule::Crowds,
     ];
 
     /// The name, for the command line.
@@ -63,6 +66,7 @@ impl Rule {
             Rule::Spheres => "spheres",
             Rule::Pivots => "pivots",
             Rule::Tumblers => "tumblers",
+            Rule::Crowds => "crowds",
         }
     }
 
@@ -79,6 +83,7 @@ impl Rule {
             Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
             Rule::Pivots => "in space, under gravity alone, on a hinge that the world holds",
             Rule::Tumblers => "in space, under gravity alone, a body that floats and carries no other body",
+            Rule::Crowds => "shapes may touch, and their events follow each other faster than steps",
         }
     }
 
@@ -95,6 +100,7 @@ impl Rule {
             Rule::Spheres => "one moment of inertia instead of six",
             Rule::Pivots => "one equation instead of six",
             Rule::Tumblers => "a parabola, and three equations instead of six",
+            Rule::Crowds => "steps of first order over all events within them",
         }
     }
 }

@@ -144,6 +144,7 @@ mod tests {
             leader: Coordinate { body: 1, position: 4, freedom: 3 },
             multiplier: -2.0,
             offset: 0.5,
+            more: Vec::new(),
         };
         assert_eq!(mimics.expect("good relations"), [expected]);
     }

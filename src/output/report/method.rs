@@ -32,8 +32,12 @@ pub struct MethodReport {
     pub reversible_resets: Option<usize>,
     /// Steps of first order where contacts changed faster than steps could follow,
     pub first_order_steps: usize,
-    /// and the time that they took of the motion (s).
+    /// and the time that they took of the motion (s),
     pub first_order_time: f64,
+    /// the largest residual of the law of contact in them, as a part of the largest impulse,
+    pub first_order_residual: f64,
+    /// and the largest overlap that was moved apart in them (m).
+    pub first_order_lift: f64,
     /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
     pub few_stage_steps: usize,
     /// How often each contact solver has solved a problem of an event.
@@ -74,6 +78,8 @@ impl MethodReport {
             reversible_resets: description.reversible_resets,
             first_order_steps: description.first_order_steps,
             first_order_time: description.first_order_time,
+            first_order_residual: description.first_order_residual,
+            first_order_lift: description.first_order_lift,
             few_stage_steps: description.few_stage_steps,
             contact_solvers: SolversReport(description.contact_solvers),
         }
@@ -130,9 +136,8 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
 
 /// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s).
 pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
-    let &MethodDescription { unsolved_contacts, first_order_steps: steps, first_order_time: time, .. } = description;
-    // Because the law of a step of first order is solved to first order, each such step is one of the unsolved, too.
-    let unsolved = unsolved_contacts.saturating_sub(steps);
+    let &MethodDescription { unsolved_contacts: unsolved, first_order_steps: steps, first_order_time: time, .. } =
+        description;
     let crowded = (steps > 0).then(|| {
         let steps = counted(steps, "first-order step", "first-order steps");
         format!(

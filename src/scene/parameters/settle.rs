@@ -69,10 +69,8 @@ impl Place {
                     motor.target = table.target().map_err(|(_, reason)| reason)?;
                 }
             }
-            Place::CouplingTerm { coupling, term } => {
-                if scene.couplings[coupling].terms[term].1 == 0.0 {
-                    return Err("a coefficient of a coupling is not zero; leave its joint out".to_string());
-                }
+            Place::CouplingTerm { coupling, term } if scene.couplings[coupling].terms[term].1 == 0.0 => {
+                return Err("a coefficient of a coupling is not zero; leave its joint out".to_string());
             }
             Place::FactorTime { load, .. } | Place::FactorValue { load, .. } => {
                 if let Factor::Table(table) = &scene.loads[load].factor {

@@ -73,6 +73,7 @@ pub fn every_force(mechanism: &Mechanism) -> Vec<(&'static str, Forces)> {
         point_springs: lines.point_springs,
         wrenches: wrenches.wrenches,
         driven: false,
+        ..Forces::default()
     };
     let names = ["joint dampers", "joint springs", "joint loads", "point springs", "wrenches"];
     names.into_iter().zip(parts).chain([("all forces", all)]).collect()

@@ -1,0 +1,17 @@
+//! The problem of a step over many impacts: impulses of all contacts, limits, friction and motors of an island of trees, and its solvers.
+//!
+//! - [`trees`]: mass matrices in joint rates;
+//! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
+//! - [`laws`], [`problem`]: the equations;
+//! - `block_factors`, [`newton`], [`convex`]: the solvers.
+
+#![deny(unsafe_code)]
+
+mod block_factors;
+pub mod convex;
+pub mod islands;
+pub mod laws;
+pub mod newton;
+pub mod problem;
+pub mod rows;
+pub mod trees;

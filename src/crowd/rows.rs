@@ -1,0 +1,95 @@
+//! The rows of contacts, limits, friction and motors on the trees.
+//!
+//! A row is the work of a unit force: one entry for each freedom on the way to the bodies, positive on the second body of a contact, negative on the
+//! first.
+
+use crate::trees::Trees;
+use nalgebra::Vector3;
+
+/// The rows of one block on one tree.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// The tree.
+    pub tree: usize,
+    /// Number of freedoms.
+    pub count: usize,
+    columns: usize,
+    entries: usize,
+}
+
+/// The rows of many blocks.
+#[derive(Clone, Default)]
+pub struct Rows {
+    columns: Vec<usize>,
+    entries: Vec<f64>,
+}
+
+impl Rows {
+    /// Forgets all rows.
+    pub fn clear(&mut self) {
+        self.columns.clear();
+        self.entries.clear();
+    }
+
+    /// The columns and entries of one row.
+    pub fn row(&self, side: &Side, row: usize) -> (&[usize], &[f64]) {
+        let from = side.entries + row * side.count;
+        (&self.columns[side.columns..side.columns + side.count], &self.entries[from..from + side.count])
+    }
+
+    /// The columns and all rows, one after the other.
+    pub fn rows(&self, side: &Side) -> (&[usize], &[f64]) {
+        (&self.columns[side.columns..side.columns + side.count], &self.entries[side.entries..])
+    }
+
+    /// The row of one freedom of the mechanism.
+    pub fn of_freedom(&mut self, freedom: usize, sign: f64, trees: &Trees) -> Side {
+        let (tree, column) = trees.of_freedom[freedom];
+        let side = Side { tree, count: 1, columns: self.columns.len(), entries: self.entries.len() };
+        self.columns.push(column);
+        self.entries.push(sign);
+        side
+    }
+
+    /// The rows along these directions at a point, between two bodies. Freedoms that carry both move them together.
+    pub fn between(
+        &mut self,
+        bodies: [Option<usize>; 2],
+        point: &Vector3<f64>,
+        along: &[Vector3<f64>],
+        trees: &Trees,
+    ) -> [Option<Side>; 2] {
+        let tree_of = |body: Option<usize>| body.map(|body| trees.of_body[body]);
+        let shared = match bodies {
+            [Some(a), Some(b)] if trees.of_body[a] == trees.of_body[b] => {
+                trees.paths[a].iter().zip(&trees.paths[b]).take_while(|(one, other)| one == other).count()
+            }
+            _ => 0,
+        };
+        let together = bodies[1].is_some() && tree_of(bodies[0]) == tree_of(bodies[1]);
+        let mut sides = [None, None];
+        let mut begin = Side { tree: 0, count: 0, columns: self.columns.len(), entries: self.entries.len() };
+        for (number, body) in bodies.into_iter().enumerate() {
+            let Some(body) = body else { continue };
+            let path = &trees.paths[body][shared..];
+            self.columns.extend_from_slice(path);
+            begin = Side { tree: trees.of_body[body], count: begin.count + path.len(), ..begin };
+            if together && number == 0 {
+                continue;
+            }
+            let own = if together { 0..2 } else { number..number + 1 };
+            for direction in along {
+                for side in own.clone() {
+                    let sign = if side == 0 { -1.0 } else { 1.0 };
+                    if let Some(body) = bodies[side] {
+                        let entries = trees.row(body, point, direction).skip(shared);
+                        self.entries.extend(entries.map(|entry| sign * entry));
+                    }
+                }
+            }
+            sides[number] = Some(begin);
+            begin = Side { tree: 0, count: 0, columns: self.columns.len(), entries: self.entries.len() };
+        }
+        sides
+    }
+}

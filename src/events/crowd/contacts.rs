@@ -1,0 +1,346 @@
+//! The candidates of a step: contacts within reach, limits, friction of joints, motors with a bound.
+//!
+//! ```text
+//!     contact:  distance ≤ h (s_a + s_b) · 5/4 + 2 g h²        s: largest speed of a body's points [m/s]
+//!     limit:    gap ≤ h (|rate| · 5/4 + 2)                     [rad or m]
+//! ```
+//!
+//! A pair that was farther apart is not looked at again until its bodies can have covered the distance.
+
+use crate::crowd::laws::Law;
+use crate::crowd::rows::{Rows, Side};
+use crate::crowd::trees::Trees;
+use crate::geometry::PlaceId;
+use crate::instant::holding::elements::{Elements, inward};
+use crate::instant::holding::touching::{Contact, Touching};
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::contact::Cores;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::Motor;
+use crate::mechanism::motion::event::Side as End;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::Vector3;
+
+/// Contacts and limits with a smaller gap are closed (m or rad).
+pub(super) const CLOSED: f64 = 1e-9;
+/// A contact that has pressed is closed with a gap up to this (m or rad).
+const NEARLY: f64 = 1e-6;
+/// Speeds grow in a step by this factor at most; more is found out at its end.
+const FASTER: f64 = 1.25;
+/// A limit is looked at from this rate on [rad/s or m/s].
+const LIMIT_RATE: f64 = 2.0;
+
+/// The constant data of a scene.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'s> {
+    pub whole: &'s Mechanism,
+    pub elements: &'s Elements,
+    pub touching: &'s Touching,
+}
+
+/// By what a candidate is found again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Key {
+    Touch(usize, PlaceId),
+    /// A joint by its number among the elements, and whether it is its upper limit.
+    Limit(usize, bool),
+    Friction(usize),
+    Motor(usize),
+}
+
+/// A contact, limit, joint with friction or motor that may act in a step.
+#[derive(Clone)]
+pub(super) struct Candidate {
+    pub key: Key,
+    /// The features, of a contact.
+    pub contact: Option<Contact>,
+    pub friction: f64,
+    pub restitution: f64,
+    /// m or rad; zero for friction and motors.
+    pub gap: f64,
+    /// Normal and tangents.
+    pub frame: [Vector3<f64>; 3],
+    pub sides: [Option<Side>; 2],
+    /// Impulses that move it to the end of a step, and that make its rates there, in the frame (N s).
+    pub moving: Vector3<f64>,
+    pub settling: Vector3<f64>,
+    /// How much faster the gap closes than its rate at the start says [m/s].
+    pub curve: f64,
+    /// Whether it was closed where the step before began.
+    pub was_closed: bool,
+}
+
+/// All candidates at one instant, with their rows.
+#[derive(Clone, Default)]
+pub(super) struct Contacts {
+    pub list: Vec<Candidate>,
+    pub rows: Rows,
+}
+
+/// Distances of pairs that were seen before.
+#[derive(Clone, Default)]
+pub(super) struct Clearances {
+    /// How far the bodies of a pair may move before it is looked at again (m).
+    clear: Vec<f64>,
+    /// Pairs with candidates at the last look.
+    near: Vec<bool>,
+    bodies: Vec<BodyState>,
+    moved: Vec<(f64, f64)>,
+}
+
+impl Candidate {
+    /// Its law in a problem of a step that lasts this long (s).
+    pub fn law(&self, elements: &Elements, time: f64) -> Law {
+        match self.key {
+            Key::Touch(..) if self.friction > 0.0 => Law::Cone(self.friction),
+            Key::Touch(..) | Key::Limit(..) => Law::Interval(0.0, f64::INFINITY),
+            Key::Friction(joint) => {
+                let most = time * elements.joints[joint].friction;
+                Law::Interval(-most, most)
+            }
+            Key::Motor(motor) => {
+                let most = time * elements.motors[motor].max_effort;
+                Law::Interval(-most, most)
+            }
+        }
+    }
+
+    /// Whether it is a contact or a limit, which closes.
+    pub fn closes(&self) -> bool {
+        matches!(self.key, Key::Touch(..) | Key::Limit(..))
+    }
+
+    /// Whether it is one that is closed.
+    pub fn is_closed(&self) -> bool {
+        self.closes() && self.gap <= CLOSED
+    }
+
+    /// Whether it acts on the rates at the end of a step: it is closed, it has pressed and the gap did not close to the last digits, or it has no gap.
+    pub fn settles(&self) -> bool {
+        !self.closes() || self.gap <= if self.moving.x > 0.0 { NEARLY } else { CLOSED }
+    }
+
+    /// An impulse in the axes of the world, from its frame.
+    fn in_world(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        if self.contact.is_none() {
+            return *impulse;
+        }
+        self.frame[0] * impulse.x + self.frame[1] * impulse.y + self.frame[2] * impulse.z
+    }
+
+    fn in_frame(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        match (&self.contact, self.friction > 0.0) {
+            (None, _) => *impulse,
+            (Some(_), false) => Vector3::new(self.frame[0].dot(impulse), 0.0, 0.0),
+            (Some(_), true) => Vector3::from(self.frame.map(|axis| axis.dot(impulse))),
+        }
+    }
+
+    /// Whether the next step has about the same curvature: so have points on curved paths, but not the corners of one face.
+    fn keeps_curve(&self, trees: &Trees) -> bool {
+        let Some(Contact { joint, .. }) = &self.contact else { return false };
+        match joint.touch.pairing().map(|pairing| pairing.cores) {
+            Some(Cores::Points | Cores::LinePoint) => true,
+            _ => {
+                let alone =
+                    |body: Option<usize>| body.is_none_or(|body| trees.trees[trees.of_body[body]].bodies.len() > 1);
+                (joint.a.body.is_none() || joint.b.body.is_none()) && alone(joint.a.body) && alone(joint.b.body)
+            }
+        }
+    }
+}
+
+/// Whether a motor pulls within a bound at every instant, so that it needs a row of its own.
+pub(crate) fn has_row(motor: &Motor) -> bool {
+    let (stiffness, damping) = motor.law.gains();
+    motor.period == 0.0 && motor.max_effort.is_finite() && stiffness + damping > 0.0
+}
+
+impl Contacts {
+    /// Finds all candidates for a step of this length (s), in a state that places the bodies; their speeds are at least as large as `rates` says
+    /// (linear and angular, a body each).
+    pub fn find(
+        &mut self,
+        scene: Scene,
+        state: &State,
+        bodies: &[BodyState],
+        rates: &[(f64, f64)],
+        step: f64,
+        clearances: &mut Clearances,
+    ) {
+        self.list.clear();
+        let Scene { whole, elements, touching } = scene;
+        clearances.see(bodies, touching.pairs.len());
+        let fall = 2.0 * whole.gravity.norm() * step * step + 2.0 * CLOSED;
+        for (pair, of) in touching.pairs.iter().enumerate() {
+            let speed =
+                |side: usize| of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side]);
+            let within = FASTER * step * (speed(0) + speed(1)) + fall;
+            if clearances.is_beyond(pair, of.bodies, of.reach, within) {
+                continue;
+            }
+            if !clearances.near[pair] {
+                let distance = touching.distance(pair, bodies);
+                clearances.clear[pair] = distance;
+                if distance > within {
+                    continue;
+                }
+            }
+            let found = touching.near(pair, bodies, within);
+            clearances.near[pair] = !found.is_empty();
+            clearances.clear[pair] = 0.0;
+            for (contact, _) in found {
+                self.list.push(Candidate::touch(contact, of.friction, of.restitution, bodies));
+            }
+        }
+        for (index, joint) in elements.joints.iter().enumerate() {
+            let plain = Candidate::of_joint(Key::Friction(index), joint.restitution, 0.0);
+            if joint.friction > 0.0 {
+                self.list.push(plain.clone());
+            }
+            for side in joint.sides() {
+                let gap = joint.gap(side, joint.position(state));
+                if gap <= step * (FASTER * joint.rate(state).abs() + LIMIT_RATE) {
+                    self.list.push(Candidate { key: Key::Limit(index, side == End::Upper), gap, ..plain.clone() });
+                }
+            }
+        }
+        for (index, _) in elements.motors.iter().enumerate().filter(|(_, motor)| has_row(motor)) {
+            self.list.push(Candidate::of_joint(Key::Motor(index), 0.0, 0.0));
+        }
+    }
+
+    /// The candidates that a test keeps, with their numbers and sides.
+    pub fn sides<'c>(
+        &'c self,
+        keeps: impl Fn(&Candidate) -> bool + Clone + 'c,
+    ) -> impl Iterator<Item = (usize, [Option<Side>; 2])> + Clone + 'c {
+        let all = self.list.iter().enumerate();
+        all.filter(move |(_, candidate)| keeps(candidate)).map(|(number, candidate)| (number, candidate.sides))
+    }
+
+    /// Fills the rows of the candidates from a number on, with trees that are placed in the same state.
+    pub fn fill_rows(&mut self, scene: Scene, trees: &Trees, bodies: &[BodyState], first: usize) {
+        if first == 0 {
+            self.rows.clear();
+        }
+        for number in first..self.list.len() {
+            let candidate = &self.list[number];
+            let sides = match (&candidate.contact, candidate.key) {
+                (Some(contact), _) => {
+                    let point = touch_motion(&contact.joint, bodies).point;
+                    let (frame, rows) = (candidate.frame, if candidate.friction > 0.0 { 3 } else { 1 });
+                    self.rows.between([contact.joint.a.body, contact.joint.b.body], &point, &frame[..rows], trees)
+                }
+                (None, Key::Limit(joint, upper)) => {
+                    let sign = inward(if upper { End::Upper } else { End::Lower });
+                    [Some(self.rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, sign, trees)), None]
+                }
+                (None, Key::Friction(joint)) => {
+                    [Some(self.rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, 1.0, trees)), None]
+                }
+                (None, Key::Motor(motor)) => {
+                    [Some(self.rows.of_freedom(scene.elements.motors[motor].coordinate.freedom, 1.0, trees)), None]
+                }
+                (None, Key::Touch(..)) => [None, None],
+            };
+            self.list[number].sides = sides;
+        }
+    }
+
+    /// Takes impulses and curvatures from the candidates of the step before, for steps that are longer by a factor.
+    pub fn warm(&mut self, before: &Contacts, longer: f64, trees: &Trees) {
+        let mut keys: Vec<(Key, usize)> =
+            before.list.iter().enumerate().map(|(number, candidate)| (candidate.key, number)).collect();
+        keys.sort_unstable();
+        for candidate in &mut self.list {
+            let Ok(place) = keys.binary_search_by(|(key, _)| key.cmp(&candidate.key)) else { continue };
+            let old = &before.list[keys[place].1];
+            candidate.moving = candidate.in_frame(&old.in_world(&old.moving)) * longer;
+            candidate.settling = candidate.in_frame(&old.in_world(&old.settling)) * longer;
+            candidate.was_closed = old.is_closed();
+            candidate.curve = if candidate.keeps_curve(trees) { old.curve * longer } else { 0.0 };
+        }
+    }
+}
+
+impl Candidate {
+    /// A contact of these bodies.
+    pub fn touch(contact: Contact, friction: f64, restitution: f64, bodies: &[BodyState]) -> Self {
+        let touch = touch_motion(&contact.joint, bodies);
+        let [first, second] = tangents(&touch.normal);
+        Candidate {
+            frame: [touch.normal, first, second],
+            gap: touch.gap,
+            friction,
+            key: Key::Touch(contact.pair, contact.features),
+            contact: Some(contact),
+            ..Candidate::of_joint(Key::Friction(0), restitution, 0.0)
+        }
+    }
+
+    /// The same candidate in another state.
+    pub fn at(&self, elements: &Elements, state: &State, bodies: &[BodyState]) -> Self {
+        match (&self.contact, self.key) {
+            (Some(contact), _) => Candidate::touch(contact.clone(), self.friction, self.restitution, bodies),
+            (None, Key::Limit(joint, upper)) => {
+                let joint = &elements.joints[joint];
+                let gap = joint.gap(if upper { End::Upper } else { End::Lower }, joint.position(state));
+                Candidate::of_joint(self.key, self.restitution, gap)
+            }
+            (None, _) => Candidate::of_joint(self.key, self.restitution, 0.0),
+        }
+    }
+
+    fn of_joint(key: Key, restitution: f64, gap: f64) -> Self {
+        Candidate {
+            key,
+            contact: None,
+            friction: 0.0,
+            restitution,
+            gap,
+            frame: [Vector3::x(), Vector3::y(), Vector3::z()],
+            sides: [None, None],
+            moving: Vector3::zeros(),
+            settling: Vector3::zeros(),
+            curve: 0.0,
+            was_closed: false,
+        }
+    }
+}
+
+impl Clearances {
+    /// Takes the places of the bodies now: how far they have moved since the last look.
+    fn see(&mut self, bodies: &[BodyState], pairs: usize) {
+        if self.clear.len() != pairs || self.bodies.len() != bodies.len() {
+            (self.clear, self.near) = (vec![0.0; pairs], vec![false; pairs]);
+            self.bodies = bodies.to_vec();
+        }
+        self.moved.clear();
+        self.moved.extend(bodies.iter().zip(&self.bodies).map(|(now, before)| {
+            let turned = (now.rotation - before.rotation).norm() * std::f64::consts::FRAC_1_SQRT_2;
+            ((now.position - before.position).norm(), turned)
+        }));
+        self.bodies.copy_from_slice(bodies);
+    }
+
+    /// Whether a pair is still farther apart than `within` (m).
+    fn is_beyond(&mut self, pair: usize, of: [Option<usize>; 2], reach: [f64; 2], within: f64) -> bool {
+        for (body, reach) in of.into_iter().zip(reach) {
+            if let Some(body) = body {
+                let (moved, turned) = self.moved[body];
+                self.clear[pair] -= moved + turned * reach;
+            }
+        }
+        if self.near[pair] {
+            return false;
+        }
+        if self.clear[pair] <= within {
+            let place = |body: Option<usize>| body.map_or(WORLD.position, |body| self.bodies[body].position);
+            let apart = (place(of[0]) - place(of[1])).norm() - reach[0] - reach[1];
+            self.clear[pair] = self.clear[pair].max(apart);
+        }
+        self.clear[pair] > within
+    }
+}

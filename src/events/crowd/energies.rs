@@ -1,0 +1,142 @@
+//! No step of a crowd gains energy.
+//!
+//! ```text
+//!     E⁺ ≤ E + W         of each group of trees that touch:  the rates are scaled by √((T − gain)/T)
+//! ```
+//!
+//! W is the work of motors and efforts (J). A gain that is larger than the kinetic energy T, as of a lift of bodies at rest, is a debt of the next motion.
+//! All trees are one group if forces act between bodies, or loads.
+
+use crate::crowd::islands::groups;
+use crate::crowd::trees::{Tree, Trees};
+use crate::events::crowd::contacts::Contacts;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+
+/// A gain of this part of the energies is rounding.
+const ROUNDING: f64 = 1e-15;
+
+/// The energies of the trees at the start of a step, and their debts.
+#[derive(Clone)]
+pub(super) struct Energies {
+    /// Whether forces act that do not belong to one tree.
+    together: bool,
+    potential: Vec<f64>,
+    kinetic: Vec<f64>,
+    debt: Vec<f64>,
+}
+
+impl Energies {
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        let together =
+            !(forces.point_springs.is_empty() && forces.wrenches.is_empty() && forces.joint_loads.is_empty());
+        Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new() }
+    }
+
+    /// Takes the potential energies of a state.
+    pub fn place(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], trees: &Trees) {
+        self.debt.resize(trees.trees.len(), 0.0);
+        self.potential = potentials(mechanism, state, bodies, trees);
+    }
+
+    /// Whether no tree has a debt.
+    pub fn owes_nothing(&self) -> bool {
+        self.debt.iter().all(|debt| *debt == 0.0)
+    }
+
+    /// The kinetic energy of rates (J).
+    pub fn kinetic_of(&self, trees: &Trees, velocity: &[f64]) -> f64 {
+        kinetics(trees, velocity).iter().sum()
+    }
+
+    /// Takes the kinetic energies where a step begins, with the trees placed there.
+    pub fn begin(&mut self, trees: &Trees, velocity: &[f64]) {
+        self.kinetic = kinetics(trees, velocity);
+    }
+
+    /// Scales the rates at the end of a step of each group that has gained energy beside its work along the freedoms (J); returns the energy taken (J).
+    pub fn bound(
+        &mut self,
+        trees: &Trees,
+        mechanism: &Mechanism,
+        state: &mut State,
+        bodies: &[BodyState],
+        work: &[f64],
+        contacts: [&Contacts; 2],
+    ) -> f64 {
+        let potential = potentials(mechanism, state, bodies, trees);
+        let kinetic = kinetics(trees, &state.velocity);
+        let groups = if self.together {
+            vec![(0..trees.trees.len()).collect()]
+        } else {
+            let sides = contacts.into_iter().flat_map(|contacts| contacts.list.iter().map(|candidate| candidate.sides));
+            groups(trees.trees.len(), sides)
+        };
+        let mut taken = 0.0;
+        for group in groups {
+            let sum = |values: &[f64]| group.iter().map(|&tree| values[tree]).sum::<f64>();
+            let freedoms = group.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
+            let worked: f64 = freedoms.clone().map(|&freedom| work[freedom]).sum();
+            let own = sum(&kinetic);
+            let gained = own - sum(&self.kinetic) + sum(&potential) - sum(&self.potential) - worked;
+            let size = own + sum(&self.kinetic) + worked.abs();
+            let owed = gained + sum(&self.debt);
+            group.iter().for_each(|&tree| self.debt[tree] = 0.0);
+            if owed <= ROUNDING * size {
+                continue;
+            }
+            let paid = owed.min(own);
+            self.debt[group[0]] = owed - paid;
+            taken += paid;
+            let factor = if own > 0.0 { ((own - paid) / own).max(0.0).sqrt() } else { 0.0 };
+            freedoms.for_each(|&freedom| state.velocity[freedom] *= factor);
+        }
+        self.potential = potential;
+        taken
+    }
+
+    /// The energy that a step has lost beside a work (J).
+    pub fn lost(&self, mechanism: &Mechanism, start: &State, end: &State, work: f64) -> f64 {
+        let of = |state: &State| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)).total();
+        of(start) + work - of(end)
+    }
+}
+
+/// ½ vᵀ M v of each tree (J).
+fn kinetics(trees: &Trees, velocity: &[f64]) -> Vec<f64> {
+    let of = |tree: &Tree| {
+        let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| velocity[freedom]).collect();
+        let mut momentum = vec![0.0; own.len()];
+        tree.add_mass(&own, &mut momentum);
+        0.5 * own.iter().zip(&momentum).map(|(rate, momentum)| rate * momentum).sum::<f64>()
+    };
+    trees.trees.iter().map(of).collect()
+}
+
+/// The potential energy of gravity and joint springs of each tree, and of all other forces in the first (J).
+fn potentials(mechanism: &Mechanism, state: &State, bodies: &[BodyState], trees: &Trees) -> Vec<f64> {
+    let mut of = vec![0.0; trees.trees.len()];
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        of[trees.of_body[index]] -= body.mass * mechanism.gravity.dot(&bodies[index].position);
+    }
+    let mut springs = 0.0;
+    for spring in &mechanism.forces.joint_springs {
+        let energy = spring.energy(state.position[spring.coordinate.position]);
+        springs += energy;
+        of[trees.of_freedom[spring.coordinate.freedom].0] += energy;
+    }
+    if let Some(first) = of.first_mut().filter(|_| mechanism.forces.joint_springs.len() < count_of_forces(mechanism)) {
+        let all = energy_with_forces(mechanism, &state.position, bodies);
+        *first += all.spring + all.load - springs;
+    }
+    of
+}
+
+fn count_of_forces(mechanism: &Mechanism) -> usize {
+    let forces = &mechanism.forces;
+    forces.joint_springs.len() + forces.point_springs.len() + forces.wrenches.len() + forces.joint_loads.len()
+}

@@ -1,0 +1,163 @@
+//! (A): the displacement of a step, after which no gap is negative.
+//!
+//! ```text
+//!     M̃ (w − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H w + (φ/h + c) n,     q̄ = q ⊕ h w
+//!     c ← (φ̄ − φ)/h − H_N w         until |φ̄| ≤ 3e-10 where r_N > 0, and φ̄ ≥ −3e-10 elsewhere
+//! ```
+//!
+//! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions.
+
+use crate::crowd::convex::{TOLERANCE, solve};
+use crate::crowd::islands::islands;
+use crate::crowd::newton::Workspace;
+use crate::crowd::problem::{Given, Problem};
+use crate::crowd::trees::Trees;
+use crate::events::crowd::contacts::{Contacts, Key, Scene};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use nalgebra::Vector3;
+
+/// A gap that counts as closed (m or rad), and the rounds for it.
+const MEETS: f64 = 3e-10;
+const ROUNDS: usize = 4;
+
+/// The start of a step.
+pub(super) struct Moving<'m> {
+    pub scene: Scene<'m>,
+    pub start: &'m State,
+    /// h (s).
+    pub step: f64,
+    /// v_f.
+    pub free: &'m [f64],
+}
+
+/// How well all islands were solved.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Solved {
+    pub residual: f64,
+    pub unsolved: usize,
+}
+
+/// Writes the displacement w and the state at its end, which places the bodies; the candidates keep impulses and curvatures.
+pub(super) fn move_on(
+    trees: &Trees,
+    now: &mut Contacts,
+    moving: &Moving,
+    room: &mut Workspace,
+    displacement: &mut [f64],
+    end: &mut State,
+    bodies: &mut [BodyState],
+) -> Solved {
+    let &Moving { scene, start, step, free } = moving;
+    let mut places = vec![0; trees.trees.len()];
+    let found = islands(trees.trees.len(), now.sides(|_| true));
+    displacement.copy_from_slice(free);
+    let contacts = &*now;
+    for island in &found {
+        island.trees.iter().enumerate().for_each(|(place, &tree)| places[tree] = place);
+    }
+    struct Own<'p> {
+        problem: Problem<'p>,
+        impulses: Vec<Vector3<f64>>,
+        curves: Vec<f64>,
+        v: Vec<f64>,
+        residual: f64,
+        open: bool,
+    }
+    let pressing = found.iter().filter(|island| !island.candidates.is_empty());
+    let mut problems: Vec<(Own, &[usize])> = pressing
+        .map(|island| {
+            let block = |&number: &usize| {
+                let candidate = &contacts.list[number];
+                let (bias, compliance) = match candidate.key {
+                    Key::Motor(motor) => pull(scene, start, motor, 0.5 * step),
+                    _ => (candidate.gap / step + candidate.curve, 0.0),
+                };
+                let law = candidate.law(scene.elements, 0.5 * step);
+                Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
+            };
+            let blocks = island.candidates.iter().map(block);
+            let problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
+            let of = |number: &usize| &contacts.list[*number];
+            let own = Own {
+                problem,
+                impulses: island.candidates.iter().map(|number| of(number).moving).collect(),
+                curves: island.candidates.iter().map(|number| of(number).curve).collect(),
+                v: Vec::new(),
+                residual: 0.0,
+                open: true,
+            };
+            (own, &island.candidates[..])
+        })
+        .collect();
+    for round in 0..=ROUNDS {
+        for ((own, _), island) in problems.iter_mut().zip(found.iter().filter(|island| !island.candidates.is_empty())) {
+            if !own.open {
+                continue;
+            }
+            own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, room);
+            let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
+            freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
+        }
+        end.copy_from(start);
+        let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
+        end.displace(scene.whole, &moved);
+        place_bodies(scene.whole, end, bodies);
+        if round == ROUNDS {
+            break;
+        }
+        for (own, candidates) in &mut problems {
+            if !own.open {
+                continue;
+            }
+            let mut off = 0.0_f64;
+            for (place, &number) in candidates.iter().enumerate() {
+                let candidate = &contacts.list[number];
+                let Some(contact) = &candidate.contact else { continue };
+                let gap = touch_motion(&contact.joint, bodies).gap;
+                let linear = candidate.gap + step * own.problem.moved(place, &own.v).x;
+                own.curves[place] = (gap - linear) / step;
+                off = off.max(if own.impulses[place].x > 0.0 { gap.abs() } else { -gap });
+            }
+            own.open = off > MEETS;
+            if own.open {
+                for (place, &number) in candidates.iter().enumerate() {
+                    let candidate = &contacts.list[number];
+                    if candidate.contact.is_some() {
+                        own.problem.blocks[place].bias.x = candidate.gap / step + own.curves[place];
+                    }
+                }
+                own.problem.set_scale();
+            }
+        }
+        if problems.iter().all(|(own, _)| !own.open) {
+            break;
+        }
+    }
+    let mut solved = Solved::default();
+    let mut kept = Vec::new();
+    for (own, candidates) in problems {
+        solved.residual = solved.residual.max(own.residual);
+        solved.unsolved += usize::from(own.residual > TOLERANCE);
+        for (place, &number) in candidates.iter().enumerate() {
+            kept.push((number, own.impulses[place], own.curves[place]));
+        }
+    }
+    for (number, impulse, curve) in kept {
+        (now.list[number].moving, now.list[number].curve) = (impulse, curve);
+    }
+    solved
+}
+
+/// Bias and compliance of a motor that acts for a time b (s) from a state: `p = b (kp (r − q − b w) + kd (ṙ − w))`.
+pub(super) fn pull(scene: Scene, start: &State, motor: usize, time: f64) -> (f64, f64) {
+    let motor = &scene.elements.motors[motor];
+    let (stiffness, damping) = motor.law.gains();
+    let at = motor.coordinate;
+    let position = start.position[at.position] + start.compensation[at.position];
+    let effort = motor.unbounded(start.time, start.time + time, position, 0.0);
+    let per_rate = time * stiffness + damping;
+    (-effort / per_rate, 1.0 / (time * per_rate))
+}

@@ -1,0 +1,134 @@
+//! (B): the rates at the end of a step, with all contacts and limits that are closed there.
+//!
+//! ```text
+//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n
+//! ```
+//!
+//! H and M are at the end of the step, v at its start; e is the restitution of a contact that has closed in this step. An approach that is slower than a
+//! fall of two steps has no rebound. There is no gap in it.
+
+use crate::crowd::convex::{TOLERANCE, solve};
+use crate::crowd::islands::islands;
+use crate::crowd::laws::Law;
+use crate::crowd::newton::Workspace;
+use crate::crowd::problem::{Given, Problem};
+use crate::crowd::trees::Trees;
+use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
+use crate::mechanism::motion::state::State;
+use nalgebra::Vector3;
+
+/// The displacement and the free rates of a step.
+pub(super) struct Settling<'s> {
+    pub scene: Scene<'s>,
+    pub start: &'s State,
+    /// w.
+    pub displacement: &'s [f64],
+    /// h (s).
+    pub step: f64,
+    /// v_f.
+    pub free: &'s [f64],
+}
+
+/// The result.
+#[derive(Clone, Default)]
+pub(super) struct Settled {
+    pub residual: f64,
+    pub unsolved: usize,
+    /// Contacts and limits that have closed with an impact.
+    pub closed: usize,
+    /// Work of motors along the freedoms, and what friction of joints took (J).
+    pub work: Vec<f64>,
+    pub friction: f64,
+}
+
+/// Writes the rates of all freedoms; the candidates at the end keep their impulses.
+pub(super) fn settle(
+    trees: &Trees,
+    next: &mut Contacts,
+    settling: &Settling,
+    room: &mut Workspace,
+    velocity: &mut [f64],
+) -> Settled {
+    let &Settling { scene, start, displacement, step, free } = settling;
+    let mut settled = Settled { work: vec![0.0; velocity.len()], ..Settled::default() };
+    velocity.copy_from_slice(free);
+    let slow = 2.0 * step * scene.whole.gravity.norm();
+    let mut places = vec![0; trees.trees.len()];
+    let mut kept = Vec::new();
+    let contacts = &*next;
+    for island in islands(trees.trees.len(), contacts.sides(Candidate::settles)) {
+        if island.candidates.is_empty() {
+            continue;
+        }
+        island.trees.iter().enumerate().for_each(|(place, &tree)| places[tree] = place);
+        let freedoms: Vec<usize> =
+            island.trees.iter().flat_map(|&tree| trees.trees[tree].freedoms.iter().copied()).collect();
+        let before: Vec<f64> = freedoms.iter().map(|&freedom| start.velocity[freedom]).collect();
+        let block = |&number: &usize| {
+            let candidate = &contacts.list[number];
+            let law = candidate.law(scene.elements, step);
+            let (law, bias, compliance) = match candidate.key {
+                Key::Motor(motor) => brake(scene, settling, motor, law),
+                _ => (law, 0.0, 0.0),
+            };
+            Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
+        };
+        let blocks = island.candidates.iter().map(block);
+        let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
+        for (place, &number) in island.candidates.iter().enumerate() {
+            let candidate = &contacts.list[number];
+            if !candidate.closes() || candidate.was_closed {
+                continue;
+            }
+            let approach = problem.moved(place, &before).x;
+            if approach < -slow {
+                settled.closed += 1;
+                problem.blocks[place].bias.x = candidate.restitution * approach;
+            }
+        }
+        problem.set_scale();
+        let mut impulses: Vec<Vector3<f64>> =
+            island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
+        let mut v = Vec::new();
+        let residual = solve(&mut problem, &mut impulses, &mut v, room);
+        settled.residual = settled.residual.max(residual);
+        settled.unsolved += usize::from(residual > TOLERANCE);
+        freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
+        kept.extend(island.candidates.iter().copied().zip(impulses));
+    }
+    for candidate in &mut next.list {
+        candidate.settling = Vector3::zeros();
+    }
+    for (number, impulse) in kept {
+        next.list[number].settling = impulse;
+        match next.list[number].key {
+            Key::Motor(motor) => {
+                let freedom = scene.elements.motors[motor].coordinate.freedom;
+                settled.work[freedom] += impulse.x * displacement[freedom];
+            }
+            Key::Friction(joint) => {
+                let freedom = scene.elements.joints[joint].coordinate.freedom;
+                settled.friction -= impulse.x * displacement[freedom];
+            }
+            Key::Touch(..) | Key::Limit(..) => {}
+        }
+    }
+    settled
+}
+
+/// Law, bias and compliance of a motor with its stiffness at the middle and its damping at the end of the step: `p = h (kp (r − q̄) + kd (ṙ − v⁺))`.
+fn brake(scene: Scene, settling: &Settling, motor: usize, law: Law) -> (Law, f64, f64) {
+    let &Settling { start, displacement, step, .. } = settling;
+    let motor = &scene.elements.motors[motor];
+    let (_, damping) = motor.law.gains();
+    let at = motor.coordinate;
+    let position =
+        start.position[at.position] + start.compensation[at.position] + 0.5 * step * displacement[at.freedom];
+    let effort = motor.unbounded(start.time, start.time + 0.5 * step, position, 0.0);
+    if damping > 0.0 {
+        (law, -effort / damping, 1.0 / (step * damping))
+    } else {
+        let impulse = step * motor.bounded(effort);
+        (Law::Interval(impulse, impulse), 0.0, 0.0)
+    }
+}

@@ -1,0 +1,426 @@
+//! One step of a crowd: all contacts, limits, joints with friction and motors of a scene at once, from positions and rates to positions and rates.
+//!
+//! ```text
+//!     w = v_k + ½h M⁻¹(f + …),   q_{k+1} = q_k ⊕ h w           displacement, gaps not negative at its end           (A)  moving.rs
+//!     v_{k+1} = v_k + h M⁻¹(f at the middle + …)               rates of what is closed there, rebounds included     (B)  settling.rs
+//! ```
+//!
+//! Between impacts that is the implicit midpoint rule, of second order; at impacts it has first order. Positions come from (A) alone and rates from (B)
+//! alone: a gap that is left over has no effect on a rate, and a step that contains an impact does not split it in two.
+//!
+//! Source: J. J. Moreau (1988) and M. Jean (1999) for the step; L. Paoli, M. Schatzman, A numerical scheme for impact problems, SIAM Journal on Numerical
+//! Analysis 40 (2002) for positions apart from rates.
+
+use crate::crowd::newton::Workspace;
+use crate::crowd::trees::Trees;
+use crate::events::crowd::contacts::{CLOSED, Candidate, Clearances, Contacts, Key, Scene, has_row};
+use crate::events::crowd::energies::Energies;
+use crate::events::crowd::moving::{Moving, move_on};
+use crate::events::crowd::settling::{Settling, settle};
+use crate::instant::holding::touching::Touching;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use std::collections::BTreeSet;
+
+/// A pair that overlaps by more than this at the end, and was no candidate, becomes one (m); this often at most.
+const OVERLAPS: f64 = 1e-8;
+const AGAIN: usize = 2;
+/// Speeds that have grown by this factor in a step make all pairs be looked at again.
+const SPEEDS: f64 = 1.25;
+
+/// All is at rest after this many steps in which everything is slower than this part of the speed of a fall in one.
+const STILL: usize = 3;
+const RESTS: f64 = 1e-6;
+/// A contact is held by friction where it needs less than this part of what there is.
+const STICKS: f64 = 1.0 - 1e-9;
+
+/// Accelerations of a state, and the efforts from outside and of motors in it; without rows.
+pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
+
+/// The workspace of one mechanism.
+#[derive(Clone)]
+pub(crate) struct Crowd {
+    pub(super) trees: Trees,
+    /// Candidates where a step begins, and where it ends.
+    pub(super) now: Contacts,
+    pub(super) next: Contacts,
+    pub(super) clearances: Clearances,
+    pub(super) room: Workspace,
+    pub(super) bodies: Vec<BodyState>,
+    /// Where the step began.
+    began: Vec<BodyState>,
+    /// Speeds for which the candidates are enough.
+    pub(super) rates: Vec<(f64, f64)>,
+    /// The end of the last step and its length (s).
+    end: Option<(State, f64)>,
+    energies: Energies,
+    /// D and K of the freedoms, of dampers, springs and motors without a bound.
+    damping: Vec<f64>,
+    stiffness: Vec<f64>,
+    free: Vec<f64>,
+    acceleration: Vec<f64>,
+    efforts: Vec<f64>,
+    middle: Option<State>,
+    /// Steps in which hardly anything has moved, and the efforts then.
+    still: usize,
+    steady: Vec<f64>,
+    /// w of the last step.
+    displacement: Vec<f64>,
+}
+
+/// The result of a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Made {
+    /// Iterations of all islands.
+    pub iterations: usize,
+    /// The largest residual of (A) and (B), and the number of islands above the tolerance.
+    pub residual: f64,
+    pub unsolved: usize,
+    /// Number of candidates.
+    pub candidates: usize,
+    /// The largest overlap that was lifted, and the largest that is left (m).
+    pub lifted: f64,
+    pub overlap: f64,
+    /// The energy that was taken so that none is gained (J).
+    pub taken: f64,
+    /// Work of motors and efforts, and what dampers and friction of joints took (J).
+    pub work: f64,
+    pub dissipated: f64,
+    pub friction: f64,
+    /// The energy that the mechanism has lost beside those (J).
+    pub lost: f64,
+    /// Number of contacts and limits that have closed with an impact, and number of all that are closed.
+    pub closed: usize,
+    pub held: usize,
+    /// The largest change of the velocity of a body's points [m/s], and the kinetic energy at the end (J).
+    pub jump: f64,
+    pub kinetic: f64,
+    /// Whether everything rests.
+    pub asleep: bool,
+}
+
+impl Crowd {
+    /// For a mechanism without loops and without joints that follow others; `None` for others.
+    pub fn new(mechanism: &Mechanism) -> Option<Self> {
+        if mechanism.has_closures() {
+            return None;
+        }
+        let count = mechanism.velocity_count;
+        Some(Crowd {
+            trees: Trees::new(mechanism),
+            now: Contacts::default(),
+            next: Contacts::default(),
+            clearances: Clearances::default(),
+            room: Workspace::default(),
+            bodies: vec![WORLD; mechanism.bodies.len()],
+            began: vec![WORLD; mechanism.bodies.len()],
+            rates: vec![(0.0, 0.0); mechanism.bodies.len()],
+            end: None,
+            energies: Energies::new(mechanism),
+            damping: vec![0.0; count],
+            stiffness: vec![0.0; count],
+            free: vec![0.0; count],
+            acceleration: vec![0.0; count],
+            efforts: vec![0.0; count],
+            middle: None,
+            still: 0,
+            steady: vec![0.0; count],
+            displacement: vec![0.0; count],
+        })
+    }
+
+    /// Makes a step of this length (s) from a state, evenly if nothing that acts changes in time; `None` where a mass matrix is singular or a number is not finite.
+    pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
+        let whole = scene.whole;
+        let start = state.clone();
+        if !evenly {
+            self.still = 0;
+        }
+        if self.is_asleep() {
+            // As `sleeps` has found.
+            state.time += step;
+            self.end = Some((state.clone(), self.end.as_ref().map_or(step, |end| end.1)));
+            self.displacement.fill(0.0);
+            return Some(Made { asleep: true, held: self.held(), ..Made::default() });
+        }
+        self.soften(scene);
+        self.begin(scene, &start, step)?;
+        let (mut made, iterations) = (Made::default(), self.room.iterations);
+        self.energies.begin(&self.trees, &start.velocity);
+        forces(&start, &mut self.acceleration, &mut self.efforts);
+        self.free_to_move(&start, 0.5 * step)?;
+        let mut displacement = std::mem::take(&mut self.displacement);
+        for attempt in 0..=AGAIN {
+            let moving = Moving { scene, start: &start, step, free: &self.free };
+            let Crowd { trees, now, room, bodies, .. } = self;
+            let found = move_on(trees, now, &moving, room, &mut displacement, state, bodies);
+            made.residual = made.residual.max(found.residual);
+            made.unsolved += found.unsolved;
+            self.place_middle(&start, &displacement, step, whole);
+            place_bodies(whole, state, &mut self.bodies);
+            self.next.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
+            if attempt == AGAIN || !self.widen(scene, &start) {
+                break;
+            }
+        }
+        if !state.position.iter().all(|place| place.is_finite()) {
+            return None;
+        }
+        self.trees.place(whole, &self.bodies);
+        self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
+        let (lifted, overlap) = self.lift(scene, state, step)?;
+        (made.lifted, made.overlap) = (lifted, overlap);
+        self.next.warm(&self.now, 1.0, &self.trees);
+        state.time = start.time + step;
+        self.free_to_settle(&start, &displacement, step, forces)?;
+        let settling = Settling { scene, start: &start, displacement: &displacement, step, free: &self.free };
+        let found = settle(&self.trees, &mut self.next, &settling, &mut self.room, &mut state.velocity);
+        made.residual = made.residual.max(found.residual);
+        made.unsolved += found.unsolved;
+        made.closed = found.closed;
+        made.friction = found.friction;
+        if !state.velocity.iter().all(|rate| rate.is_finite()) {
+            return None;
+        }
+        let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
+        let mut work: Vec<f64> = self.efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).collect();
+        work.iter_mut().zip(&found.work).for_each(|(own, more)| *own += more);
+        for (freedom, rate) in displacement.iter().enumerate() {
+            made.dissipated += step * self.damping[freedom] * rate * rate;
+        }
+        made.work = work.iter().sum();
+        made.taken = self.energies.bound(&self.trees, whole, state, &self.bodies, &work, [&self.now, &self.next]);
+        made.lost = self.energies.lost(whole, &start, state, made.work);
+        made.candidates = self.next.list.len();
+        made.iterations = self.room.iterations - iterations;
+        let rates = self.rates.clone();
+        self.displacement = displacement;
+        self.finish(scene, state, step);
+        made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
+        made.held = self.held();
+        let jumps = self.began.iter().zip(&self.bodies).map(|(before, now)| (now.velocity - before.velocity).norm());
+        made.jump = jumps.fold(0.0, f64::max);
+        let slow = RESTS * whole.gravity.norm() * step;
+        let rests = evenly && rates.iter().zip(&self.rates).all(|(a, b)| a.0.max(b.0) + a.1.max(b.1) <= slow);
+        self.still = if rests && self.energies.owes_nothing() { self.still + 1 } else { 0 };
+        if self.is_asleep() {
+            state.velocity.fill(0.0);
+            self.end = Some((state.clone(), step));
+            self.steady.copy_from_slice(&self.efforts);
+        }
+        Some(made)
+    }
+
+    /// Makes pairs that overlap at the end of a step, and were no candidates, candidates at its start; returns whether there are any.
+    fn widen(&mut self, scene: Scene, start: &State) -> bool {
+        let Crowd { now, next, trees, bodies, .. } = self;
+        let known: BTreeSet<Key> = now.list.iter().map(|candidate| candidate.key).collect();
+        let new =
+            |candidate: &&Candidate| candidate.closes() && candidate.gap < -OVERLAPS && !known.contains(&candidate.key);
+        let first = now.list.len();
+        if !next.list.iter().any(|candidate| new(&candidate)) {
+            return false;
+        }
+        place_bodies(scene.whole, start, bodies);
+        for candidate in next.list.iter().filter(new) {
+            let there = candidate.at(scene.elements, start, bodies);
+            // One that overlaps at the start as well has other features that tell.
+            if there.gap >= -CLOSED {
+                now.list.push(there);
+            }
+        }
+        now.fill_rows(scene, trees, bodies, first);
+        now.list.len() > first
+    }
+
+    /// Number of closed contacts and limits.
+    fn held(&self) -> usize {
+        self.now.list.iter().filter(|candidate| candidate.is_closed()).count()
+    }
+
+    fn is_asleep(&self) -> bool {
+        self.still >= STILL
+    }
+
+    /// Whether all bodies rest in a state, and go on resting under the efforts in it.
+    pub fn sleeps(&mut self, state: &State, forces: Forces) -> bool {
+        if self.is_asleep() {
+            let same = self.end.as_ref().is_some_and(|(end, _)| end == state);
+            if same {
+                forces(state, &mut self.acceleration, &mut self.efforts);
+            }
+            if !same || self.efforts != self.steady {
+                self.still = 0;
+            }
+        }
+        self.is_asleep()
+    }
+
+    /// A state inside the last step, from `start` to `end`, at a time (s); `None` if the last step was another.
+    pub fn inside(&self, mechanism: &Mechanism, start: &State, end: &State, time: f64) -> Option<State> {
+        let own = self.end.as_ref().is_some_and(|(own, _)| own.time == end.time && own.position == end.position);
+        if !own || time >= end.time {
+            return None;
+        }
+        let mut inside = start.clone();
+        let moved: Vec<f64> = self.displacement.iter().map(|rate| (time - start.time) * rate).collect();
+        inside.displace(mechanism, &moved);
+        let part = (time - start.time) / (end.time - start.time);
+        for ((rate, a), b) in inside.velocity.iter_mut().zip(&start.velocity).zip(&end.velocity) {
+            *rate = a + part * (b - a);
+        }
+        inside.time = time;
+        Some(inside)
+    }
+
+    /// Adds the contacts that pressed in the last step, with their mean forces.
+    pub fn pressing(&self, touching: &Touching, out: &mut Vec<ContactPoint>) {
+        let Some((_, step)) = &self.end else { return };
+        for candidate in &self.now.list {
+            let Some(contact) = candidate.contact.as_ref().filter(|_| candidate.settling.x > 0.0) else { continue };
+            let touch = touch_motion(&contact.joint, &self.bodies);
+            let [normal, first, second] = candidate.frame;
+            let force =
+                (normal * candidate.settling.x + first * candidate.settling.y + second * candidate.settling.z) / *step;
+            let across = candidate.settling.y.hypot(candidate.settling.z);
+            let sticks = across < STICKS * candidate.friction * candidate.settling.x;
+            out.push(touching.reported(contact, &touch, &force, sticks));
+        }
+    }
+
+    /// Takes the start of a step: candidates, their rows and M, known from the last step if it ended there.
+    fn begin(&mut self, scene: Scene, start: &State, step: f64) -> Option<()> {
+        let same = |(end, length): &(State, f64)| end == start && *length >= step;
+        let known = self.end.as_ref().is_some_and(same);
+        let longer = self.end.as_ref().map_or(1.0, |(_, length)| step / length);
+        if known && longer == 1.0 {
+            return Some(());
+        }
+        place_bodies(scene.whole, start, &mut self.bodies);
+        self.rates = self.bodies.iter().map(|body| (body.velocity.norm(), body.angular_velocity.norm())).collect();
+        let mut found = Contacts::default();
+        found.find(scene, start, &self.bodies, &self.rates, step, &mut self.clearances);
+        self.trees.place(scene.whole, &self.bodies);
+        found.fill_rows(scene, &self.trees, &self.bodies, 0);
+        found.warm(&self.now, longer, &self.trees);
+        self.now = found;
+        self.energies.place(scene.whole, start, &self.bodies, &self.trees);
+        Some(())
+    }
+
+    /// The candidates at the end become those at the start of the next step.
+    fn finish(&mut self, scene: Scene, state: &State, step: f64) {
+        place_bodies(scene.whole, state, &mut self.bodies);
+        let slow = scene.whole.gravity.norm() * step;
+        let mut grown = false;
+        for (body, rate) in self.bodies.iter().zip(&mut self.rates) {
+            let now = (body.velocity.norm(), body.angular_velocity.norm());
+            grown |= now.0 > SPEEDS * rate.0 + slow || now.1 > SPEEDS * rate.1 + slow;
+        }
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.end = Some((state.clone(), step));
+        // Candidates for slower bodies are not enough.
+        if grown {
+            self.rates = self.bodies.iter().map(|body| (body.velocity.norm(), body.angular_velocity.norm())).collect();
+            let mut found = Contacts::default();
+            found.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
+            found.fill_rows(scene, &self.trees, &self.bodies, 0);
+            found.warm(&self.now, 1.0, &self.trees);
+            self.now = found;
+        }
+    }
+
+    /// Dampings and stiffnesses of the freedoms.
+    fn soften(&mut self, scene: Scene) {
+        self.damping.fill(0.0);
+        self.stiffness.fill(0.0);
+        for damper in &scene.whole.forces.joint_dampers {
+            self.damping[damper.freedom] += damper.coefficient;
+        }
+        for spring in &scene.whole.forces.joint_springs {
+            self.stiffness[spring.coordinate.freedom] += spring.stiffness.max(0.0);
+        }
+        for motor in scene.elements.motors.iter().filter(|motor| motor.period == 0.0 && !has_row(motor)) {
+            let (stiffness, damping) = motor.law.gains();
+            self.stiffness[motor.coordinate.freedom] += stiffness;
+            self.damping[motor.coordinate.freedom] += damping;
+        }
+    }
+
+    /// v_f of (A): half a step under the forces at the start, with dampers and springs at its middle.
+    fn free_to_move(&mut self, start: &State, half: f64) -> Option<()> {
+        let Crowd { trees, damping, stiffness, free, acceleration, .. } = self;
+        for tree in &mut trees.trees {
+            if !tree.factor(half, damping, stiffness) {
+                return None;
+            }
+            let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| acceleration[freedom]).collect();
+            let mut change = vec![0.0; own.len()];
+            if tree.freedoms.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
+                tree.add_mass(&own, &mut change);
+                for (entry, &freedom) in change.iter_mut().zip(&tree.freedoms) {
+                    *entry -= half * stiffness[freedom] * start.velocity[freedom];
+                }
+                tree.solve(&mut change);
+            } else {
+                change.copy_from_slice(&own);
+            }
+            for (change, &freedom) in change.iter().zip(&tree.freedoms) {
+                free[freedom] = start.velocity[freedom] + half * change;
+            }
+        }
+        Some(())
+    }
+
+    /// v_f of (B): a whole step under the forces at its middle, with dampers at its end.
+    fn free_to_settle(&mut self, start: &State, displacement: &[f64], step: f64, forces: Forces) -> Option<()> {
+        let Crowd { trees, damping, stiffness, free, acceleration, efforts, middle, .. } = self;
+        let middle = middle.as_mut()?;
+        forces(middle, acceleration, efforts);
+        stiffness.fill(0.0);
+        for tree in &mut trees.trees {
+            if !tree.factor(step, damping, stiffness) {
+                return None;
+            }
+            let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| acceleration[freedom]).collect();
+            let mut change = vec![0.0; own.len()];
+            if tree.freedoms.iter().any(|&freedom| damping[freedom] > 0.0) {
+                tree.add_mass(&own, &mut change);
+                for (entry, &freedom) in change.iter_mut().zip(&tree.freedoms) {
+                    *entry += damping[freedom] * (displacement[freedom] - start.velocity[freedom]);
+                }
+                tree.solve(&mut change);
+            } else {
+                change.copy_from_slice(&own);
+            }
+            for (change, &freedom) in change.iter().zip(&tree.freedoms) {
+                free[freedom] = start.velocity[freedom] + step * change;
+            }
+        }
+        Some(())
+    }
+
+    /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.
+    fn place_middle(&mut self, start: &State, displacement: &[f64], step: f64, whole: &Mechanism) {
+        let Crowd { middle, bodies, began, rates, .. } = self;
+        let middle = middle.get_or_insert_with(|| start.clone());
+        middle.copy_from(start);
+        place_bodies(whole, middle, bodies);
+        began.copy_from_slice(bodies);
+        let speeds = |body: &BodyState| (body.velocity.norm(), body.angular_velocity.norm());
+        rates.iter_mut().zip(bodies.iter()).for_each(|(rate, body)| *rate = speeds(body));
+        let half: Vec<f64> = displacement.iter().map(|rate| 0.5 * step * rate).collect();
+        middle.displace(whole, &half);
+        middle.time = start.time + 0.5 * step;
+        middle.velocity.copy_from_slice(displacement);
+        place_bodies(whole, middle, bodies);
+        for (rate, body) in rates.iter_mut().zip(bodies.iter()) {
+            let now = speeds(body);
+            *rate = (rate.0.max(now.0), rate.1.max(now.1));
+        }
+    }
+}

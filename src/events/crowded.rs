@@ -1,0 +1,193 @@
+//! A run in a crowd of events: when it begins, the length of its steps (`crowd/`), and when exact steps take over again.
+//!
+//! ```text
+//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to the tolerance          v: largest speed so far [m/s]
+//!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`
+//!     ends:     calm, and   n_s c (n + 3 n_c)² < ½ (1/h) c_c (i + 5) n                                expected cost for a second of the motion (s)
+//! ```
+//!
+//! n are rates, n_c closed contacts, i the iterations of a step; n_s is the number of exact steps in a calm second, c and c_c are the measured costs of an
+//! iteration for each squared unknown, and of a step over events for each rate. All are counts: the choice does not depend on a clock.
+
+use crate::events::crowd::contacts::{Scene, has_row};
+use crate::events::crowd::step::Made;
+use crate::events::crowding::LABOUR_WITHIN;
+use crate::events::effects::resting::energy;
+use crate::events::integrator::{Eventful, larger};
+use crate::events::modes::mode::MotorMode;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::state::State;
+
+/// Lengths of steps (s): the least, the most, and where none keeps to the tolerance.
+const LENGTHS: [f64; 2] = [1e-4, 2e-3];
+const PLAIN: f64 = 1e-3;
+/// κ: the error of an impact over its change of velocity and the length of the step.
+const SMEARS: f64 = 0.3;
+/// Bodies at rest may come to the speed of a fall for this time (s).
+const FALLS: f64 = 0.1;
+/// c and c_c (s), n_s.
+const ITERATION: f64 = 2e-7;
+const STEP: f64 = 4e-7;
+const CALM_STEPS: f64 = 200.0;
+/// Iterations that the other work of a step is worth, and iterations of a usual step.
+const OVERHEAD: f64 = 5.0;
+const USUAL: f64 = 8.0;
+/// Exact steps that cost less than this stay (s for a second of the motion).
+const CHEAP: f64 = 1.0;
+
+impl Eventful {
+    /// The length of steps over events (s), and whether they keep to the tolerance.
+    fn crowd_length(&self) -> (f64, bool) {
+        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
+        let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.whole.gravity.norm());
+        let kept = self.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
+        match kept {
+            Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
+            _ => (PLAIN, false),
+        }
+    }
+
+    /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.
+    pub(super) fn bearable_labour(&self) -> Option<f64> {
+        let (length, keeps) = self.crowd_length();
+        if self.crowd.is_none() || !keeps {
+            return None;
+        }
+        let second = STEP * (USUAL + OVERHEAD) * self.whole.velocity_count as f64 / length;
+        Some(LABOUR_WITHIN * (2.0 * second).max(CHEAP) / ITERATION)
+    }
+
+    /// Begins a crowd with a step from a state towards `until`, or makes one step in the place of one that jams; `None` if there is no such step.
+    pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        if self.crowding.is_jam() {
+            let (mut outcome, _) = self.step_in_crowd(inputs, state, until, self.crowding.length())?;
+            self.leave_crowd(inputs, state, &mut outcome);
+            return Some(outcome);
+        }
+        let (length, _) = self.crowd_length();
+        // Without crowds a step that cannot be made is passed in the shortest way.
+        let alone = self.recipe.keeps(Rule::Crowds);
+        let (mut outcome, made) = self.step_in_crowd(inputs, state, until, if alone { LENGTHS[0] } else { length })?;
+        if alone {
+            self.leave_crowd(inputs, state, &mut outcome);
+        } else {
+            self.in_crowd = true;
+            self.crowding.enter(self.origin.time);
+            self.crowding.is_calm(made.closed);
+        }
+        Some(outcome)
+    }
+
+    /// The next step of a crowd from a state that the last one has left; `None` if the run is in no crowd, or the step cannot be made.
+    pub(super) fn go_on_in_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        if !self.in_crowd {
+            return None;
+        }
+        let next = self.next_instant(state.time, until);
+        let (length, _) = self.crowd_length();
+        let made = self.step_in_crowd(inputs, state, next, length);
+        let Some((mut outcome, made)) = made else {
+            self.in_crowd = false;
+            self.pass_anew(inputs, state);
+            return None;
+        };
+        let rates = self.whole.velocity_count as f64;
+        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
+        let over = STEP * (made.iterations as f64 + OVERHEAD) * rates / length;
+        if self.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep {
+            self.leave_crowd(inputs, state, &mut outcome);
+        }
+        match &mut self.left {
+            Some(left) => left.copy_from(state),
+            none => *none = Some(state.clone()),
+        }
+        Some(outcome)
+    }
+
+    /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.
+    fn leave_crowd(&mut self, inputs: Inputs, state: &mut State, outcome: &mut StepOutcome) {
+        self.in_crowd = false;
+        self.crowding.leave(state.time);
+        let before = energy(&self.whole, state).total();
+        self.outside.clear();
+        self.outside.extend_from_slice(inputs.efforts);
+        for index in 0..self.elements.motors.len() {
+            self.mode.motors[index] = self.motor_mode(index, state);
+        }
+        let events = self.events.len();
+        self.pass_anew(inputs, state);
+        self.events.truncate(events);
+        outcome.exchange.impacts += before - energy(&self.whole, state).total();
+        self.stepped_over = Some(state.clone());
+        let piece = &mut self.pieces[self.current];
+        piece.small = piece.moving.gather(&self.whole, state);
+    }
+
+    /// Makes one step of at most this length (s) towards `until`, if it can be made.
+    fn step_in_crowd(
+        &mut self,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+        length: f64,
+    ) -> Option<(StepOutcome, Made)> {
+        self.origin.copy_from(state);
+        let Eventful { whole, elements, touching, response, mode, crowd, .. } = self;
+        let crowd = crowd.as_mut()?;
+        let mut forces = |at: &State, accelerations: &mut [f64], efforts: &mut [f64]| {
+            inputs.write_constant(efforts);
+            inputs.add_feedback(at, efforts);
+            for (motor, mode) in elements.motors.iter().zip(&mode.motors).filter(|(motor, _)| !has_row(motor)) {
+                let place = motor.coordinate;
+                efforts[place.freedom] += match *mode {
+                    MotorMode::Given(effort) => effort,
+                    _ => {
+                        let position = at.position[place.position] + at.compensation[place.position];
+                        motor.effort(at.time, position, at.velocity[place.freedom])
+                    }
+                };
+            }
+            response.accelerations(at, efforts, accelerations);
+        };
+        let scene = Scene { whole, elements, touching };
+        let evenly = inputs.feedback.is_none() && elements.motors.iter().all(|motor| motor.target.is_constant());
+        let rest = until - state.time;
+        let step = if evenly && crowd.sleeps(state, &mut forces) { rest } else { length.min(rest) };
+        let mut end = state.clone();
+        let made = crowd.step(scene, &mut forces, &mut end, step, evenly)?;
+        // The end is a given instant to the last bit.
+        end.time = if step == rest { until } else { end.time };
+        state.copy_from(&end);
+        for index in 0..self.elements.motors.len() {
+            let motor = &self.elements.motors[index];
+            if motor.period > 0.0 && motor.next_instant(self.origin.time) <= state.time {
+                self.mode.motors[index] = self.motor_mode(index, state);
+            }
+        }
+        let Made { iterations, residual, unsolved, overlap, lifted, work, dissipated, friction, lost, .. } = made;
+        self.unsolved += unsolved;
+        self.overlap = self.overlap.max(overlap);
+        self.crowd_figures = (self.crowd_figures.0.max(residual), self.crowd_figures.1.max(lifted));
+        self.first_order = (self.first_order.0 + 1, self.first_order.1 + step);
+        // An impact within the step is at its end for samples inside it.
+        self.between = larger(self.between, Some(0.25 * step * made.jump + lifted));
+        self.stepped_over = Some(state.clone());
+        self.memory.kinetic = self.memory.kinetic.max(made.kinetic);
+        self.steps += 1;
+        self.stepped += step;
+        let impacts = lost - dissipated - friction;
+        let exchange = Exchange { work, dissipated, friction, impacts };
+        Some((StepOutcome::new(step, iterations, exchange), made))
+    }
+
+    /// Adds the contacts that press at the end of a step of a crowd, with their mean forces in it; `false` if the run is in no crowd.
+    pub(super) fn report_crowd(&self, _state: &State, out: &mut Vec<ContactPoint>) -> bool {
+        let Some(crowd) = self.crowd.as_ref().filter(|_| self.in_crowd) else { return false };
+        crowd.pressing(&self.touching, out);
+        true
+    }
+}
