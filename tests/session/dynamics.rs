@@ -218,6 +218,6 @@ fn linear_equations_have_rotors_and_relations_of_several_joints() {
         assert!((mode.frequency - wanted).abs() < 1e-12, "{} instead of {wanted}", mode.frequency);
     }
     std::fs::write(&file, format!("{scene}[[drag]]\nlink = \"wheel\"\nangular = 1\n")).expect("a scene");
-    let error = Model::load(&file).expect("a model").linearize_at_rest(None).err().expect("drag").to_string();
+    let error = Model::load(&file).expect("a model").linearize_at_rest(None).expect_err("drag").to_string();
     assert!(error.contains("no drag") && !error.contains('\n'), "{error}");
 }

@@ -155,6 +155,11 @@ impl Touching {
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
     }
 
+    /// Whether a pair overlaps by more than a depth (m). The lower bound of the distance answers for most pairs.
+    pub fn overlaps(&self, pair: usize, bodies: &[BodyState], depth: f64) -> bool {
+        self.least_distance(pair, bodies, 0.0) <= 0.0 && self.distance(pair, bodies) < -depth
+    }
+
     /// The distance of a pair (m) for a search of roots; of dense hulls that are well apart a lower bound, which GJK gives to its tolerance.
     pub fn gap(&self, pair: usize, bodies: &[BodyState]) -> f64 {
         let Pair { geometry, extents, .. } = &self.pairs[pair];
