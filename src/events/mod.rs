@@ -33,6 +33,8 @@ mod commanded;
 mod contact_points;
 mod covered;
 mod crowd;
+#[cfg(test)]
+mod crowd_tests;
 mod crowded;
 mod crowding;
 mod effects;
