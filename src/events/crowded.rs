@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to the tolerance          v: largest speed so far [m/s]
-//!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`
+//!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`, if such crowds follow soon
 //!     ends:     calm, and   n_s c (n + 3 n_c)² < ½ (1/h) c_c (i + 5) n                                expected cost for a second of the motion (s)
 //! ```
 //!
@@ -61,23 +61,22 @@ impl Eventful {
         Some(LABOUR_WITHIN * (2.0 * second).max(CHEAP) / ITERATION)
     }
 
-    /// Begins a crowd with a step from a state towards `until`, or makes one step in the place of one that jams; `None` if there is no such step.
+    /// Begins a crowd with a step from a state towards `until`; `None` if the crowd is brief and such steps do not keep to the tolerance, if crowds are
+    /// switched off, or if the step cannot be made.
     pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
-        if self.crowding.is_jam() {
-            let (mut outcome, _) = self.step_in_crowd(inputs, state, until, self.crowding.length())?;
-            self.leave_crowd(inputs, state, &mut outcome);
-            return Some(outcome);
+        let (length, keeps) = self.crowd_length();
+        if self.recipe.keeps(Rule::Crowds) || self.crowding.is_brief(keeps) {
+            return None;
         }
-        let (length, _) = self.crowd_length();
-        // Without crowds a step that cannot be made is passed in the shortest way.
-        let alone = self.recipe.keeps(Rule::Crowds);
-        let (mut outcome, made) = self.step_in_crowd(inputs, state, until, if alone { LENGTHS[0] } else { length })?;
-        if alone {
+        let before = self.crowding;
+        self.crowding.enter(state.time);
+        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, length) else {
+            self.crowding = before;
+            return None;
+        };
+        self.in_crowd = true;
+        if self.is_over(&made, length) {
             self.leave_crowd(inputs, state, &mut outcome);
-        } else {
-            self.in_crowd = true;
-            self.crowding.enter(self.origin.time);
-            self.crowding.is_calm(made.closed);
         }
         Some(outcome)
     }
@@ -95,10 +94,7 @@ impl Eventful {
             self.pass_anew(inputs, state);
             return None;
         };
-        let rates = self.whole.velocity_count as f64;
-        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
-        let over = STEP * (made.iterations as f64 + OVERHEAD) * rates / length;
-        if self.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep {
+        if self.is_over(&made, length) {
             self.leave_crowd(inputs, state, &mut outcome);
         }
         match &mut self.left {
@@ -106,6 +102,14 @@ impl Eventful {
             none => *none = Some(state.clone()),
         }
         Some(outcome)
+    }
+
+    /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
+    fn is_over(&mut self, made: &Made, length: f64) -> bool {
+        let rates = self.whole.velocity_count as f64;
+        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
+        let over = STEP * (made.iterations as f64 + OVERHEAD) * rates / length;
+        self.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
     }
 
     /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.

@@ -34,6 +34,8 @@ const JAM_LONGER: f64 = 4.0;
 const SOON: f64 = 10.0;
 /// A crowd of steps over events ends after this many without an event.
 const CALM: usize = 10;
+/// Crowds of fewer steps of the least length are brief.
+const BRIEF: usize = 4;
 /// The most steps of the least length that leave a crowd.
 const LONGEST: usize = 512;
 
@@ -142,17 +144,18 @@ impl Crowding {
         if self.jams { self.jam.0 } else { self.longer() as f64 * STEP }
     }
 
-    /// Whether the next step is in the place of one that jams, and the run is exact after it.
-    pub fn is_jam(&self) -> bool {
-        self.jams
-    }
-
     /// Steps over events begin at a time (s); if the last ones ended soon before, more calm steps end them.
     pub fn enter(&mut self, time: f64) {
         let (began, ended) = self.spell;
         let soon = time - ended <= (SOON * (ended - began)).max(2.0 * LABOUR_WITHIN);
         self.calm = (0, if soon { (2 * self.calm.1).min(LONGEST) } else { CALM });
         self.spell.0 = time;
+    }
+
+    /// Whether plastic steps are enough: in the place of one that jams, and in a crowd that does not follow others, unless steps over events keep to
+    /// the tolerance.
+    pub fn is_brief(&self, keeps: bool) -> bool {
+        self.jams || self.made < BRIEF && !keeps
     }
 
     /// Counts a step over events with this number of them; returns whether the crowd is over, if exact steps are no dearer.

@@ -34,6 +34,8 @@ mod commanded;
 mod contact_points;
 mod covered;
 mod crowd;
+#[cfg(test)]
+mod crowd_tests;
 mod crowded;
 mod crowding;
 mod effects;

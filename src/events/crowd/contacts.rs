@@ -41,7 +41,7 @@ pub(crate) struct Scene<'s> {
 
 /// By what a candidate is found again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Key {
+pub(crate) enum Key {
     Touch(usize, PlaceId),
     /// A joint by its number among the elements, and whether it is its upper limit.
     Limit(usize, bool),
@@ -51,7 +51,7 @@ pub(super) enum Key {
 
 /// A contact, limit, joint with friction or motor that may act in a step.
 #[derive(Clone)]
-pub(super) struct Candidate {
+pub(crate) struct Candidate {
     pub key: Key,
     /// The features, of a contact.
     pub contact: Option<Contact>,
@@ -73,14 +73,14 @@ pub(super) struct Candidate {
 
 /// All candidates at one instant, with their rows.
 #[derive(Clone, Default)]
-pub(super) struct Contacts {
+pub(crate) struct Contacts {
     pub list: Vec<Candidate>,
     pub rows: Rows,
 }
 
 /// Distances of pairs that were seen before.
 #[derive(Clone, Default)]
-pub(super) struct Clearances {
+pub(crate) struct Clearances {
     /// How far the bodies of a pair may move before it is looked at again (m).
     clear: Vec<f64>,
     /// Pairs with candidates at the last look.

@@ -14,5 +14,3 @@ mod lifting;
 mod moving;
 mod settling;
 pub(crate) mod step;
-#[cfg(test)]
-mod tests;

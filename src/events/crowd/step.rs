@@ -46,7 +46,7 @@ pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
 pub(crate) struct Crowd {
     pub(super) trees: Trees,
     /// Candidates where a step begins, and where it ends.
-    pub(super) now: Contacts,
+    pub(crate) now: Contacts,
     pub(super) next: Contacts,
     pub(super) clearances: Clearances,
     pub(super) room: Workspace,
