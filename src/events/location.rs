@@ -306,7 +306,7 @@ impl Eventful {
         self.evaluated = Evaluated::default();
         let overlaps = |index: usize| match self.watched[index] {
             Watched::Approach(pair) => {
-                self.touching.distance(pair, &self.bodies) < -self.touching.pairs[pair].within(AT_EVENT)
+                self.touching.overlaps(pair, &self.bodies, self.touching.pairs[pair].within(AT_EVENT))
             }
             Watched::Feature(contact) => {
                 let contact = &self.mode.contacts[contact].contact;

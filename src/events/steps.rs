@@ -290,7 +290,7 @@ impl Eventful {
     /// The pairs that overlap at the end of a step that did not look at them.
     fn overlooked(&self) -> Vec<Watched> {
         let overlaps = |watched: &&Watched| match **watched {
-            Watched::Approach(pair) => self.touching.distance(pair, &self.bodies) < 0.0,
+            Watched::Approach(pair) => self.touching.overlaps(pair, &self.bodies, 0.0),
             _ => false,
         };
         self.repeats.ignored.iter().filter(overlaps).copied().collect()
