@@ -53,7 +53,7 @@ pub struct Scene {
     pub answers: Vec<Answer>,
     /// No motion of this kind amplifies errors: it must not be called chaotic.
     pub is_calm: bool,
-    /// The energy that springs and motors store at the start, and of weights that motors hold (J).
+    /// The energy that springs and motors store at the start (J).
     pub stored: f64,
     /// No energy is lost: every restitution is 1, and there is no friction.
     pub is_lossless: bool,

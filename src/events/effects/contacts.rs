@@ -18,7 +18,7 @@ use crate::events::modes::mode::{Closed, Mode};
 use crate::events::modes::tolerances::{SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
-use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
@@ -140,26 +140,6 @@ impl Contacts {
             Meeting { block: self.block(scene, &bodies, index), restitution, rest: self.rest }
         };
         self.all.iter().enumerate().map(meeting).collect()
-    }
-
-    /// The acceleration of a meeting along its first row, W a + Ẇ v, for accelerations a of the joints: a corner that slides beyond a rim parts from it,
-    /// whatever pulls it back.
-    pub fn acceleration(
-        &self,
-        scene: &Scene,
-        bodies: &[BodyState],
-        state: &State,
-        meeting: &Meeting,
-        accelerations: &[f64],
-    ) -> f64 {
-        let own = std::slice::from_ref(&meeting.block);
-        match meeting.block.of {
-            Of::Joint(_) => meeting.rate(accelerations),
-            Of::Contact(_) => {
-                let joint = |contact: usize| &self.all[contact].joint;
-                second_rates(scene.whole, scene.elements, bodies, state, accelerations, own, joint)[0]
-            }
-        }
     }
 
     /// Slower rates than this [m/s] count as rest, too, because impulses leave as much.

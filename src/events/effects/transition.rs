@@ -26,7 +26,6 @@ use crate::instant::cone::bounded::minimise;
 use crate::instant::holding::blocks::{Of, Rows};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
-use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 /// Rounds in which limits that kick each other open are brought to rest.
@@ -95,7 +94,7 @@ pub(crate) fn transit(
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     for _ in 0..CALMING {
         let known = efforts(mode, state);
-        let (low, left) = too_low(scene, state, &contacts, &meetings, &known, found.height);
+        let (low, left) = too_low(scene, state, &meetings, &known, found.height);
         if low.is_empty() {
             break;
         }
@@ -175,41 +174,26 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
     }
 }
 
-/// Meetings that leave too slowly to matter, with the sum of their heights (m or rad): `γ² ≤ −2 a · height` with the acceleration `a = W v̇ + Ẇ v < 0`
-/// that each has while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that. Any other keeps its
-/// rate, which would be missing for good. Elements that kick each other open without end come to rest in this way.
-fn too_low(
-    scene: &mut Scene,
-    state: &State,
-    contacts: &Contacts,
-    meetings: &[Meeting],
-    efforts: &[f64],
-    height: f64,
-) -> (Vec<usize>, f64) {
+/// Meetings that leave too slowly to matter, with the sum of their heights (m or rad): `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
+/// while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that; any other leaves as well from
+/// rest. Elements that kick each other open without end come to rest in this way.
+fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> (Vec<usize>, f64) {
     if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
         return (Vec::new(), 0.0);
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
-    let bodies = if contacts.count() == 0 { Vec::new() } else { body_states(scene.whole, state) };
     let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
-    let rests: Vec<&Meeting> = rests.collect();
-    if !rests.is_empty() {
-        let normals = rests.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
+    let normals: Vec<Vec<f64>> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    if !normals.is_empty() {
         let rows = Rows::new(scene.response, state, normals);
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
-        let falls: Vec<f64> =
-            rests.iter().map(|meeting| contacts.acceleration(scene, &bodies, state, meeting, &free)).collect();
-        rows.add(&minimise(&rows.square, &falls, &pushes).efforts, &mut free);
+        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
     }
     let (mut low, mut left) = (Vec::new(), 0.0);
     for (index, meeting) in meetings.iter().enumerate() {
-        let rate = meeting.rate(&state.velocity);
-        if rate <= 0.0 {
-            continue;
-        }
-        let pull = -contacts.acceleration(scene, &bodies, state, meeting, &free);
-        if pull > 0.0 && rate * rate <= 2.0 * pull * height {
+        let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
+        if rate > 0.0 && rate * rate <= 2.0 * pull * height {
             low.push(index);
             left += rate * rate / (2.0 * pull);
         }

@@ -1,7 +1,6 @@
 //! Joints with closed forms, and arms that are held, which must not be called chaotic.
 
 use crate::draw::Draw;
-use crate::kinds::GRAVITY;
 use crate::kinds::balls::bounced;
 use crate::scene::{Answer, Scene, Start};
 use crate::urdf::{Joint, Robot};
@@ -50,7 +49,6 @@ pub fn arm(draw: &mut Draw, mut scene: Scene) -> Scene {
     for index in 0..count {
         let (mass, length) = (draw.range(0.5, 3.0), draw.range(0.2, 0.5));
         let inertia = Vector3::new(0.1, 1.0, 1.0) * (mass * length * length / 12.0);
-        scene.stored += mass * GRAVITY * 0.5 * length;
         robot.link(&links[index], mass, inertia, Vector3::new(0.5 * length, 0.0, 0.0), None);
         let parent = if index == 0 { "l0" } else { &links[index - 1] };
         let origin = Vector3::new(if index == 0 { 0.0 } else { 0.3 }, 0.0, 0.0);
