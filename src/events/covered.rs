@@ -110,7 +110,7 @@ impl Eventful {
             self.place(Inside::at(end));
             for watched in &self.repeats.ignored {
                 if let Watched::Approach(pair) = watched {
-                    least = least.min(self.touching.distance(*pair, &self.bodies));
+                    least = least.min(self.touching.distance_within(*pair, &self.bodies, 0.0));
                 }
             }
         }

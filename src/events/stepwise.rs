@@ -127,7 +127,7 @@ impl Eventful {
         // Closed contacts have been moved, which must not gain energy either.
         let impacts = self.bound(&start, state, work);
         let bodies = body_states(&self.whole, state);
-        let distance = |&pair: &usize| self.touching.distance(pair, &bodies);
+        let distance = |&pair: &usize| self.touching.distance_within(pair, &bodies, 0.0);
         self.overlap = near.iter().map(distance).fold(self.overlap, |deepest, gap| deepest.max(-gap));
         let piece = &mut self.pieces[self.current];
         piece.small = piece.moving.gather(&self.whole, state);
@@ -194,7 +194,7 @@ impl Eventful {
                 Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
             let within = (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider[pair]);
-            let distance = self.touching.distance(pair, &bodies);
+            let distance = self.touching.distance_within(pair, &bodies, within);
             seen.push((distance, distance <= within));
             if distance > within {
                 continue;

@@ -181,7 +181,7 @@ impl Contacts {
                 continue;
             }
             if !clearances.near[pair] {
-                let distance = touching.distance(pair, bodies);
+                let distance = touching.distance_within(pair, bodies, within);
                 clearances.clear[pair] = distance;
                 if distance > within {
                     continue;

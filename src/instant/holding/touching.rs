@@ -155,9 +155,15 @@ impl Touching {
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
     }
 
-    /// Whether a pair overlaps by more than a depth (m). The lower bound of the distance answers for most pairs.
+    /// The distance of a pair (m) if it may be at most `within` (m), otherwise a lower bound that is larger than `within`.
+    pub fn distance_within(&self, pair: usize, bodies: &[BodyState], within: f64) -> f64 {
+        let least = self.least_distance(pair, bodies, within);
+        if least > within { least } else { self.distance(pair, bodies) }
+    }
+
+    /// Whether a pair overlaps by more than a depth (m).
     pub fn overlaps(&self, pair: usize, bodies: &[BodyState], depth: f64) -> bool {
-        self.least_distance(pair, bodies, 0.0) <= 0.0 && self.distance(pair, bodies) < -depth
+        self.distance_within(pair, bodies, 0.0) < -depth
     }
 
     /// The distance of a pair (m) for a search of roots; of dense hulls that are well apart a lower bound, which GJK gives to its tolerance.
