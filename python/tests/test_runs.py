@@ -50,7 +50,10 @@ def test_contacts_carry_the_weight_of_what_stands(robots):
     result = catena.Sim(model, tolerance=1e-6).run(3.0, rate=60)
     contacts, forces = result.contacts, result.contact_forces
     feet = sorted(set(contacts["pair"]))
-    assert len(feet) == 4 and set(forces) == {*feet, "trunk|floor"} and not forces["trunk|floor"].any()
+    with_floor = {pair for pair in forces if pair.endswith("|floor")}
+    assert len(feet) == 4 and with_floor == {*feet, "trunk|floor"}
+    # The trunk does not reach the floor, and links do not reach each other.
+    assert all(not forces[pair].any() for pair in set(forces) - set(feet))
     # The feet meet the floor after 0.101 s; before, no contact is closed.
     assert 0.1 < contacts["t"][0] < 0.12
     last = contacts["t"] == result.t[-1]
