@@ -83,8 +83,9 @@ impl Eventful {
         let open =
             |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.repeats.ignored.contains(watched);
         let until = |index: usize| {
-            let own = self.covers.iter().find(|(watched, _)| *watched == index);
-            own.map_or(f64::NEG_INFINITY, |(_, cover)| cover.until)
+            // They are in the order of their numbers.
+            let own = self.covers.binary_search_by_key(&index, |(watched, _)| *watched);
+            own.map_or(f64::NEG_INFINITY, |place| self.covers[place].1.until)
         };
         end > since && (0..self.watched.len()).any(|index| open(&self.watched[index]) && until(index) < covered)
     }
