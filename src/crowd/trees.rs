@@ -3,6 +3,7 @@
 //! ```text
 //!     v(x) = Σ_j (l_j + ω_j × (x − x₀)) q̇_j          freedoms j on the path to a body; x₀: the root of the tree (m)
 //!     M_ij = l_i · p_j + ω_i · L_j,    p_j = m l_j + ω_j × s,    L_j = s × l_j + Θ ω_j
+//!     M_jj += A_j                                    rotor of joint j, A_j: its reflected inertia [kg m² or kg]
 //!     M̃ = M + b D + b² K = L Lᵀ                      damping D and stiffness K within a step, b: the time in which they act (s)
 //! ```
 //!
@@ -145,6 +146,11 @@ impl Trees {
                 onto.moment += own.moment;
                 onto.inertia += own.inertia;
             }
+        }
+        for (freedom, armature) in mechanism.rotors() {
+            let (number, own) = of_freedom[freedom];
+            let tree = &mut trees[number];
+            tree.mass[own * (tree.freedoms.len() + 1)] += armature;
         }
     }
 

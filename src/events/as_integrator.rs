@@ -151,7 +151,7 @@ impl Integrator for Eventful {
     }
 
     fn contacts(&self, _mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
-        if !self.report_crowd(state, out) {
+        if !self.report_crowd(out) {
             self.report_contacts(state, out);
         }
     }

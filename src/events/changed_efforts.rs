@@ -9,11 +9,9 @@
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
 use crate::events::finding::detection::ONE_INSTANT;
-use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, MotorMode};
-use crate::events::modes::present::Present;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 
@@ -40,31 +38,16 @@ impl Eventful {
         if self.asleep || self.undecided || self.repeats.are_at(state.time) || self.left.is_none() {
             return false;
         }
+        self.sample.copy_from(state);
         self.evaluated = Evaluated::default();
-        let Eventful {
-            whole,
-            elements,
-            touching,
-            mode,
-            response,
-            pieces,
-            current,
-            holding,
-            efforts,
-            watched,
-            bodies,
-            slips,
-            ..
-        } = self;
-        mode.efforts_at(elements, inputs, state.time, state, efforts);
-        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-        holding.evaluate(&present, response, state, efforts);
-        if watched.contains(&Watched::Margin) {
-            holding.evaluate_margin();
-        }
         let time = state.time;
-        let seen = Seen { elements, touching, mode, holding, since: time, time, state, bodies, slips };
-        watched.iter().filter(|watched| watched.needs_efforts()).all(|watched| watched.value(&seen) >= 0.0)
+        (0..self.watched.len()).all(|index| {
+            let mut value = [0.0];
+            if self.watched[index].needs_efforts() {
+                self.evaluate_at_sample(inputs, time, time, &[index], &mut value);
+            }
+            value[0] >= 0.0
+        })
     }
 
     /// At a given instant of a target or a tick: the efforts that begin there. Whether the mode has to be decided anew.

@@ -158,7 +158,8 @@ impl Eventful {
             response.accelerations(at, efforts, accelerations);
         };
         let scene = Scene { whole, elements, touching };
-        let evenly = inputs.feedback.is_none() && elements.motors.iter().all(|motor| motor.target.is_constant());
+        let constant = elements.motors.iter().all(|motor| motor.target.is_constant()) && !whole.forces.change();
+        let evenly = inputs.feedback.is_none() && constant;
         let rest = until - state.time;
         let step = if evenly && crowd.sleeps(state, &mut forces) { rest } else { length.min(rest) };
         let mut end = state.clone();
@@ -189,7 +190,7 @@ impl Eventful {
     }
 
     /// Adds the contacts that press at the end of a step of a crowd, with their mean forces in it; `false` if the run is in no crowd.
-    pub(super) fn report_crowd(&self, _state: &State, out: &mut Vec<ContactPoint>) -> bool {
+    pub(super) fn report_crowd(&self, out: &mut Vec<ContactPoint>) -> bool {
         let Some(crowd) = self.crowd.as_ref().filter(|_| self.in_crowd) else { return false };
         crowd.pressing(&self.touching, out);
         true

@@ -41,6 +41,18 @@ impl Eventful {
         values: &mut [f64],
     ) {
         self.go_to(instant);
+        self.evaluate_at_sample(inputs, since, instant.time, which, values);
+    }
+
+    /// The same at the sample, at a time (s).
+    pub(super) fn evaluate_at_sample(
+        &mut self,
+        inputs: Inputs,
+        since: f64,
+        time: f64,
+        which: &[usize],
+        values: &mut [f64],
+    ) {
         let Eventful {
             whole,
             elements,
@@ -73,7 +85,7 @@ impl Eventful {
             placed.place(whole, sample, bodies);
             evaluated.bodies = true;
         }
-        let seen = Seen { elements, touching, mode, holding, since, time: instant.time, state: sample, bodies, slips };
+        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips };
         for (value, &index) in values.iter_mut().zip(which) {
             *value = watched[index].value(&seen);
         }

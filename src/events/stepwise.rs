@@ -16,7 +16,7 @@
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
-use crate::events::effects::resting::energy;
+use crate::events::effects::resting::{energy, work_of_forces};
 use crate::events::finding::speeds::speed_at;
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
@@ -105,6 +105,8 @@ impl Eventful {
         };
         self.leave_out(rebounds.0, rebounds.1, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
+        let moving = State { velocity: state.velocity.clone(), ..start.clone() };
+        let loads = work_of_forces(&self.whole, &moving, step);
         state.displace(&self.whole, &moved);
         state.time = start.time + step;
         // If it fails, closures stay open by the error of a step of first order.
@@ -114,7 +116,7 @@ impl Eventful {
             state.velocity = wanted;
         }
         self.land(&pressed, &limits, state);
-        let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
+        let work = loads + efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum::<f64>();
         self.bound(&start, state, work);
         self.first_order = (self.first_order.0 + 1, self.first_order.1 + step);
         self.see_jump(&start, state);

@@ -4,12 +4,13 @@
 //!     E⁺ ≤ E + W         of each group of trees that touch:  the rates are scaled by √((T − gain)/T)
 //! ```
 //!
-//! W is the work of motors and efforts (J). A gain that is larger than the kinetic energy T, as of a lift of bodies at rest, is a debt of the next motion.
+//! W is the work of motors, efforts and forces without a potential (J). A gain that is larger than the kinetic energy T, as of a lift of bodies at rest, is a debt of the next motion.
 //! All trees are one group if forces act between bodies, or loads.
 
 use crate::crowd::islands::groups;
 use crate::crowd::trees::{Tree, Trees};
 use crate::events::crowd::contacts::Contacts;
+use crate::events::effects::resting::work_of_forces;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::energy::energy_with_forces;
@@ -32,8 +33,9 @@ pub(super) struct Energies {
 impl Energies {
     pub fn new(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
-        let together =
-            !(forces.point_springs.is_empty() && forces.wrenches.is_empty() && forces.joint_loads.is_empty());
+        let in_joints = forces.joint_loads.is_empty() && forces.joint_courses.is_empty();
+        let on_links = forces.wrenches.is_empty() && forces.link_loads.is_empty() && forces.drags.is_empty();
+        let together = !(in_joints && on_links && forces.point_springs.is_empty());
         Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new() }
     }
 
@@ -56,6 +58,11 @@ impl Energies {
     /// Takes the kinetic energies where a step begins, with the trees placed there.
     pub fn begin(&mut self, trees: &Trees, velocity: &[f64]) {
         self.kinetic = kinetics(trees, velocity);
+    }
+
+    /// The work of forces without a potential in a step (s) with this middle (J).
+    pub fn work_of_forces(&self, mechanism: &Mechanism, middle: Option<&State>, step: f64) -> f64 {
+        middle.filter(|_| self.together).map_or(0.0, |middle| work_of_forces(mechanism, middle, step))
     }
 
     /// Scales the rates at the end of a step of each group that has gained energy beside its work along the freedoms (J); returns the energy taken (J).

@@ -87,7 +87,7 @@ pub(crate) struct Made {
     pub overlap: f64,
     /// The energy that was taken so that none is gained (J).
     pub taken: f64,
-    /// Work of motors and efforts, and what dampers and friction of joints took (J).
+    /// Work of motors, efforts and forces without a potential, and what dampers and friction of joints took (J).
     pub work: f64,
     pub dissipated: f64,
     pub friction: f64,
@@ -189,6 +189,10 @@ impl Crowd {
         let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
         let mut work: Vec<f64> = self.efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).collect();
         work.iter_mut().zip(&found.work).for_each(|(own, more)| *own += more);
+        // All trees are one group where such forces act.
+        if let Some(first) = work.first_mut() {
+            *first += self.energies.work_of_forces(whole, self.middle.as_ref(), step);
+        }
         for (freedom, rate) in displacement.iter().enumerate() {
             made.dissipated += step * self.damping[freedom] * rate * rate;
         }
@@ -354,54 +358,19 @@ impl Crowd {
     /// v_f of (A): half a step under the forces at the start, with dampers and springs at its middle.
     fn free_to_move(&mut self, start: &State, half: f64) -> Option<()> {
         let Crowd { trees, damping, stiffness, free, acceleration, .. } = self;
-        for tree in &mut trees.trees {
-            if !tree.factor(half, damping, stiffness) {
-                return None;
-            }
-            let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| acceleration[freedom]).collect();
-            let mut change = vec![0.0; own.len()];
-            if tree.freedoms.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
-                tree.add_mass(&own, &mut change);
-                for (entry, &freedom) in change.iter_mut().zip(&tree.freedoms) {
-                    *entry -= half * stiffness[freedom] * start.velocity[freedom];
-                }
-                tree.solve(&mut change);
-            } else {
-                change.copy_from_slice(&own);
-            }
-            for (change, &freedom) in change.iter().zip(&tree.freedoms) {
-                free[freedom] = start.velocity[freedom] + half * change;
-            }
-        }
-        Some(())
+        let change = |freedom: usize| -(half * stiffness[freedom] * start.velocity[freedom]);
+        let soft = [damping.as_slice(), stiffness.as_slice()];
+        free_rates(trees, soft, half, acceleration, change, &start.velocity, free)
     }
 
     /// v_f of (B): a whole step under the forces at its middle, with dampers at its end.
     fn free_to_settle(&mut self, start: &State, displacement: &[f64], step: f64, forces: Forces) -> Option<()> {
         let Crowd { trees, damping, stiffness, free, acceleration, efforts, middle, .. } = self;
-        let middle = middle.as_mut()?;
-        forces(middle, acceleration, efforts);
+        forces(middle.as_mut()?, acceleration, efforts);
         stiffness.fill(0.0);
-        for tree in &mut trees.trees {
-            if !tree.factor(step, damping, stiffness) {
-                return None;
-            }
-            let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| acceleration[freedom]).collect();
-            let mut change = vec![0.0; own.len()];
-            if tree.freedoms.iter().any(|&freedom| damping[freedom] > 0.0) {
-                tree.add_mass(&own, &mut change);
-                for (entry, &freedom) in change.iter_mut().zip(&tree.freedoms) {
-                    *entry += damping[freedom] * (displacement[freedom] - start.velocity[freedom]);
-                }
-                tree.solve(&mut change);
-            } else {
-                change.copy_from_slice(&own);
-            }
-            for (change, &freedom) in change.iter().zip(&tree.freedoms) {
-                free[freedom] = start.velocity[freedom] + step * change;
-            }
-        }
-        Some(())
+        let change = |freedom: usize| damping[freedom] * (displacement[freedom] - start.velocity[freedom]);
+        let soft = [damping.as_slice(), stiffness.as_slice()];
+        free_rates(trees, soft, step, acceleration, change, &start.velocity, free)
     }
 
     /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.
@@ -423,4 +392,34 @@ impl Crowd {
             *rate = (rate.0.max(now.0), rate.1.max(now.1));
         }
     }
+}
+
+/// v_f = v + b M̃⁻¹ (M a + e): the rates of trees after a time b (s) under accelerations a and changes e of the efforts of dampers D and springs K, which
+/// act in it; `None` where M̃ is singular.
+fn free_rates(
+    trees: &mut Trees,
+    [damping, stiffness]: [&[f64]; 2],
+    time: f64,
+    accelerations: &[f64],
+    change: impl Fn(usize) -> f64,
+    velocity: &[f64],
+    free: &mut [f64],
+) -> Option<()> {
+    for tree in &mut trees.trees {
+        if !tree.factor(time, damping, stiffness) {
+            return None;
+        }
+        let mut own: Vec<f64> = tree.freedoms.iter().map(|&freedom| accelerations[freedom]).collect();
+        if tree.freedoms.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
+            let mut efforts = vec![0.0; own.len()];
+            tree.add_mass(&own, &mut efforts);
+            efforts.iter_mut().zip(&tree.freedoms).for_each(|(effort, &freedom)| *effort += change(freedom));
+            tree.solve(&mut efforts);
+            own = efforts;
+        }
+        for (rate, &freedom) in own.iter().zip(&tree.freedoms) {
+            free[freedom] = velocity[freedom] + time * rate;
+        }
+    }
+    Some(())
 }

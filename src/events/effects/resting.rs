@@ -15,6 +15,7 @@ use crate::instant::cone::least_norm::least_norm;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::instant::holding::blocks::Rows;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::powers;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -26,6 +27,11 @@ const LEFT: f64 = 1e-7;
 /// The energy of a state (J).
 pub(crate) fn energy(mechanism: &Mechanism, state: &State) -> Energy {
     energy_with_forces(mechanism, &state.position, &body_states(mechanism, state))
+}
+
+/// The work of forces without a potential in a short step (s) through a state, which has the rates of the step (J).
+pub(crate) fn work_of_forces(mechanism: &Mechanism, state: &State, step: f64) -> f64 {
+    step * powers(mechanism, state.time, &state.velocity, &body_states(mechanism, state)).work
 }
 
 /// Takes from the velocities what a state has more than it had before it was moved (J); returns the energy that this has taken in all (J).

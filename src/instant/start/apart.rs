@@ -33,9 +33,9 @@ const REACH: f64 = 0.2;
 /// The pair that overlaps most, and its overlap (m); `None` without overlaps.
 pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State) -> Option<(usize, f64)> {
     let bodies = body_states(mechanism, state);
-    let depth = |pair: usize| (pair, -touching.distance(pair, &bodies));
-    let near = (0..touching.pairs.len()).filter(|&pair| touching.least_distance(pair, &bodies, 0.0) <= 0.0);
-    let overlaps = near.map(depth).filter(|&(pair, depth)| depth > touching.pairs[pair].within(APART));
+    let depth = |pair: usize| (pair, -touching.distance_within(pair, &bodies, 0.0));
+    let all = (0..touching.pairs.len()).map(depth);
+    let overlaps = all.filter(|&(pair, depth)| depth > touching.pairs[pair].within(APART));
     overlaps.max_by(|one, other| one.1.total_cmp(&other.1))
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn move_apart(
     let bodies = body_states(mechanism, state);
     let (mut rows, mut gaps) = (Vec::new(), Vec::new());
     for (pair, near) in touching.pairs.iter().map(|pair| pair.within(NEAR)).enumerate() {
-        if touching.least_distance(pair, &bodies, near) > near || touching.distance(pair, &bodies) > near {
+        if touching.distance_within(pair, &bodies, near) > near {
             continue;
         }
         for (contact, gap) in touching.near(pair, &bodies, near) {
