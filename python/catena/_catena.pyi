@@ -1,6 +1,6 @@
 """What the Rust side gives; programs use the names of ``catena``."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import Any
 
@@ -126,7 +126,19 @@ class Recorded:
     @staticmethod
     def of_parts(model: Model, parts: tuple[Any, ...]) -> Recorded: ...
     def save_log(self, path: Path) -> None: ...
+    def page(self, mesh_limit: int) -> str: ...
     def save_page(self, path: Path, mesh_limit: int) -> None: ...
+    def save_film(
+        self,
+        path: Path,
+        size: tuple[int, int] | None,
+        rate: float,
+        speed: float,
+        times: Sequence[float],
+        view: str,
+        browser: bool,
+        mesh_limit: int,
+    ) -> int: ...
 
 class Sweep:
     name: str
