@@ -32,6 +32,7 @@ mod tables;
 mod terminal;
 
 pub use film::film_of_log;
+pub use logged_state::state_in_log;
 pub use report::page_of_log;
 
 use crate::cli::arguments::contact_args::with_values;

@@ -152,7 +152,8 @@ mod tests {
         let mut palette = histogram.palette();
         assert_eq!(palette.colors.len(), MOST);
         for color in many {
-            let shown = palette.colors[usize::from(palette.index(color))];
+            let index = usize::from(palette.index(color));
+            let shown = palette.colors[index];
             assert!((0..3).all(|k| color[k].abs_diff(shown[k]) <= 40), "{color:?} as {shown:?}");
         }
     }

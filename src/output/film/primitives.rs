@@ -30,7 +30,8 @@ pub(super) fn cuboid([x, y, z]: [f64; 3]) -> Triangles {
             normal[axis] = side;
             let corner = |u: f64, v: f64| {
                 let mut unit = normal;
-                unit[(axis + 1) % 3] = u;
+                // Seen from outside, corners of the other side go round the other way.
+                unit[(axis + 1) % 3] = side * u;
                 unit[(axis + 2) % 3] = v;
                 (unit.component_mul(&half), normal)
             };
