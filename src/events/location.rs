@@ -93,19 +93,20 @@ impl Eventful {
 
     /// The same, with room for it.
     fn look(&mut self, inputs: Inputs, since: f64, but: Option<usize>, looking: &mut Looking) -> Option<Bracket> {
-        let Looking { which, noise, room } = looking;
+        let Looking { which, zero, noise, room } = looking;
         self.candidates(since, which);
         which.retain(|index| Some(*index) != but);
         if which.is_empty() {
             return None;
         }
+        zero.clear();
+        zero.extend(which.iter().map(|&index| {
+            self.trial.watched[index].nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode)
+        }));
         noise.clear();
-        noise.extend(which.iter().map(|&index| {
-            let watched = self.trial.watched[index];
-            let fresh = match watched {
-                Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
-                    self.trial.fresh_joints[joint]
-                }
+        noise.extend(which.iter().zip(&*zero).map(|(&index, &zero)| {
+            let fresh = match self.trial.watched[index] {
+                Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.trial.fresh_joints[joint],
                 Watched::Margin => self.trial.fresh_joints.contains(&true) || self.trial.fresh_pairs.contains(&true),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.trial.fresh_motors[motor],
                 Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.trial.fresh_pairs[pair],
@@ -114,15 +115,11 @@ impl Eventful {
                 | Watched::Slips(contact)
                 | Watched::Feature(contact) => self.trial.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
-            if fresh {
-                f64::INFINITY
-            } else {
-                watched.nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode)
-            }
+            if fresh { f64::INFINITY } else { zero }
         }));
         let end = self.workspaces.active().small.time;
         let short = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
-        let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
+        let found = first_sign_change(room, which.len(), since, end, [zero, noise], short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
             // An unloaded contact does not part by roundings.
             for (value, &index) in values.iter_mut().zip(&which[of]) {

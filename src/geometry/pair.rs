@@ -28,6 +28,12 @@ const CROSSES: f64 = 1e-6;
 /// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
 const STANDS_IN: f64 = 5e-12;
 
+/// Triangles that rise over the plane of a contact by no more than this part of the size of the pair are in that plane.
+const FLAT: f64 = 1e-12;
+
+/// A mesh that is not flat as far as the other shape is large may be flat as far as this part of that.
+const NEARBY: f64 = 0.05;
+
 /// The relative rounding error of a lower bound of a distance.
 const ROUNDED: f64 = 1e-13;
 
@@ -271,23 +277,38 @@ impl PairGeometry {
     }
 
     /// The distance of all features outside `closed` from the tangent plane of one of these places, which has this normal, from collider a to
-    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative.
+    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative. Distances above `within` (m) may be
+    /// less than the true ones. `None` for a half space, and where a mesh is not flat near the other shape.
     pub fn beyond(
         &self,
         place: &PlaceId,
         closed: &[PlaceId],
         [normal, point]: [&Vector3<f64>; 2],
-        a: &Pose,
-        b: &Pose,
+        [a, b]: [&Pose; 2],
+        within: f64,
     ) -> Option<f64> {
-        let First::Convex(convex) = &self.first else { return None };
         let side = |first: bool, place: &PlaceId| if first != self.exchanged { place.a } else { place.b };
         let (first, (rotation, translation)) = self.relative(a, b);
         let normal = first.rotation.inverse() * normal * if self.exchanged { -1.0 } else { 1.0 };
         let point = first.inverse_transform_point(&(*point).into()).coords;
         let of = |first: bool| closed.iter().map(|place| side(first, place)).collect::<Vec<_>>();
-        let plane = [&-normal, &(point - normal * convex.radius)];
-        let of_first = height(convex, side(true, place), &of(true), plane);
+        let of_first = match &self.first {
+            First::HalfSpace(_) => return None,
+            First::Mesh(mesh) => {
+                // Off its faces the tangent plane does not lie on it.
+                let FeatureId::Face(_) = side(true, place) else { return None };
+                let is_flat = |within: f64| {
+                    let highest = mesh.highest(&self.second, (&rotation, &translation), [&normal, &point], within);
+                    highest <= self.extents.within(FLAT)
+                };
+                let far = within.min(self.second.size);
+                [far, NEARBY * far].into_iter().find(|&within| is_flat(within))?
+            }
+            First::Convex(convex) => {
+                let plane = [&-normal, &(point - normal * convex.radius)];
+                height(convex, side(true, place), &of(true), plane)
+            }
+        };
         let plane = [&normal, &(point + normal * self.second.radius)];
         let own = side(false, place);
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))

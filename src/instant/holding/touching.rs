@@ -210,7 +210,8 @@ impl Touching {
         Some((contact(known.pair, of, place), gap))
     }
 
-    /// How far from overlapping the rest of a pair is that is closed at these contacts (m), as far as `within`.
+    /// How far from overlapping the rest of a pair is that is closed at these contacts (m): as far as `within`, and on tangent planes as far as the pair is
+    /// large.
     pub fn beside(&self, closed: &[&Contact], within: f64, bodies: &[BodyState]) -> f64 {
         let Some(first) = closed.first() else { return within };
         let pair = first.pair;
@@ -220,11 +221,12 @@ impl Touching {
         if let Some(height) = geometry.lowest_beside(&features, &a, &b) {
             return height.min(within);
         }
-        let mut least = within;
+        let far = self.pairs[pair].size();
+        let mut least = far;
         for contact in closed {
             let TouchMotion { normal, point, .. } = touch_motion(&contact.joint, bodies);
             let normal = if contact.is_swapped() { -normal } else { normal };
-            match geometry.beyond(&contact.features, &features, [&normal, &point], &a, &b) {
+            match geometry.beyond(&contact.features, &features, [&normal, &point], [&a, &b], far) {
                 Some(height) => least = least.min(height),
                 None => {
                     let others = self.near(pair, bodies, within).into_iter();

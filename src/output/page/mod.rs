@@ -3,6 +3,7 @@
 //! ```text
 //!     log ─ inspection/summary.rs ─▶ facts.rs                     figures and warnings in words
 //!         ─ log/reading/frames.rs ─▶ motion.rs, contacts.rs       poses, curves, contact forces, events
+//!                                 ─▶ steps.rs                     energies on both sides of events
 //!     model ─▶ tree.rs                                            links, bodies, joints, loops
 //!           ─ log/reading/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
 //!           ─▶ colliders.rs                                       what is drawn of what may touch
@@ -20,6 +21,7 @@ mod motion;
 mod packing;
 mod shared_meshes;
 mod simplify;
+mod steps;
 mod tree;
 
 use crate::mechanism::motion::kinematics::body_states;
@@ -37,6 +39,7 @@ use crate::output::page::looks::{DrawnShape, MeshSource, looks};
 use crate::output::page::motion::{CurveName, Motion};
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
+use crate::output::page::steps::StepCurves;
 use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};
 use crate::output::report::EventEntry;
 use crate::scene::MeshFile;
@@ -118,8 +121,12 @@ struct Header<'p> {
     times: Place,
     /// Bodies × 7 columns.
     poses: Place,
-    curves: &'p [CurveName],
+    /// Those of samples, then those of steps.
+    curves: Vec<CurveName>,
     values: Place,
+    /// Times of the figures of steps, and their values.
+    step_times: Place,
+    step_values: Place,
     events: &'p [EventEntry],
     arrows: Vec<ArrowLayer>,
     /// `null` without contacts.
@@ -224,6 +231,7 @@ fn write(
     let samples = motion.times.len();
     let gravity = model.mechanism.gravity.norm();
     let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
+    let of_steps = StepCurves::names().filter(|_| !motion.steps.times.is_empty());
     let header = Header {
         kind: about.kind,
         name: &model.mechanism.name,
@@ -241,8 +249,10 @@ fn write(
         samples,
         times: packed.doubles(&motion.times),
         poses: packed.floats(columns, samples),
-        curves: &motion.curves,
+        curves: motion.curves.iter().cloned().chain(of_steps).collect(),
         values: packed.floats(motion.values.iter().flatten().copied(), samples),
+        step_times: packed.doubles(&motion.steps.times),
+        step_values: packed.floats(motion.steps.values.iter().flatten().copied(), motion.steps.times.len()),
         events: &motion.events,
         arrows: vec![reactions(model, &motion.curves)].into_iter().filter(|layer| !layer.arrows.is_empty()).collect(),
         contacts: motion.contacts.pack(&mut packed),

@@ -1,6 +1,6 @@
 //! The motion of a log as columns of numbers: times, poses of bodies, curves, contacts, events.
 //!
-//! Figures of steps are at the first sample at or after the end of the step; between, curves have no number there.
+//! Figures of steps have times of their own ([`crate::output::page::steps`]).
 //!
 //! The poses of bodies follow from the poses of links, `T_body = T_link L⁻¹` with the link frame L in its body. If a log has more than
 //! [`MOST_SAMPLES`] samples, every second, third, … one is taken, and the last.
@@ -11,6 +11,7 @@ use crate::output::inspection::joint_values::{JointKinds, JointValue, Quantity, 
 use crate::output::log::reading::decode::{LinkPose, LoggedEvent};
 use crate::output::log::reading::frames::{Figures, Frame, Visitor};
 use crate::output::page::contacts::Contacts;
+use crate::output::page::steps::StepCurves;
 use crate::output::page::tree::pose_numbers;
 use crate::output::report::EventEntry;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -35,22 +36,9 @@ pub(super) struct CurveName {
     pub unit: &'static str,
     /// Whether it is drawn on a logarithmic axis.
     pub logarithmic: bool,
+    /// Whether it is of steps, which have times of their own, and not of samples.
+    pub of_steps: bool,
 }
-
-/// Numbers about steps: name, group, unit, whether the axis is logarithmic.
-const OF_STEPS: [(&str, &str, &str, bool); 11] = [
-    ("energy.kinetic", "Energy", "J", false),
-    ("energy.potential", "Energy", "J", false),
-    ("energy.total", "Energy", "J", false),
-    ("energy.dissipated", "Energy", "J", false),
-    ("energy.work", "Energy", "J", false),
-    ("energy.friction", "Energy", "J", false),
-    ("energy.impacts", "Energy", "J", false),
-    ("energy.error", "Energy error", "J", true),
-    ("constraint.position", "Constraint error", "m or rad", true),
-    ("constraint.velocity", "Constraint error, velocities", "m/s or rad/s", true),
-    ("solver.step", "Step", "s", false),
-];
 
 /// Collects the motion of a log.
 pub(super) struct Motion<'m> {
@@ -60,9 +48,6 @@ pub(super) struct Motion<'m> {
     seen: u64,
     /// The last sample, if it was not taken.
     last: Option<Frame>,
-    initial_balance: Option<f64>,
-    /// End of the step whose figures came last, in nanoseconds.
-    last_step: Option<u64>,
     /// For each body a link in it: its name and the inverse of its frame in the body.
     carriers: Vec<(&'m str, Pose)>,
     /// Times (s).
@@ -72,6 +57,8 @@ pub(super) struct Motion<'m> {
     /// The names of the curves, and their values at all times.
     pub curves: Vec<CurveName>,
     pub values: Vec<Vec<f32>>,
+    /// The figures of steps.
+    pub steps: StepCurves,
     /// The closed contacts at all times.
     pub contacts: Contacts,
     /// Events, the first [`MOST_EVENTS`].
@@ -95,13 +82,12 @@ impl<'m> Motion<'m> {
             stride: samples.div_ceil(MOST_SAMPLES).max(1),
             seen: 0,
             last: None,
-            initial_balance: None,
-            last_step: None,
             carriers: bodies.clone().map(carrier).collect(),
             times: Vec::new(),
             poses: bodies.map(|_| Vec::new()).collect(),
             curves: Vec::new(),
             values: Vec::new(),
+            steps: StepCurves::default(),
             contacts: Contacts::default(),
             events: Vec::new(),
             misfit: None,
@@ -119,6 +105,7 @@ impl<'m> Motion<'m> {
         if let Some(frame) = self.last.take() {
             self.take(&frame);
         }
+        self.steps.finish();
     }
 
     fn take(&mut self, frame: &Frame) {
@@ -136,16 +123,9 @@ impl<'m> Motion<'m> {
         let values = joint_values(frame, &self.kinds);
         if self.times.is_empty() {
             self.curves = values.iter().map(of_joint).collect();
-            let of_steps = OF_STEPS.map(|(name, group, unit, logarithmic)| CurveName {
-                name: name.to_string(),
-                group,
-                unit,
-                logarithmic,
-            });
-            self.curves.extend(of_steps);
             self.values = vec![Vec::new(); self.curves.len()];
         }
-        let is_same = values.len() + OF_STEPS.len() == self.curves.len()
+        let is_same = values.len() == self.curves.len()
             && values.iter().zip(&self.curves).all(|(value, curve)| value.name == curve.name);
         if !is_same {
             return None;
@@ -162,33 +142,11 @@ impl<'m> Motion<'m> {
                 pose
             });
         }
-        let of_step = self.of_step(&frame.figures);
-        let numbers = values.iter().map(|value| value.value).chain(of_step);
-        for (values, number) in self.values.iter_mut().zip(numbers) {
-            values.push(number as f32);
+        self.steps.sample();
+        for (values, number) in self.values.iter_mut().zip(values) {
+            values.push(number.value as f32);
         }
         Some(())
-    }
-
-    /// The numbers of [`OF_STEPS`]; what the log does not have, or the sample before has too, is not a number.
-    fn of_step(&mut self, figures: &Figures) -> [f64; 11] {
-        let mut numbers = [f64::NAN; 11];
-        if self.last_step.replace(figures.nanoseconds) == Some(figures.nanoseconds) {
-            return numbers;
-        }
-        if let Some(energy) = figures.energy {
-            numbers[..7].copy_from_slice(&energy);
-        }
-        if let (Some(balance), Some(initial)) = (figures.balance(), self.initial_balance) {
-            numbers[7] = (balance - initial).abs();
-        }
-        if let Some(violation) = figures.violation {
-            numbers[8..10].copy_from_slice(&violation);
-        }
-        if let Some([step, ..]) = figures.solver {
-            numbers[10] = step;
-        }
-        numbers
     }
 }
 
@@ -205,9 +163,7 @@ impl Visitor for Motion<'_> {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        if self.initial_balance.is_none() {
-            self.initial_balance = figures.balance();
-        }
+        self.steps.see(figures);
     }
 
     fn event(&mut self, event: LoggedEvent) {
@@ -222,7 +178,7 @@ fn of_joint(value: &JointValue) -> CurveName {
     let quantity = value.quantity;
     // The effort along the axis is a part of the reaction, and not of its components in the world.
     let group = if value.name.ends_with(".effort") { Quantity::Effort.title() } else { quantity.title() };
-    CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic() }
+    CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic(), of_steps: false }
 }
 
 fn pose(link: &LinkPose) -> Pose {

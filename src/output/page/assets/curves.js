@@ -5,11 +5,16 @@ const CURVE_COLORS = ["#1f63b5", "#d2352b", "#0f8a5f", "#a0590b", "#7b3fb5", "#0
 // Below this, logarithmic axes show nothing: smaller numbers mean nothing in double precision.
 const LEAST = 1e-17;
 
-// A curve to choose: name, group, unit, logarithmic, and a function that gives its values.
-function allCurves(header, values, motion) {
+// A curve to choose: name, group, unit, logarithmic, and a function that gives its values. Curves of steps have the times of their figures, on both
+// sides of events; all others are at the samples.
+function allCurves(header, values, motion, steps) {
   const { samples } = header;
   const column = (index) => values.subarray(index * samples, (index + 1) * samples);
-  const all = header.curves.map((curve, index) => ({ ...curve, values: () => column(index) }));
+  const joints = header.curves.filter((curve) => !curve.of_steps).length;
+  const ofSteps = (index) => steps.values.subarray((index - joints) * steps.times.length, (index - joints + 1) * steps.times.length);
+  const all = header.curves.map((curve, index) => (
+    curve.of_steps ? { ...curve, times: steps.times, values: () => ofSteps(index) } : { ...curve, values: () => column(index) }
+  ));
   const index = new Map(header.curves.map((curve, k) => [curve.name, k]));
   const sizes = [];
   for (const [name, k] of index) {
@@ -125,7 +130,7 @@ class Curves {
   }
 
   plot(group) {
-    const [{ group: title, unit, logarithmic }] = group;
+    const [{ group: title, unit, logarithmic, times = this.times }] = group;
     const columns = group.map((curve) => {
       const numbers = Array.from(curve.values(), (value) => (Number.isFinite(value) ? value : null));
       return logarithmic ? numbers.map((value) => value === null ? null : Math.max(value, LEAST)) : numbers;
@@ -146,8 +151,8 @@ class Curves {
       cursor: { y: false, drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : {} },
       axes: [{ ...axis, size: 28 }, { ...axis, size: 58, values }],
-      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, spanGaps: true, pxAlign: 0, points: { show: this.times.length < 3 } }))],
-    }, [Array.from(this.times), ...columns], holder);
+      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, spanGaps: true, pxAlign: 0, points: { show: times.length < 3 } }))],
+    }, [Array.from(times), ...columns], holder);
     const line = make("div", { className: "now" });
     plot.over.append(line);
     const toPointer = (event) => {
@@ -169,7 +174,7 @@ class Curves {
       return number;
     });
     holder.append(legend);
-    return { plot, line, shown, columns };
+    return { plot, line, shown, columns, times };
   }
 
   width() {
@@ -182,11 +187,11 @@ class Curves {
     this.place(this.time);
   }
 
-  // Puts the line of each plot at a time, and the values of that sample beside the names.
+  // Puts the line of each plot at a time, and the values of the sample or step before it beside the names.
   place(time) {
     this.time = time;
-    const sample = sampleBefore(this.times, time);
-    for (const { plot, line, shown, columns } of this.plots) {
+    for (const { plot, line, shown, columns, times } of this.plots) {
+      const sample = sampleBefore(times, time);
       line.style.left = `${plot.valToPos(time, "x")}px`;
       shown.forEach((number, k) => {
         let last = sample;

@@ -78,6 +78,7 @@ async function openPage() {
   const bytes = await unpackedBytes(byId("packed").textContent);
   const motion = new Motion(unpackedDoubles(bytes, header.times), unpackedFloats(bytes, header.poses), header.tree.bodies.length);
   const values = unpackedFloats(bytes, header.values);
+  const steps = { times: unpackedDoubles(bytes, header.step_times), values: unpackedFloats(bytes, header.step_values) };
   const wanted = new URLSearchParams(location.hash.slice(1));
   const tabs = new Tabs();
   const view = openView();
@@ -142,7 +143,7 @@ async function openPage() {
   if (isRun) {
     timeline = new Timeline(motion.times, header.events, show);
     const seek = (time) => { timeline.pause(); timeline.seek(time); };
-    panels.push(new Curves(tabs.add("Curves"), allCurves(header, values, motion), motion.times, seek));
+    panels.push(new Curves(tabs.add("Curves"), allCurves(header, values, motion, steps), motion.times, seek));
     fillReport(tabs.add("Report"), header);
     panels.push(new Events(tabs.add("Events"), header.events, seek));
   } else {
