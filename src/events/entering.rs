@@ -32,7 +32,6 @@ const RENEWED: f64 = 1e-6;
 impl Eventful {
     /// Finds or makes the reduced mechanism of the mode, and its watched functions.
     pub(super) fn enter(&mut self, state: &mut State) {
-        self.reserves.forget();
         let Eventful { whole, elements, touching, mode, response, bodies, .. } = self;
         let held = if self.asleep {
             vec![true; whole.bodies.len()]

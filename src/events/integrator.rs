@@ -194,7 +194,7 @@ impl Eventful {
             memory: Memory::new(elements.joints.len(), touching.pairs.len()),
             fresh_pairs: vec![false; touching.pairs.len()],
             speeds: Speeds::default(),
-            reserves: Reserves::default(),
+            reserves: Reserves::new(mechanism, &touching),
             placed: PlacedBodies::default(),
             covers: Vec::new(),
             overlap: 0.0,
@@ -320,6 +320,7 @@ impl Eventful {
             self.response = Response::new(mechanism);
             self.reporting = RefCell::new(Reporting::new(mechanism));
             self.touching = Arc::new(Touching::new(mechanism));
+            self.reserves = Reserves::new(mechanism, &self.touching);
             self.pieces.clear();
             self.crowd = Crowd::new(mechanism).map(Box::new);
             self.placed.forget();
