@@ -35,6 +35,13 @@ pub const REPORT: &str = "\
 Example:
   catena report arm7.mcap -o run.html         one file that any browser opens";
 
+pub const FILM: &str = "\
+Examples:
+  catena film arm7.mcap                       the whole run as arm7.gif
+  catena film arm7.mcap -o arm7.mp4 --speed 0.25    in slow motion, by ffmpeg
+  catena film arm7.mcap -o arm7.png --time 0,0.5,1  three instants side by side
+  catena film arm7.mcap --view top --size 800x800 --time 2,3    one second, seen from above";
+
 pub const REPLAY: &str = "\
 Example:
   catena replay arm7.mcap                     does this build make the same motion, bit for bit?";

@@ -2,8 +2,7 @@
 //!
 //! ```text
 //!     log ─ inspection/summary.rs ─▶ facts.rs                     figures and warnings in words
-//!         ─ log/reading/frames.rs ─▶ motion.rs, contacts.rs       poses, curves, contact forces, events
-//!                                 ─▶ steps.rs                     energies on both sides of events
+//!         ─ log/reading/frames.rs ─▶ motion.rs, step_figures.rs, contacts.rs  poses, curves, forces, events
 //!     model ─▶ tree.rs                                            links, bodies, joints, loops
 //!           ─ log/reading/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
 //!           ─▶ colliders.rs                                       what is drawn of what may touch
@@ -12,16 +11,16 @@
 //!
 //! The same input gives the same bytes. The scripts of the page are in `assets/`, foreign ones with their licences.
 
-mod colliders;
+pub(in crate::output) mod colliders;
 mod contacts;
 mod facts;
 mod html;
-mod looks;
-mod motion;
+pub(in crate::output) mod looks;
+pub(in crate::output) mod motion;
 mod packing;
-mod shared_meshes;
+pub(in crate::output) mod shared_meshes;
 mod simplify;
-mod steps;
+mod step_figures;
 mod tree;
 
 use crate::mechanism::motion::kinematics::body_states;
@@ -39,7 +38,6 @@ use crate::output::page::looks::{DrawnShape, MeshSource, looks};
 use crate::output::page::motion::{CurveName, Motion};
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
-use crate::output::page::steps::StepCurves;
 use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};
 use crate::output::report::EventEntry;
 use crate::scene::MeshFile;
@@ -121,18 +119,23 @@ struct Header<'p> {
     times: Place,
     /// Bodies × 7 columns.
     poses: Place,
-    /// Those of samples, then those of steps.
-    curves: Vec<CurveName>,
+    curves: &'p [CurveName],
     values: Place,
-    /// Times of the figures of steps, and their values.
-    step_times: Place,
-    step_values: Place,
+    steps: StepCurves,
     events: &'p [EventEntry],
     arrows: Vec<ArrowLayer>,
     /// `null` without contacts.
     contacts: Option<ContactLayer>,
     /// Weight of all bodies that move (N); without gravity as on earth.
     weight: f64,
+}
+
+/// Curves of figures of steps, with times of their own.
+#[derive(Serialize)]
+struct StepCurves {
+    curves: Vec<CurveName>,
+    times: Place,
+    values: Place,
 }
 
 /// Forces of joints that are drawn as arrows, each at a place of its own body.
@@ -160,16 +163,7 @@ struct Arrow {
 pub fn run_page(log: &Path, model: &Model, start: &State, options: &PageOptions) -> Result<String, PageError> {
     let summary = Summary::read(log)?;
     let logged = LoggedMeshes::read(log)?;
-    let mut motion = Motion::new(model, summary.samples);
-    visit(log, &mut motion)?;
-    motion.finish();
-    let name = || log.display().to_string();
-    match motion.misfit {
-        Some(_) if motion.is_bare => return Err(PageError::Bare { log: name() }),
-        Some(time) => return Err(PageError::Misfit { log: name(), time }),
-        None if motion.times.is_empty() => return Err(PageError::Empty { log: name() }),
-        None => {}
-    }
+    let motion = motion_of(log, model, &summary)?;
     let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
     let mut notes = Vec::new();
     if motion.stride() > 1 {
@@ -181,9 +175,28 @@ pub fn run_page(log: &Path, model: &Model, start: &State, options: &PageOptions)
         ));
     }
     let facts = facts::of_run(&summary, model);
-    let source_name = log.file_name().map_or_else(name, |file| file.to_string_lossy().into_owned());
+    let source_name =
+        log.file_name().map_or_else(|| log.display().to_string(), |file| file.to_string_lossy().into_owned());
     let about = About { kind: "run", source: source_name, facts, warnings: summary.warnings.clone(), notes };
     Ok(write(model, start, about, &source, &motion, options))
+}
+
+/// The motion of a log of this model.
+pub(in crate::output) fn motion_of<'m>(
+    log: &Path,
+    model: &'m Model,
+    summary: &Summary,
+) -> Result<Motion<'m>, PageError> {
+    let mut motion = Motion::new(model, summary.samples);
+    visit(log, &mut motion)?;
+    motion.finish();
+    let log = || log.display().to_string();
+    match motion.misfit {
+        Some(_) if motion.is_bare => Err(PageError::Bare { log: log() }),
+        Some(time) => Err(PageError::Misfit { log: log(), time }),
+        None if motion.times.is_empty() => Err(PageError::Empty { log: log() }),
+        None => Ok(motion),
+    }
 }
 
 /// The page of a model in the state `start`, with a slider for each joint.
@@ -230,8 +243,13 @@ fn write(
     let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, &mut packed);
     let samples = motion.times.len();
     let gravity = model.mechanism.gravity.norm();
+    let times = motion.steps.times();
+    let steps = StepCurves {
+        curves: motion.steps.curves(),
+        times: packed.doubles(&times),
+        values: packed.floats(motion.steps.columns(), times.len()),
+    };
     let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
-    let of_steps = StepCurves::names().filter(|_| !motion.steps.times.is_empty());
     let header = Header {
         kind: about.kind,
         name: &model.mechanism.name,
@@ -249,10 +267,9 @@ fn write(
         samples,
         times: packed.doubles(&motion.times),
         poses: packed.floats(columns, samples),
-        curves: motion.curves.iter().cloned().chain(of_steps).collect(),
+        curves: &motion.curves,
         values: packed.floats(motion.values.iter().flatten().copied(), samples),
-        step_times: packed.doubles(&motion.steps.times),
-        step_values: packed.floats(motion.steps.values.iter().flatten().copied(), motion.steps.times.len()),
+        steps,
         events: &motion.events,
         arrows: vec![reactions(model, &motion.curves)].into_iter().filter(|layer| !layer.arrows.is_empty()).collect(),
         contacts: motion.contacts.pack(&mut packed),
@@ -279,7 +296,7 @@ fn reactions(model: &Model, curves: &[CurveName]) -> ArrowLayer {
 }
 
 /// The mesh as the log carries it, else as its file is now.
-fn logged_mesh(logged: &LoggedMeshes, link: &str, number: usize) -> Result<MeshData, String> {
+pub(in crate::output) fn logged_mesh(logged: &LoggedMeshes, link: &str, number: usize) -> Result<MeshData, String> {
     let Some(mesh) = logged.get(link, number) else { return Err("the log does not have it".to_string()) };
     match (&mesh.parts[..], mesh.file.as_deref().filter(|file| file.is_absolute())) {
         ([], Some(file)) => mesh_of_file(file),
