@@ -187,7 +187,8 @@ fn too_low(
     height: f64,
 ) -> (Vec<usize>, f64) {
     let is_rebound = |index: usize| before[index] <= meetings[index].rest;
-    let leaves = |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
+    let leaves =
+        |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
     if !meetings.iter().enumerate().any(leaves) {
         return (Vec::new(), 0.0);
     }

@@ -111,7 +111,9 @@ pub(crate) fn first_sign_change(
             sample(at, watched..watched + 1, &mut one);
             one[0]
         };
-        let Some((low, high, at_start)) = bracket(&of, &time, [zero[watched], noise[watched]], &mut value) else { continue };
+        let Some((low, high, at_start)) = bracket(&of, &time, [zero[watched], noise[watched]], &mut value) else {
+            continue;
+        };
         // Whatever is still positive at a known root has its own later.
         if earliest.is_some_and(|known| low >= known.root || !at_start && value(known.root) > 0.0) {
             continue;
@@ -328,10 +330,11 @@ mod tests {
     fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
         let looks = |function: &dyn Fn(f64) -> f64| {
             let mut count = 0;
-            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
-                count += 1;
-                values[0] = function(time);
-            });
+            let found =
+                first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
+                    count += 1;
+                    values[0] = function(time);
+                });
             (count, found.is_some())
         };
         // It changes by 0.4, and is 0.8 at least; the other is 0.79.

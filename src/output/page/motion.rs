@@ -178,7 +178,13 @@ fn of_joint(value: &JointValue) -> CurveName {
     let quantity = value.quantity;
     // The effort along the axis is a part of the reaction, and not of its components in the world.
     let group = if value.name.ends_with(".effort") { Quantity::Effort.title() } else { quantity.title() };
-    CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic(), of_steps: false }
+    CurveName {
+        name: value.name.clone(),
+        group,
+        unit: quantity.unit(),
+        logarithmic: quantity.is_logarithmic(),
+        of_steps: false,
+    }
 }
 
 fn pose(link: &LinkPose) -> Pose {

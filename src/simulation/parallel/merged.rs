@@ -212,7 +212,8 @@ impl MergedRun {
         later: &[(StepEnd, usize)],
     ) -> StepEnd {
         let (mut end, _) = instant[instant.len() - 1];
-        (end.energy, end.exchange, end.so_far) = (self.summary.initial_energy, Exchange::default(), self.summary.counts());
+        (end.energy, end.exchange, end.so_far) =
+            (self.summary.initial_energy, Exchange::default(), self.summary.counts());
         end.outcome.exchange.impacts = instant.iter().map(|(end, _)| end.outcome.exchange.impacts).sum();
         for (number, part) in awake.iter_mut().enumerate() {
             let waits = later.iter().find(|(_, of)| *of == number).map(|(next, _)| *next);

@@ -78,8 +78,10 @@ fn curves_poses_and_events_of_a_page_are_those_of_the_log() {
         assert_eq!(kinetic[place], expected as f32, "at {time} s");
     }
     let hits = step_times.windows(2).enumerate().filter(|(_, pair)| pair[1] - pair[0] < 2e-9);
-    let lost: Vec<(f32, f32)> =
-        hits.map(|(k, _)| (kinetic[k] - kinetic[k + 1], impacts[k + 1] - impacts[k])).filter(|lost| lost.0 > 0.0).collect();
+    let lost: Vec<(f32, f32)> = hits
+        .map(|(k, _)| (kinetic[k] - kinetic[k + 1], impacts[k + 1] - impacts[k]))
+        .filter(|lost| lost.0 > 0.0)
+        .collect();
     assert!(!lost.is_empty(), "it runs into its limit");
     // Joules in single precision.
     assert!(lost.iter().all(|(kinetic, impacts)| (kinetic - impacts).abs() < 1e-6), "{lost:?}");
