@@ -14,6 +14,7 @@
 
 mod colliders;
 mod contacts;
+mod curve_name;
 mod facts;
 mod html;
 mod looks;
@@ -34,9 +35,10 @@ use crate::output::log::reading::records::ReadError;
 use crate::output::log::sha256;
 use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::contacts::ContactLayer;
+use crate::output::page::curve_name::CurveName;
 use crate::output::page::facts::Fact;
 use crate::output::page::looks::{DrawnShape, MeshSource, looks};
-use crate::output::page::motion::{CurveName, Motion};
+use crate::output::page::motion::Motion;
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
 use crate::output::page::steps::StepCurves;

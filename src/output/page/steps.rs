@@ -9,7 +9,7 @@
 
 use crate::output::log::reading::frames::Figures;
 use crate::output::log::seconds;
-use crate::output::page::motion::CurveName;
+use crate::output::page::curve_name::CurveName;
 
 /// The most events whose both sides are drawn.
 const MOST_EVENTS: usize = 20_000;
