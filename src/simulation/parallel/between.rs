@@ -13,7 +13,6 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::simulation::parallel::island::Kept;
 use crate::simulation::steps::observer::StepEnd;
 
 /// The energies of one island at one instant.
@@ -42,12 +41,9 @@ impl Knot {
     }
 
     /// At a sample; its exchange is not known.
-    pub fn of_sample(mechanism: &Mechanism, kept: &Kept) -> Self {
-        let Kept { time, position, velocity, .. } = kept;
-        let compensation = vec![0.0; position.len()];
-        let state = State { time: *time, position: position.clone(), velocity: velocity.clone(), compensation };
-        let energy = energy_with_forces(mechanism, position, &body_states(mechanism, &state));
-        Knot { time: *time, energy, exchange: Exchange::default() }
+    pub fn of_sample(mechanism: &Mechanism, state: &State) -> Self {
+        let energy = energy_with_forces(mechanism, &state.position, &body_states(mechanism, state));
+        Knot { time: state.time, energy, exchange: Exchange::default() }
     }
 
     /// On the line from this knot to a later one, at a time (s).

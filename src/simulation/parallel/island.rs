@@ -60,6 +60,15 @@ pub(crate) struct Kept {
     pub(crate) contacts: Vec<ContactPoint>,
 }
 
+impl Kept {
+    /// Its state, without the rounded-off parts of positions.
+    fn state(&self) -> State {
+        let Kept { time, position, velocity, .. } = self;
+        let compensation = vec![0.0; position.len()];
+        State { time: *time, position: position.clone(), velocity: velocity.clone(), compensation }
+    }
+}
+
 impl Observer for Shown {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         let (position, velocity) = (sample.position.to_vec(), sample.velocity.to_vec());
@@ -152,12 +161,12 @@ impl IslandRun<'_> {
         let mechanism = &self.island.mechanism;
         let sampled = self.last_sample.as_ref();
         if self.at_sample.is_none() {
-            self.at_sample = sampled.map(|kept| Knot::of_sample(mechanism, kept));
+            self.at_sample = sampled.map(|kept| Knot::of_sample(mechanism, &kept.state()));
         }
         let earlier = self.at_sample.filter(|sample| sample.time > self.last.time).unwrap_or(self.last);
         let step = next.map_or(self.last, Knot::before);
         let sample = self.shown.samples.front().filter(|sample| sample.time < step.time);
-        let later = sample.map_or(step, |kept| Knot::of_sample(mechanism, kept));
+        let later = sample.map_or(step, |kept| Knot::of_sample(mechanism, &kept.state()));
         Knot { exchange: self.last.towards(&step, time).exchange, ..earlier.towards(&later, time) }
     }
 }
