@@ -32,8 +32,9 @@ Examples:
   catena inspect arm7.mcap other.mcap         compare two logs link by link";
 
 pub const REPORT: &str = "\
-Example:
-  catena report arm7.mcap -o run.html         one file that any browser opens";
+Examples:
+  catena report arm7.mcap -o run.html         one file that any browser opens
+  catena report arm7.mcap other.mcap          two runs side by side, with the curves of both";
 
 pub const FILM: &str = "\
 Examples:

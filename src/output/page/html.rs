@@ -8,7 +8,7 @@
 //! | all other `.js`         | ours, in the order of [`SCRIPTS`]; each begins with what it does |
 
 /// Our scripts, each of which uses those before it alone.
-const SCRIPTS: [&str; 17] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("assets/packed.js"),
     include_str!("assets/theme.js"),
     include_str!("assets/poses.js"),
@@ -23,6 +23,7 @@ const SCRIPTS: [&str; 17] = [
     include_str!("assets/curves.js"),
     include_str!("assets/phase.js"),
     include_str!("assets/timeline.js"),
+    include_str!("assets/second.js"),
     include_str!("assets/panels.js"),
     include_str!("assets/joints.js"),
     include_str!("assets/main.js"),

@@ -36,7 +36,7 @@ use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::contacts::ContactLayer;
 use crate::output::page::curve_name::CurveName;
 use crate::output::page::facts::Fact;
-use crate::output::page::looks::{DrawnShape, MeshSource, looks};
+use crate::output::page::looks::{DrawnShape, Looks, MeshSource, looks};
 use crate::output::page::motion::Motion;
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
@@ -104,17 +104,33 @@ pub enum PageError {
 #[derive(Serialize)]
 struct Header<'p> {
     kind: &'static str,
-    name: &'p str,
-    source: String,
+    #[serde(flatten)]
+    played: Played<'p>,
+    /// Another run that is shown beside this one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    second: Option<Played<'p>>,
     catena: &'static str,
     facts: Vec<Fact>,
     warnings: Vec<String>,
     notes: Vec<String>,
     tables: &'p [PageTable],
-    tree: Tree<'p>,
-    shapes: &'p [DrawnShape],
     obstacles: Vec<DrawnCollider>,
     collision_shapes: Vec<DrawnCollider>,
+    events: &'p [EventEntry],
+    arrows: Vec<ArrowLayer>,
+    /// `null` without contacts.
+    contacts: Option<ContactLayer>,
+    /// Weight of all bodies that move (N); without gravity as on earth.
+    weight: f64,
+}
+
+/// The robot and the motion of a run.
+#[derive(Serialize)]
+struct Played<'p> {
+    name: &'p str,
+    source: String,
+    tree: Tree<'p>,
+    shapes: Vec<DrawnShape>,
     meshes: Vec<PackedMesh>,
     /// Number of samples in all arrays.
     samples: usize,
@@ -124,12 +140,6 @@ struct Header<'p> {
     curves: &'p [CurveName],
     values: Place,
     steps: StepCurves,
-    events: &'p [EventEntry],
-    arrows: Vec<ArrowLayer>,
-    /// `null` without contacts.
-    contacts: Option<ContactLayer>,
-    /// Weight of all bodies that move (N); without gravity as on earth.
-    weight: f64,
 }
 
 /// Curves of figures of steps, with times of their own.
@@ -158,29 +168,66 @@ struct Arrow {
     curves: [usize; 3],
 }
 
-/// The page of a run, read from its log; `model` is the one that the log carries, and `start` its state at t = 0.
+/// A run to show: its log, the model that the log carries, and its state at t = 0.
+#[derive(Clone, Copy)]
+pub struct LoggedRun<'r> {
+    /// The log.
+    pub log: &'r Path,
+    /// Its model.
+    pub model: &'r Model,
+    /// Its start.
+    pub start: &'r State,
+}
+
+impl LoggedRun<'_> {
+    /// The name of the log without its folder.
+    fn source(&self) -> String {
+        self.log.file_name().unwrap_or(self.log.as_os_str()).to_string_lossy().into_owned()
+    }
+}
+
+/// The page of a run, with another run beside it, if there is one.
 ///
 /// # Errors
 /// [`PageError`].
-pub fn run_page(log: &Path, model: &Model, start: &State, options: &PageOptions) -> Result<String, PageError> {
-    let summary = Summary::read(log)?;
-    let logged = LoggedMeshes::read(log)?;
-    let motion = motion_of(log, model, &summary)?;
-    let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
-    let mut notes = Vec::new();
-    if motion.stride() > 1 {
-        notes.push(format!(
-            "{} of {} samples are shown: one in {}",
-            motion.times.len(),
-            summary.samples,
-            motion.stride()
-        ));
+pub fn run_page(run: LoggedRun, second: Option<LoggedRun>, options: &PageOptions) -> Result<String, PageError> {
+    let summary = Summary::read(run.log)?;
+    let motion = motion_of(run.log, run.model, &summary)?;
+    let mut notes = thinned(&motion, summary.samples);
+    let mut packed = Packed::default();
+    let mut beside = None;
+    let second_motion = match second {
+        Some(second) => {
+            let summary = Summary::read(second.log)?;
+            let motion = motion_of(second.log, second.model, &summary)?;
+            notes.extend(
+                thinned(&motion, summary.samples).into_iter().map(|note| format!("{}: {note}", second.source())),
+            );
+            Some((second, motion))
+        }
+        None => None,
+    };
+    if let Some((second, motion)) = &second_motion {
+        let logged = LoggedMeshes::read(second.log)?;
+        let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
+        let drawn = looks(second.model, &source, options.mesh_limit > 0);
+        let (played, told) =
+            Played::of(second.source(), second.model, second.start, motion, drawn, options, &mut packed);
+        notes.extend(told.into_iter().map(|note| format!("{}: {note}", second.source())));
+        beside = Some(played);
     }
-    let facts = facts::of_run(&summary, model);
-    let source_name =
-        log.file_name().map_or_else(|| log.display().to_string(), |file| file.to_string_lossy().into_owned());
-    let about = About { kind: "run", source: source_name, facts, warnings: summary.warnings.clone(), notes };
-    Ok(write(model, start, about, &source, &motion, options))
+    let logged = LoggedMeshes::read(run.log)?;
+    let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
+    let facts = facts::of_run(&summary, run.model);
+    let about = About { kind: "run", source: run.source(), facts, warnings: summary.warnings.clone(), notes };
+    Ok(write(run.model, run.start, about, &source, &motion, beside, options, packed))
+}
+
+/// A note, if not all samples are in the motion.
+fn thinned(motion: &Motion, samples: u64) -> Vec<String> {
+    let (shown, stride) = (motion.times.len(), motion.stride());
+    let note = || format!("{shown} of {samples} samples are shown: one in {stride}");
+    if stride > 1 { vec![note()] } else { Vec::new() }
 }
 
 /// The motion of a log of this model.
@@ -219,7 +266,7 @@ pub fn model_page(model: &Model, start: &State, options: &PageOptions) -> String
     let name = path.file_name().map_or_else(|| path.display().to_string(), |file| file.to_string_lossy().into_owned());
     let warnings = model.warning_lines().collect();
     let about = About { kind: "model", source: name, facts: facts::of_model(model), warnings, notes: Vec::new() };
-    write(model, start, about, &source, &motion, options)
+    write(model, start, about, &source, &motion, None, options, Packed::default())
 }
 
 /// The source of a page.
@@ -231,47 +278,33 @@ struct About {
     notes: Vec<String>,
 }
 
+#[expect(clippy::too_many_arguments, reason = "the robot, its motion, the words and the arrays of a page are apart")]
 fn write(
     model: &Model,
     start: &State,
     about: About,
     source: &MeshSource,
     motion: &Motion,
+    second: Option<Played>,
     options: &PageOptions,
+    mut packed: Packed,
 ) -> String {
-    let mut packed = Packed::default();
     let mut drawn = looks(model, source, options.mesh_limit > 0);
     let [obstacles, collision_shapes] = colliders(model, &mut drawn, options.mesh_limit > 0);
-    let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, &mut packed);
-    let samples = motion.times.len();
+    let (played, told) = Played::of(about.source, model, start, motion, drawn, options, &mut packed);
     let gravity = model.mechanism.gravity.norm();
-    let times = motion.steps.times();
-    let steps = StepCurves {
-        curves: motion.steps.curves(),
-        times: packed.doubles(&times),
-        values: packed.floats(motion.steps.columns(), times.len()),
-    };
-    let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
+    let title = format!("{} · catena", played.source);
     let header = Header {
         kind: about.kind,
-        name: &model.mechanism.name,
-        source: about.source,
+        played,
+        second,
         catena: env!("CARGO_PKG_VERSION"),
         facts: about.facts,
         warnings: about.warnings,
-        notes: about.notes.into_iter().chain(drawn.notes).chain(simplified).collect(),
+        notes: about.notes.into_iter().chain(told).collect(),
         tables: &options.tables,
-        tree: tree(model, start),
-        shapes: &drawn.shapes,
         obstacles,
         collision_shapes,
-        meshes,
-        samples,
-        times: packed.doubles(&motion.times),
-        poses: packed.floats(columns, samples),
-        curves: &motion.curves,
-        values: packed.floats(motion.values.iter().flatten().copied(), samples),
-        steps,
         events: &motion.events,
         arrows: vec![reactions(model, &motion.curves)].into_iter().filter(|layer| !layer.arrows.is_empty()).collect(),
         contacts: motion.contacts.pack(&mut packed),
@@ -279,7 +312,44 @@ fn write(
     };
     // Everything in it has string keys and no maps, which is all that could fail.
     let text = serde_json::to_string(&header).unwrap_or_default();
-    html::page(&format!("{} · catena", header.source), &text, &packed.text())
+    html::page(&title, &text, &packed.text())
+}
+
+impl<'p> Played<'p> {
+    /// Packs a robot and its motion; returns notes about shapes, too.
+    fn of(
+        source: String,
+        model: &'p Model,
+        start: &State,
+        motion: &'p Motion,
+        drawn: Looks,
+        options: &PageOptions,
+        packed: &mut Packed,
+    ) -> (Self, Vec<String>) {
+        let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, packed);
+        let samples = motion.times.len();
+        let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
+        let times = motion.steps.times();
+        let steps = StepCurves {
+            curves: motion.steps.curves(),
+            times: packed.doubles(&times),
+            values: packed.floats(motion.steps.columns(), times.len()),
+        };
+        let played = Played {
+            name: &model.mechanism.name,
+            source,
+            tree: tree(model, start),
+            shapes: drawn.shapes,
+            meshes,
+            samples,
+            times: packed.doubles(&motion.times),
+            poses: packed.floats(columns, samples),
+            curves: &motion.curves,
+            values: packed.floats(motion.values.iter().flatten().copied(), samples),
+            steps,
+        };
+        (played, drawn.notes.into_iter().chain(simplified).collect())
+    }
 }
 
 /// The forces of joints on the bodies that they carry, and of loops on their second ends.

@@ -149,6 +149,31 @@ fn energies_of_two_balls_that_bounce_apart_from_each_other_are_level_on_both_sid
 }
 
 #[test]
+fn the_page_of_two_logs_has_both_motions() {
+    let folder = with_log("two");
+    let other = ["simulate", "red.urdf", "--duration", "1", "--position", "hinge=0.5", "-o", "other.mcap", "--quiet"];
+    done(&folder, &other);
+    let said = done(&folder, &["report", "red.mcap", "other.mcap", "-o", "two.html"]);
+    assert_eq!(said, "two.html: 2 s of red.mcap beside other.mcap\n");
+    let page = std::fs::read_to_string(folder.join("two.html")).expect("a page");
+    let (header, bytes) = (header(&page), bytes(&page));
+    let angle = |run: &Value| {
+        let samples = run["samples"].as_u64().expect("a number") as usize;
+        let place =
+            run["curves"].as_array().expect("curves").iter().position(|curve| curve["name"] == "hinge.position");
+        floats(&bytes, &run["values"])[place.expect("a curve") * samples..][..samples].to_vec()
+    };
+    let (first, second) = (angle(&header), angle(&header["second"]));
+    // 60 samples a second and the start; both begin at rest where they were put.
+    assert_eq!((first.len(), first[0], second.len(), second[0]), (121, 1.0, 61, 0.5));
+    assert_eq!((&header["source"], &header["second"]["source"]), (&"red.mcap".into(), &"other.mcap".into()));
+    let Some(chromium) = super::browser::chromium() else { return };
+    let dom = super::browser::open(chromium, &folder.join("two.html"), "t=0.5", "--dump-dom");
+    let dom = crate::common::command::text(&dom);
+    assert!(dom.contains("data-state=\"ready\"") && dom.contains("hinge.position (second run)"), "{}", &dom[..300]);
+}
+
+#[test]
 fn meshes_are_drawn_once_simplified_to_the_limit_and_boxes_stand_for_those_that_are_missing() {
     let folder = with_log("meshes");
     // A ball of 80 by 40 cells.

@@ -69,13 +69,18 @@ function rangeOf(curve) {
 // The curves that are shown at first: the joint positions that move most, and the energies. A position that moves less than a thousandth of the one of
 // its group that moves most looks at rest beside it, and 1e-6 m or rad is the accuracy of single precision.
 function firstChoice(curves) {
-  const ranges = curves.filter((curve) => curve.group.startsWith("Joint positions")).map((curve) => ({ curve, range: rangeOf(curve) }));
+  const positions = curves.filter((curve) => curve.group.startsWith("Joint positions") && !SECOND.test(curve.name));
+  const ranges = positions.map((curve) => ({ curve, range: rangeOf(curve) }));
   const most = (group) => Math.max(...ranges.filter(({ curve }) => curve.group === group).map(({ range }) => range));
   const moving = ranges.filter(({ curve, range }) => range > Math.max(1e-6, 1e-3 * most(curve.group)));
   const chosen = (moving.length > 0 ? moving : ranges).sort((a, b) => b.range - a.range).slice(0, 6);
   const energies = ["energy.kinetic", "energy.potential", "energy.total"];
-  return [...curves.filter((curve) => chosen.some((one) => one.curve === curve)).map((curve) => curve.name), ...energies];
+  const names = new Set([...chosen.map(({ curve }) => curve.name.replace(SECOND, "")), ...energies]);
+  return curves.map((curve) => curve.name).filter((name) => names.has(name.replace(SECOND, "")));
 }
+
+// The end of the names of the curves of a second run.
+const SECOND = / \(second run\)$/;
 
 class Curves {
   constructor(element, curves, times, seek) {
@@ -146,8 +151,9 @@ class Curves {
       const numbers = Array.from(curve.values(), (value) => (Number.isFinite(value) ? value : null));
       return logarithmic ? numbers.map((value) => value === null ? null : Math.max(value, LEAST)) : numbers;
     });
+    const times = group.map((curve) => curve.times || this.times);
+    const joined = uPlot.join(group.map((_, k) => [Array.from(times[k]), columns[k]]));
     const color = curveColor;
-    const times = group[0].times || this.times;
     const holder = make("div", { className: "plot" });
     const head = make("div", { className: "title" });
     head.append(make("span", { textContent: unit ? `${title} [${unit}]` : title }), make("span", { textContent: "against time [s]" }));
@@ -163,8 +169,8 @@ class Curves {
       cursor: { y: false, drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : {} },
       axes: [{ ...axis, size: 28 }, { ...axis, size: 58, values }],
-      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, spanGaps: true, pxAlign: 0, points: { show: times.length < 3 } }))],
-    }, [Array.from(times), ...columns], holder);
+      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, dash: SECOND.test(curve.name) ? [6, 4] : [], spanGaps: true, pxAlign: 0, points: { show: times[k].length < 3 } }))],
+    }, joined, holder);
     const line = make("div", { className: "now" });
     plot.over.append(line);
     const toPointer = (event) => {
@@ -203,10 +209,9 @@ class Curves {
   place(time) {
     this.time = time;
     for (const { plot, line, shown, columns, times } of this.plots) {
-      const sample = sampleBefore(times, time);
       line.style.left = `${plot.valToPos(time, "x")}px`;
       shown.forEach((number, k) => {
-        let last = sample;
+        let last = sampleBefore(times[k], time);
         while (last > 0 && columns[k][last] === null) last--;
         number.textContent = columns[k][last] === null ? "–" : plain(columns[k][last]);
       });

@@ -74,7 +74,7 @@ async function openPage() {
   const header = JSON.parse(byId("header").textContent);
   const isRun = header.kind === "run";
   byId("name").textContent = header.name;
-  byId("about").textContent = isRun ? `run from ${header.source}` : `model of ${header.source}`;
+  byId("about").textContent = isRun ? `run from ${header.source}${header.second ? ` beside ${header.second.source}` : ""}` : `model of ${header.source}`;
   byId("keys").textContent = isRun ? "space: play · ← →: one sample (shift: ten) · F frames · R reactions · O contacts · G grid · B obstacles · S shapes · L follow · T trails · C camera" : "F frames · G grid · B obstacles · S shapes · C camera";
   const bytes = await unpackedBytes(byId("packed").textContent);
   const motion = new Motion(unpackedDoubles(bytes, header.times), unpackedFloats(bytes, header.poses), header.tree.bodies.length);
@@ -85,7 +85,7 @@ async function openPage() {
   const view = openView();
   if (view && wanted.has("view")) view.lookFrom(wanted.get("view"));
   const buttons = {};
-  let [robot, obstacles, layers, follows, trails] = [null, null, [], false, null];
+  let [robot, obstacles, layers, follows, trails, second] = [null, null, [], false, null, null];
   let fit = () => {};
   if (view) {
     robot = new Robot(header, bytes, view);
@@ -99,6 +99,12 @@ async function openPage() {
     if (header.contacts) sources.push(new Contacts(header.contacts, bytes, header.samples));
     // Arrows are seen from where the camera is: at the robot if it follows, else far enough for the whole run.
     const length = 0.3 * (isTraveller ? size : Math.max(size, 0.5 * diagonal(seen)));
+    if (header.second) {
+      second = new SecondRun(header.second, bytes, view, size);
+      seen.union(second.extent().translate(second.aside));
+      buttons.w = addToggle("Beside", "W", true, (on) => second.showBeside(on));
+      buttons.w.title += `; ${header.second.source} is drawn beside the run, or translucent in the same place`;
+    }
     layers = sources.map((source) => new ArrowLayer(source, view, length, header.weight));
     const planes = obstacles.planes.length > 0 ? obstacles.planes : [new THREE.Matrix4()];
     const cell = view.addGrid(size, planes);
@@ -149,6 +155,7 @@ async function openPage() {
       robot.placed();
       for (const layer of layers) layer.place(sampleBefore(motion.times, time));
       trails.place(time);
+      if (second) second.place(time);
       if (follows) view.follow(robot.middle());
     }
     if (document.body.classList.contains("film")) return;
@@ -159,6 +166,7 @@ async function openPage() {
     timeline = new Timeline(motion.times, header.events, show);
     const seek = (time) => { timeline.pause(); timeline.seek(time); };
     const curves = allCurves(header, values, motion, bytes);
+    if (header.second) curves.push(...curvesOfSecond(header.second, bytes));
     panels.push(new Curves(tabs.add("Curves"), curves, motion.times, seek));
     panels.push(new Phase(tabs.add("Phase"), curves.filter((curve) => !curve.times), motion.times));
     fillReport(tabs.add("Report"), header);
