@@ -23,6 +23,7 @@ use crate::events::modes::piece_steps::PieceRecipe;
 use crate::events::modes::placed::PlacedBodies;
 use crate::events::modes::present::Present;
 use crate::events::repeats::Repeats;
+use crate::events::trace::{Traced, TracedJump};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::held::Closures;
@@ -149,6 +150,8 @@ pub struct Eventful {
     pub(super) accompanied: bool,
     /// Targets of motors that were given since the last step.
     pub(super) commands: Commands,
+    /// The steps and jumps since it was taken last; `None` for a run without derivatives.
+    pub(super) trace: Option<Vec<Traced>>,
 }
 
 /// The larger of two errors, if both are known.
@@ -249,6 +252,7 @@ impl Eventful {
             reporting: RefCell::new(Reporting::new(mechanism)),
             accompanied: false,
             commands: Commands::Known,
+            trace: None,
             whole: Arc::new(mechanism.clone()),
         })
     }
@@ -395,6 +399,7 @@ impl Eventful {
 
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
         self.asleep = false;
+        let before = self.trace.is_some().then(|| state.clone());
         let Eventful { elements, touching, mode, response, memory, whole, solvers, .. } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
         let mut scene = Scene { whole, elements, touching, response, solvers };
@@ -410,6 +415,10 @@ impl Eventful {
         if self.stays_at_rest(inputs, state) {
             self.asleep = true;
             self.enter(state);
+        }
+        if let (Some(trace), Some(before)) = (&mut self.trace, before) {
+            let (meetings, contacts) = (done.meetings, done.contacts);
+            trace.push(Traced::Jump(Box::new(TracedJump { before, after: state.clone(), meetings, contacts })));
         }
         done.lost
     }
