@@ -102,7 +102,7 @@ impl Eventful {
     /// Keeps a step in the trace, if there is one; `state` is its end before the events there.
     pub(super) fn trace_step(&mut self, state: &State, ending: &Ending) {
         let Some(trace) = self.trace.as_mut().filter(|_| !ending.is_at_start()) else { return };
-        let key = &self.pieces[self.current].key;
+        let key = &self.workspaces.active().key;
         trace.push(Traced::Step(Box::new(TracedStep {
             end: state.clone(),
             mode: self.mode.clone(),
