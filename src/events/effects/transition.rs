@@ -154,6 +154,8 @@ pub(crate) fn transit(
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
+    done.meetings = meetings;
+    done.contacts = contacts.take();
     done
 }
 
