@@ -67,7 +67,7 @@ impl Eventful {
             self.mode.motors[index] = mode;
             jumped = true;
         }
-        let reached = self.whole.forces.next_instant(before);
+        let reached = self.whole.next_instant(before);
         jumped |= (reached - now).abs() <= ONE_INSTANT * now.abs().max(1.0);
         changed || jumped && !self.goes_on_under(inputs, state)
     }

@@ -98,7 +98,7 @@ impl Eventful {
         let (mut impulses, mut own) = (vec![0.0; count], vec![0.0; count]);
         let bodies = body_states(&self.whole, state);
         efforts_of_wrenches(&self.whole, &bodies, &mut momenta, &mut impulses);
-        joint_efforts(&self.whole, self.origin.time, &state.position, &self.origin.velocity, &mut own);
+        joint_efforts(&self.whole, self.origin.time, (&state.position, &self.origin.velocity), &bodies, &mut own);
         for (freedom, armature) in self.whole.rotors() {
             impulses[freedom] += armature * self.origin.velocity[freedom];
         }

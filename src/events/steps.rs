@@ -243,7 +243,7 @@ impl Eventful {
         if !(passing || at_start) {
             self.repeats.advance();
         }
-        let lasts = inputs.feedback.is_none() && !self.whole.forces.change();
+        let lasts = inputs.feedback.is_none() && !self.whole.changes();
         let quiet = triggers.is_empty() && !changed && lasts && self.is_quiet(state);
         self.quiet = if quiet { self.quiet + 1 } else { 0 };
         if matches!(ending, Ending::Ballistic(_)) {

@@ -59,3 +59,4 @@ mod slides;
 mod throws;
 mod ticks;
 mod toys;
+mod weights;

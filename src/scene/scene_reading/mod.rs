@@ -23,6 +23,8 @@ pub(crate) mod load_reader;
 #[cfg(not(feature = "scene"))]
 pub(crate) mod no_scene_file;
 #[cfg(feature = "scene")]
+pub(crate) mod motion_reader;
+#[cfg(feature = "scene")]
 pub(crate) mod relation_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod scene_file;
