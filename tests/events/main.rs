@@ -45,6 +45,7 @@ mod loads;
 mod locked;
 mod loose;
 mod mechanisms;
+mod motions;
 mod motors;
 mod orders;
 mod pendulum;

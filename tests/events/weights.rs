@@ -46,7 +46,9 @@ fn arm(folder: &Path, name: &str, more: &str) -> PathBuf {
 /// Motors in all joints that go to their targets within a second or two.
 fn motors(held: &str) -> String {
     let motor = |index: usize, target: f64, kp: f64, kd: f64| {
-        format!("[[motor]]\njoint = \"j{index}\"\nkind = \"position\"\ntarget = {target}\nkp = {kp}\nkd = {kd}\n{held}\n")
+        format!(
+            "[[motor]]\njoint = \"j{index}\"\nkind = \"position\"\ntarget = {target}\nkp = {kp}\nkd = {kd}\n{held}\n"
+        )
     };
     motor(0, 0.7, 60.0, 12.0) + &motor(1, -0.4, 40.0, 5.0) + &motor(2, 0.2, 90.0, 12.0)
 }
@@ -119,7 +121,8 @@ fn mechanisms() -> Vec<Mechanism> {
         body(Some(1), JointKind::Prismatic, arm, x + Vector3::z(), arm),
         across(Some(2), x - y),
     ];
-    let free = vec![body(None, JointKind::Floating, Vector3::zeros(), Vector3::z(), Vector3::zeros()), across(Some(0), y)];
+    let free =
+        vec![body(None, JointKind::Floating, Vector3::zeros(), Vector3::z(), Vector3::zeros()), across(Some(0), y)];
     [("flat", flat), ("leaning", leaning), ("free", free)]
         .map(|(name, bodies)| Mechanism::new(name, gravity, bodies).expect("depth first"))
         .into()
@@ -182,7 +185,8 @@ fn a_weight_that_a_loop_carries_too_is_refused_with_the_line() {
 #[test]
 fn the_key_path_switches_it_on() {
     let folder = scratch("weights_key");
-    let (with, without) = (arm(&folder, "with", &motors("gravity_compensation = true")), arm(&folder, "free", &motors("")));
+    let (with, without) =
+        (arm(&folder, "with", &motors("gravity_compensation = true")), arm(&folder, "free", &motors("")));
     let set = |index: usize| (format!("motor.j{index}.gravity_compensation"), 1.0);
     let mut loader = Model::loader();
     for (key, number) in (0..3).map(set) {
@@ -190,6 +194,9 @@ fn the_key_path_switches_it_on() {
     }
     let model = loader.load(&without).expect("a model");
     let compensations = &model.description().mechanism.forces.gravity_compensations;
-    assert_eq!(compensations, &Model::load(&with).expect("a model").description().mechanism.forces.gravity_compensations);
+    assert_eq!(
+        compensations,
+        &Model::load(&with).expect("a model").description().mechanism.forces.gravity_compensations
+    );
     assert_eq!(compensations.len(), 3);
 }

@@ -115,7 +115,8 @@ pub fn tables(model: &Model, start: &State) -> [Table; 2] {
         joints.row(std::iter::once(name.to_string()).chain(cells).collect());
     }
 
-    let mut motors = Table::new("Motors", &["motor of", "kind", "target", "kp", "kd", "largest effort", "period", "weight held"]);
+    let mut motors =
+        Table::new("Motors", &["motor of", "kind", "target", "kp", "kd", "largest effort", "period", "weight held"]);
     for motor in &nonsmooth.motors {
         let (length, effort) = units(mechanism, motor.coordinate);
         let unit = match motor.law {

@@ -38,8 +38,10 @@ pub fn never_reached(mechanism: &Mechanism, start: &State) -> Vec<NeverReached> 
     let mut never = vec![NeverReached::default(); limits.len()];
     for (number, limit) in limits.iter().enumerate() {
         let freedom = limit.coordinate.freedom;
-        let in_relation =
-            mechanism.mimics.iter().any(|mimic| !mimic.is_moved() && [mimic.leader.freedom, mimic.follower.freedom].contains(&freedom));
+        let in_relation = mechanism
+            .mimics
+            .iter()
+            .any(|mimic| !mimic.is_moved() && [mimic.leader.freedom, mimic.follower.freedom].contains(&freedom));
         if in_relation && mechanism.mimics.len() <= MOST_RELATIONS {
             let (low, high) = ranges(mechanism, Some(number))[freedom];
             let margin = |bound: f64| MARGIN * (1.0 + bound.abs());

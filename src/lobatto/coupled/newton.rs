@@ -141,7 +141,8 @@ impl Mimics {
             }
             if mimic.is_moved() {
                 let [place, ..] = mimic.motion(self.time, self.time);
-                let moved = self.at_stages(coupled.step, |stage| stage + 1, |time| mimic.motion(self.time, time)[0] - place);
+                let moved =
+                    self.at_stages(coupled.step, |stage| stage + 1, |time| mimic.motion(self.time, time)[0] - place);
                 coupled.gaps[row] = coupled.gaps[row] - moved;
             }
         }

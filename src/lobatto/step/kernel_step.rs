@@ -124,7 +124,8 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let active = self.active();
-        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, refined, moving, length, .. } = self;
+        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, refined, moving, length, .. } =
+            self;
         (*friction, *moving) = (0.0, 0.0);
         // The end knows its time: joints may be moved in time.
         state.time += *length;

@@ -72,7 +72,10 @@ impl Formula {
         if [value, rate, second].iter().all(|number| number.is_finite()) {
             return Ok(());
         }
-        Err(format!("formula {:?}: at t = 0 its value is {value}, its rate {rate}, the rate of that {second}", self.text))
+        Err(format!(
+            "formula {:?}: at t = 0 its value is {value}, its rate {rate}, the rate of that {second}",
+            self.text
+        ))
     }
 
     /// Whether it does not depend on time.
@@ -117,7 +120,14 @@ fn combined(operation: Operation, a: Jet, b: Jet) -> Jet {
             // Zero times an infinite power is zero: t^1 at t = 0.
             let term = |factor: f64, power: f64| if factor == 0.0 { 0.0 } else { factor * a[0].powf(power) };
             let exponent = b[0];
-            chained(a, [a[0].powf(exponent), term(exponent, exponent - 1.0), term(exponent * (exponent - 1.0), exponent - 2.0)])
+            chained(
+                a,
+                [
+                    a[0].powf(exponent),
+                    term(exponent, exponent - 1.0),
+                    term(exponent * (exponent - 1.0), exponent - 2.0),
+                ],
+            )
         }
         Operation::Power => Function::Exp.of(combined(Operation::Multiply, b, Function::Ln.of(a))),
         _ => [a[0] * b[0], a[1] * b[0] + a[0] * b[1], a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2]],
@@ -126,7 +136,7 @@ fn combined(operation: Operation, a: Jet, b: Jet) -> Jet {
 
 /// f(a), from f and its derivatives at a.
 fn chained(a: Jet, [value, first, second]: Jet) -> Jet {
-    // A derivative that does not exist does no harm to what does not change.
+    // An infinite derivative does no harm to a constant argument.
     let part = |derivative: f64, change: f64| if change == 0.0 { 0.0 } else { derivative * change };
     [value, part(first, a[1]), part(second, a[1] * a[1]) + part(first, a[2])]
 }
@@ -203,8 +213,24 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_differences() {
         let texts = [
-            "a*sin(w*t + 0.3)", "t^3 - 2*t", "exp(-t)*cos(3*t)", "1/(1+t^2)", "sqrt(1+t)", "ln(2+t)", "tan(0.4*t)", "asin(0.3*t)",
-            "acos(0.3*t)", "atan(2*t)", "sinh(t)", "cosh(t)", "tanh(3*t)", "t^t", "2^t", "(1+t)^0.5", "t^0", "t^1",
+            "a*sin(w*t + 0.3)",
+            "t^3 - 2*t",
+            "exp(-t)*cos(3*t)",
+            "1/(1+t^2)",
+            "sqrt(1+t)",
+            "ln(2+t)",
+            "tan(0.4*t)",
+            "asin(0.3*t)",
+            "acos(0.3*t)",
+            "atan(2*t)",
+            "sinh(t)",
+            "cosh(t)",
+            "tanh(3*t)",
+            "t^t",
+            "2^t",
+            "(1+t)^0.5",
+            "t^0",
+            "t^1",
         ];
         for text in texts {
             let formula = formula(text);

@@ -31,10 +31,17 @@ impl CouplingReader<'_> {
             let refuse = |span, message| Err(self.text.error(&span, Some(owner.clone()), Problem::Keys(message)));
             let joint = self.tree_joint(&name, loops, &owner)?;
             if let Some(first) = motions.iter().find(|other| other.joint == joint) {
-                return Err(self.text.error(&name.span(), Some(owner), Problem::SecondMotion { first_line: first.line }));
+                return Err(self.text.error(
+                    &name.span(),
+                    Some(owner),
+                    Problem::SecondMotion { first_line: first.line },
+                ));
             }
             if motors.iter().any(|motor| motor.joint == joint && !motor.lenient) {
-                return refuse(name.span(), "the joint has a [[motor]], too; a joint that is moved needs none: leave one out");
+                return refuse(
+                    name.span(),
+                    "the joint has a [[motor]], too; a joint that is moved needs none: leave one out",
+                );
             }
             motors.retain(|motor| motor.joint != joint);
             let described = self.robots[joint.robot].robot.joints.iter().find(|other| other.name == joint.joint);

@@ -76,7 +76,8 @@ impl MotorMessages {
         let is_wanted = wanted.has("/motors");
         let channel = is_wanted.then(|| sink.channel("/motors", &JOINT_STATE, Durability::Volatile)).transpose()?;
         let holding = model.mechanism.forces.gravity_compensations.iter();
-        let holding = holding.map(|holding| format!("{}{OF_GRAVITY}", model.mechanism.joint_of_freedom(holding.freedom)));
+        let holding =
+            holding.map(|holding| format!("{}{OF_GRAVITY}", model.mechanism.joint_of_freedom(holding.freedom)));
         let names = motors.iter().map(|motor| joint_name(model, motor.coordinate.body).to_string()).chain(holding);
         let names: Vec<String> = names.collect();
         Ok(Some(MotorMessages {
