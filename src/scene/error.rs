@@ -101,6 +101,12 @@ pub enum Problem {
     /// XML, but not a URDF.
     #[error("the outermost element is <{0}>; a URDF has <robot>, a model of MuJoCo <mujoco>")]
     NotRobot(String),
+    /// SDF instead of URDF or MJCF.
+    #[error(
+        "it is SDF, which is not read: give the URDF that it was made of, or convert it to MJCF with Gazebo's converter \
+         (`pip install sdformat-mjcf`, which needs Gazebo's packages for Python, then `sdf2mjcf FILE.sdf FILE.xml`)"
+    )]
+    Sdf,
     /// A xacro source instead of its result.
     #[error("{0} is xacro, which must be expanded first: `xacro FILE.xacro > FILE.urdf`")]
     Xacro(String),
