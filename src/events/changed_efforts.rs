@@ -72,7 +72,7 @@ impl Eventful {
             self.mode.motors[index] = mode;
             jumped = true;
         }
-        let reached = self.model.whole.forces.next_instant(before);
+        let reached = self.model.whole.next_instant(before);
         jumped |= (reached - now).abs() <= ONE_INSTANT * now.abs().max(1.0);
         changed || jumped && !self.goes_on_under(inputs, state)
     }
