@@ -94,7 +94,7 @@ def _params(params):
 
 @dataclass(repr=False)
 class Sensitivity:
-    """A run and its derivatives at its start and at the end of every step.
+    """A run and its derivatives at its start and at the end of every step to a given instant.
 
     Attributes
     ----------
@@ -102,6 +102,9 @@ class Sensitivity:
     q, v : (steps, n) as of a run
     dq, dv : derivatives (steps, n, p) along ``freedoms`` by ``keys``; ball joints turn about the axes of their child
     keys, freedoms : names
+    events : of the run, each with its time ``t`` [s], ``what`` it is, the derivatives ``dt`` (p) of its time, and the ``rate`` of its function
+    valid_within : how far each parameter may change before an event is missed, added, or comes in another order (p), to first order
+    bounded_by : the event that bounds it, in words (p)
     """
 
     t: np.ndarray
@@ -111,6 +114,9 @@ class Sensitivity:
     dv: np.ndarray
     keys: list[str]
     freedoms: list[str]
+    events: list[dict]
+    valid_within: np.ndarray
+    bounded_by: list[str]
 
     def __repr__(self):
         return f"<catena.Sensitivity: {len(self.t) - 1} steps to {self.t[-1]:.9g} s, by {', '.join(self.keys)}>"
@@ -240,7 +246,8 @@ class Model:
     def sensitivity(self, keys, q=None, v=None, *, duration=1.0, tolerance=None, stages=None, step=None):
         """A run and its derivatives by its start and its numbers: a :class:`Sensitivity`.
 
-        The derivatives go through the steps of the run and are exact for them.
+        The derivatives go through the steps of the run and are exact for them, also through its events: limits, dry friction, motors at their bounds
+        and impacts of contacts.
 
         Parameters
         ----------
@@ -251,7 +258,7 @@ class Model:
 
         Raises
         ------
-        InputError : unknown keys, and runs without derivatives: with events, closed loops or contacts
+        InputError : unknown keys, and runs without derivatives: with closed loops, contacts that slide or roll on, and many events in one instant
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
         if (stages is None) != (step is None):

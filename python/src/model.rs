@@ -317,6 +317,19 @@ impl Model {
         out.set_item("dv", array(&run.dv))?;
         out.set_item("keys", &run.keys)?;
         out.set_item("freedoms", &run.freedoms)?;
+        let events: PyResult<Vec<Bound<'py, PyDict>>> = (run.events.iter())
+            .map(|event| {
+                let one = PyDict::new(py);
+                one.set_item("t", event.time)?;
+                one.set_item("what", &event.what)?;
+                one.set_item("dt", event.by.to_pyarray(py))?;
+                one.set_item("rate", event.rate)?;
+                Ok(one)
+            })
+            .collect();
+        out.set_item("events", events?)?;
+        out.set_item("valid_within", run.valid_within.to_pyarray(py))?;
+        out.set_item("bounded_by", &run.bounded_by)?;
         Ok(out)
     }
 

@@ -23,6 +23,12 @@ Examples:
   catena linearize scene.toml --at 2.5 --json     matrices A and B about the state at 2.5 s
   catena linearize run.mcap --at 2.5          the same of a run that has been logged";
 
+pub const SENSITIVITY: &str = "\
+Examples:
+  catena sensitivity robot.urdf --by link7.mass --by start.q     derivatives of the end of a run
+  catena sensitivity scene.toml --by floor.restitution=0.01      with the standard deviation of the motion
+  catena sensitivity scene.toml --by joint1.friction -o out.csv  at all steps, as a table";
+
 pub const INSPECT: &str = "\
 Examples:
   catena inspect arm7.mcap                    a summary

@@ -24,6 +24,7 @@ mod page_files;
 mod recorded;
 mod replay;
 mod report;
+mod sensitivity;
 mod shell;
 mod simulate;
 mod stress;
@@ -64,6 +65,9 @@ enum Verb {
     #[command(after_help = examples::LINEARIZE)]
     /// Linear equations of motion about an equilibrium or an instant: matrices, and modes with frequency and damping
     Linearize(Box<linearize::LinearizeArgs>),
+    #[command(after_help = examples::SENSITIVITY)]
+    /// Derivatives of a run by its start, efforts and numbers, exact through impacts and friction
+    Sensitivity(Box<sensitivity::SensitivityArgs>),
     #[command(after_help = examples::INSPECT)]
     /// Look at a log: a summary, one instant, curves, a table; or compare two logs
     Inspect(Box<inspect::InspectArgs>),
@@ -121,6 +125,7 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
         Verb::Simulate(arguments) => report::simulate_and_report(&arguments),
         Verb::Model(arguments) => model::run(&arguments),
         Verb::Linearize(arguments) => linearize::run(&arguments),
+        Verb::Sensitivity(arguments) => sensitivity::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
         Verb::Film(arguments) => film::run(&arguments),

@@ -13,6 +13,7 @@
 
 pub(in crate::output) mod colliders;
 mod contacts;
+mod curve_name;
 mod facts;
 mod html;
 pub(in crate::output) mod looks;
@@ -33,9 +34,10 @@ use crate::output::log::reading::records::ReadError;
 use crate::output::log::sha256;
 use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::contacts::ContactLayer;
+use crate::output::page::curve_name::CurveName;
 use crate::output::page::facts::Fact;
 use crate::output::page::looks::{DrawnShape, Looks, MeshSource, looks};
-use crate::output::page::motion::{CurveName, Motion};
+use crate::output::page::motion::Motion;
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
 use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};

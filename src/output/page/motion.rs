@@ -11,11 +11,11 @@ use crate::output::inspection::joint_values::{JointKinds, JointValue, Quantity, 
 use crate::output::log::reading::decode::{LinkPose, LoggedEvent};
 use crate::output::log::reading::frames::{Figures, Frame, Visitor};
 use crate::output::page::contacts::Contacts;
+use crate::output::page::curve_name::CurveName;
 use crate::output::page::step_figures::StepFigures;
 use crate::output::page::tree::pose_numbers;
 use crate::output::report::EventEntry;
 use nalgebra::{Rotation3, Translation3, Vector3};
-use serde::Serialize;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
@@ -24,19 +24,6 @@ pub(super) const MOST_SAMPLES: u64 = 7200;
 
 /// The most events in a page.
 const MOST_EVENTS: usize = 20_000;
-
-/// The name of a curve.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct CurveName {
-    /// As in tables: `elbow.position`, `energy.total`.
-    pub name: String,
-    /// The kind of curves that it belongs to, for people.
-    pub group: &'static str,
-    /// Its unit; empty for numbers without.
-    pub unit: &'static str,
-    /// Whether it is drawn on a logarithmic axis.
-    pub logarithmic: bool,
-}
 
 /// Collects the motion of a log.
 pub(in crate::output) struct Motion<'m> {

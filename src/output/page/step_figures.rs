@@ -4,7 +4,7 @@
 //! between two of them.
 
 use crate::output::log::reading::frames::Figures;
-use crate::output::page::motion::CurveName;
+use crate::output::page::curve_name::CurveName;
 
 /// Figures in a page: beyond this number every second one is left out, again and again, but for those beside an event.
 const MOST: usize = 20_000;
