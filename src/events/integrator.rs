@@ -107,7 +107,7 @@ pub struct Eventful {
     pub(super) abandoned: Cost,
     pub(super) steps: usize,
     pub(super) stepped: f64,
-    pub(super) lost_at_start: f64,
+    pub(super) lost_at_start: Exchange,
     /// Method description used while every joint is held.
     pub(super) idle: MethodDescription,
     /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
@@ -227,7 +227,7 @@ impl Eventful {
             abandoned: Cost::default(),
             steps: 0,
             stepped: 0.0,
-            lost_at_start: 0.0,
+            lost_at_start: Exchange::default(),
             idle,
             between: Some(0.0),
             ringing: 0.0,
@@ -378,8 +378,8 @@ impl Eventful {
         }
     }
 
-    /// Carries out the event at a state, and enters the mode that follows; returns the energy lost (J).
-    pub(super) fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> f64 {
+    /// Carries out the event at a state, and enters the mode that follows; returns the energy lost, and the work of driven surfaces.
+    pub(super) fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> Exchange {
         // Events happen to two motions at two times.
         if self.accompanied {
             self.leave_companion();
@@ -388,12 +388,12 @@ impl Eventful {
     }
 
     /// The same without known contacts: they are looked for everywhere.
-    pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> f64 {
+    pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> Exchange {
         self.mode.contacts.clear();
         self.carry_out(inputs, state, Found { triggers: &[], height: self.height, anew: true })
     }
 
-    fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
+    fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> Exchange {
         self.asleep = false;
         let Eventful { elements, touching, mode, response, memory, whole, solvers, .. } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
@@ -411,7 +411,7 @@ impl Eventful {
             self.asleep = true;
             self.enter(state);
         }
-        done.lost
+        Exchange { impacts: done.lost, work: done.driven, ..Exchange::default() }
     }
 
     /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic

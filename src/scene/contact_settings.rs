@@ -29,6 +29,8 @@ pub struct Obstacle {
     pub friction: Option<f64>,
     /// e with everything, if given.
     pub restitution: Option<f64>,
+    /// Velocity of its surface, as of a belt, in the axes of the obstacle as given [m/s].
+    pub surface_velocity: Vector3<f64>,
     /// The mesh that it was read from.
     pub mesh: Option<MeshSource>,
     /// Scale of that mesh along x, y, z.
@@ -207,6 +209,7 @@ impl Obstacle {
             normal: Vector3::z(),
             friction: None,
             restitution: None,
+            surface_velocity: Vector3::zeros(),
             mesh: None,
             scale: Vector3::repeat(1.0),
             line: None,

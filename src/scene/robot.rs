@@ -73,6 +73,8 @@ pub struct Surface {
     pub friction: Option<f64>,
     /// Restitution of impacts, 0 to 1.
     pub restitution: Option<f64>,
+    /// Velocity of the surface over the link, as of a belt, in the axes of the link [m/s].
+    pub velocity: Option<Vector3<f64>>,
 }
 
 /// Mass and inertia of a link.

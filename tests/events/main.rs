@@ -3,6 +3,7 @@
 #[path = "../shared/common/mod.rs"]
 mod common;
 
+mod belts;
 mod closed;
 mod contacts;
 mod contacts_bowl;

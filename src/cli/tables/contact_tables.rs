@@ -26,6 +26,9 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
             "position": collider.pose.translation.vector.as_slice(),
             "orientation": wxyz_from_rotation(collider.pose.rotation.matrix()),
         });
+        if collider.surface_velocity != Vector3::zeros() {
+            value["surface_velocity"] = json!(collider.surface_velocity.as_slice());
+        }
         for (key, part) in shape_json(&collider.shape) {
             value[key] = part;
         }
@@ -70,7 +73,7 @@ pub fn tables(model: &Model) -> [Table; 4] {
         let mut table = Table::new(title, &[first, "shape", "size [m]", "fixed in", "at [m]"]);
         let of_kind = |owner: &Owner| matches!(owner, Owner::Obstacle(_)) == is_obstacle;
         for (collider, _) in colliders.iter().zip(&contact.owners).filter(|(_, owner)| of_kind(owner)) {
-            let Collider { name, body, pose, shape } = collider;
+            let Collider { name, body, pose, shape, .. } = collider;
             let (kind, size) = shape_text(collider, shape);
             let body = body.map_or("world", |body| model.mechanism.bodies[body].name.as_str());
             table.row(vec![name.clone(), kind.to_string(), size, body.to_string(), triple(&pose.translation.vector)]);

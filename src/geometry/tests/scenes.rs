@@ -49,12 +49,12 @@ pub fn collider(kind: &str, size: f64, numbers: &mut Numbers) -> Collider {
         "box" => Shape::Box { half: Vector3::new(length(), length(), length()) },
         _ => Shape::Hull(Arc::new((0..40).map(|_| numbers.vector().normalize() * 0.2 * size).collect())),
     };
-    Collider { name: kind.into(), body: None, pose: numbers.pose(0.1 * size), shape }
+    Collider { name: kind.into(), body: None, pose: numbers.pose(0.1 * size), shape, surface_velocity: Vector3::zeros() }
 }
 
 /// A collider at the origin of its body.
 pub fn at_origin(shape: Shape) -> Collider {
-    Collider { name: String::new(), body: None, pose: Pose::identity(), shape }
+    Collider { name: String::new(), body: None, pose: Pose::identity(), shape }, surface_velocity: Vector3::zeros(),
 }
 
 /// A pair at the origins of their bodies.

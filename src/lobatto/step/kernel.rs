@@ -31,6 +31,7 @@ use crate::step::carried::Carried;
 use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 
 /// [`Step`](crate::step::interface::Step) with the lanes of `V`, over the equations of `W`.
@@ -53,8 +54,8 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
-    /// Energy that dry friction of contacts took from the finished step (J).
-    pub(crate) friction: f64,
+    /// Energy that dry friction of contacts took from the finished step, and the work of driven surfaces (J).
+    pub(crate) at_contacts: Exchange,
     /// The motion carried beside the motion of the run.
     pub(crate) carried: Option<Box<Carried<V, W::Start>>>,
     /// The end of the finished step.
@@ -81,7 +82,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             refined: false,
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
-            friction: 0.0,
+            at_contacts: Exchange::default(),
             carried: None,
             end: W::new_start(mechanism),
             workspace,

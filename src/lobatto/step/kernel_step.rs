@@ -123,22 +123,22 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let active = self.active();
-        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, refined, .. } = self;
-        *friction = 0.0;
+        let Kernel { workspace, velocity, displaced, end, closing, newton, at_contacts, refined, .. } = self;
+        *at_contacts = Exchange::default();
         if let (Some(newton), Some(closing)) = (newton, &mut *closing)
-            && newton.rubbing().is_some()
+            && newton.exchanges()
         {
             // At the solution: the bodies are where they were in the last iteration.
             let (geometry, bias) = newton.bodies();
             workspace.place_stages(geometry, bias);
-            *friction = newton.braked();
+            *at_contacts = newton.exchanged();
             closing.lean(newton.rubbing().map_or(&[], Touching::leans));
         }
         let square = workspace.end_velocities(*refined, velocity);
         write_ends(workspace.displacement(), active, displaced);
         land(workspace, square, displaced, velocity, mechanism, state, end);
         if let Some(closing) = closing {
-            *friction += closing.velocities(mechanism, end, &mut state.velocity);
+            *at_contacts += closing.velocities(mechanism, end, &mut state.velocity);
             workspace.set_end(end, mechanism, state);
         }
         W::energy(end)
@@ -146,7 +146,8 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn exchange(&self) -> Exchange {
         let exchange = self.workspace.applied().map_or(Exchange::default(), |applied| applied.exchange);
-        Exchange { friction: self.friction, ..exchange }
+        let Exchange { friction, work, .. } = self.at_contacts;
+        Exchange { friction, work: exchange.work + work, ..exchange }
     }
 
     fn take_kept(&mut self) -> usize {

@@ -17,8 +17,15 @@
 //!
 //! with the velocities of the bodies' material at p, whatever the features: the turning of n and the motion of p on the surfaces do not contribute.
 //! So the gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A closed contact is the equation φ = 0 with a
-//! multiplier λ ≥ 0; its friction is a [`Grip`].
+//! multiplier λ ≥ 0; its friction is a [`Grip`]. A surface that moves over its body, as a belt does, changes the slip and no gap:
+//!
+//! ```text
+//!     u_T = (1 − n nᵀ)(v_b(p) + w_b − v_a(p) − w_a)  [m/s]          the drive of a belt does the work −f · (w_b − w_a)  [W]
+//! ```
+//!
+//! with the surface velocities w and the force f of the contact on b.
 
+use crate::description::body_state::BodyState;
 use crate::description::closure::Attachment;
 use crate::description::joint::Pose;
 use nalgebra::Vector3;
@@ -79,6 +86,8 @@ pub struct Collider {
     pub pose: Pose,
     /// Its shape.
     pub shape: Shape,
+    /// Velocity of its surface over its body, as of a belt, in the axes of the body or of the world [m/s].
+    pub surface_velocity: Vector3<f64>,
 }
 
 /// Two colliders that may touch.
@@ -121,7 +130,7 @@ pub enum Feature {
 /// The tangential force of a closed contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grip {
-    /// It brakes the slip: `f = λ (n − μ t)` with `t = u_T/|u_T|` of the slip velocity `u_T = (1 − n nᵀ)(v_b(p) − v_a(p))` of the same instant.
+    /// It brakes the slip: `f = λ (n − μ t)` with `t = u_T/|u_T|` of the slip velocity `u_T` of the same instant.
     Slides {
         /// μ; zero for no friction.
         friction: f64,
@@ -238,4 +247,18 @@ pub struct TouchJoint {
     pub a: Attachment,
     /// The frame of the second.
     pub b: Attachment,
+    /// The velocities of both surfaces over their bodies, in the axes of the frames [m/s].
+    pub surfaces: [Vector3<f64>; 2],
+}
+
+impl TouchJoint {
+    /// Whether a surface moves over its body.
+    pub fn is_belt(&self) -> bool {
+        self.surfaces != [Vector3::zeros(); 2]
+    }
+
+    /// `w_b − w_a`: the velocity of the second surface over its body less that of the first, in the world [m/s].
+    pub fn surface_velocity(&self, bodies: &[BodyState]) -> Vector3<f64> {
+        self.b.axes(bodies) * self.surfaces[1] - self.a.axes(bodies) * self.surfaces[0]
+    }
 }

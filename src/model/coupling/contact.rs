@@ -14,7 +14,9 @@ use crate::model::description::model_error::ModelError;
 use crate::model::description::never_touch::NeverTouch;
 use crate::model::description::robot_model::Model;
 use crate::scene::pattern::matches;
+use crate::scene::numbers::turn;
 use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Warning, listed};
+use nalgebra::Vector3;
 
 impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
@@ -35,9 +37,11 @@ impl Model {
             }
             for (index, obstacle) in settings.obstacles.iter().enumerate() {
                 let (name, shape) = (obstacle.name.clone(), obstacle.shape.clone());
-                colliders.push(Collider { name, body: None, pose: obstacle.pose, shape });
+                let surface_velocity = turn(obstacle.rpy) * obstacle.surface_velocity;
+                colliders.push(Collider { name, body: None, pose: obstacle.pose, shape, surface_velocity });
                 owners.push(Owner::Obstacle(index));
-                surfaces.push(Surface { friction: obstacle.friction, restitution: obstacle.restitution });
+                let (friction, restitution) = (obstacle.friction, obstacle.restitution);
+                surfaces.push(Surface { friction, restitution, velocity: None });
             }
         }
         let placed = body_states(&self.mechanism, &self.zero_state());
@@ -95,7 +99,9 @@ impl Model {
                 let pose = frame.in_body * given.origin;
                 let names = [link.name.as_str(), frame.name.as_str()];
                 let shapes = reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice)?;
-                let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
+                let surface_velocity = link.surface.velocity.map_or(Vector3::zeros(), |own| frame.in_body.rotation * own);
+                let (name, body) = (&frame.name, frame.body);
+                let collider = |shape| Collider { name: name.clone(), body, pose, shape, surface_velocity };
                 colliders.extend(shapes.into_iter().map(collider));
                 surfaces.resize(colliders.len(), link.surface);
             }

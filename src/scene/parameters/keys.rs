@@ -121,6 +121,8 @@ impl Keys {
         let place = |what| Place::Body { robot, what };
         self.put(head, &called("friction"), Range::Friction, Place::LinkFriction { robot, link: 0 });
         self.put(head, &called("restitution"), Range::Fraction, Place::LinkRestitution { robot, link: 0 });
+        let place_of_velocity = |axis| Place::LinkSurface { robot, link: 0, axis };
+        self.vector(head, &called("surface_velocity"), Range::Finite, place_of_velocity);
         let weight = if let Weight::Density(_) = body.weight { "density" } else { "mass" };
         self.put(head, &called(weight), Range::Positive, place(BodyNumber::Weight));
         let of_shape = |what| place(BodyNumber::Shape(what));
@@ -141,6 +143,8 @@ impl Keys {
                 self.put("link", &format!("{name}.friction"), Range::Friction, friction);
                 let restitution = Place::LinkRestitution { robot, link };
                 self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
+                let velocity = |axis| Place::LinkSurface { robot, link, axis };
+                self.vector("link", &format!("{name}.surface_velocity"), Range::Finite, velocity);
             }
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
@@ -272,6 +276,8 @@ impl Keys {
             let called = |what: &str| format!("{}.{what}", one.name);
             self.put("obstacle", &called("friction"), Range::Friction, Place::ObstacleFriction(obstacle));
             self.put("obstacle", &called("restitution"), Range::Fraction, Place::ObstacleRestitution(obstacle));
+            let velocity = |axis| Place::ObstacleSurface { obstacle, axis };
+            self.vector("obstacle", &called("surface_velocity"), Range::Finite, velocity);
             let place = |axis| Place::ObstaclePosition { obstacle, axis };
             self.vector("obstacle", &called("pose.position"), Range::Finite, place);
             self.angles("obstacle", &called("pose.rpy"), |angle| Place::ObstacleTurn { obstacle, angle });

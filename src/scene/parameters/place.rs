@@ -48,6 +48,12 @@ pub(crate) enum Place {
         robot: usize,
         link: usize,
     },
+    /// Velocity of the surface of a link along an axis.
+    LinkSurface {
+        robot: usize,
+        link: usize,
+        axis: usize,
+    },
     CenterOfMass {
         robot: usize,
         link: usize,
@@ -201,6 +207,10 @@ pub(crate) enum Place {
     },
     ObstacleFriction(usize),
     ObstacleRestitution(usize),
+    ObstacleSurface {
+        obstacle: usize,
+        axis: usize,
+    },
     ObstaclePosition {
         obstacle: usize,
         axis: usize,

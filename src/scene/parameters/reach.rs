@@ -11,7 +11,7 @@ use crate::scene::loads::{Factor, LoadKind};
 use crate::scene::parameters::place::{BodyNumber, LoadNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::slot::Slot;
 use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, Surface, UrdfJoint};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 impl Place {
     /// The number at this place of a scene; what the files leave out is put there as it is without them. `None` in a scene without the place.
@@ -44,6 +44,10 @@ impl Place {
             }
             Place::LinkFriction { robot, link } => Optional(&mut surface(scene, *robot, *link)?.friction),
             Place::LinkRestitution { robot, link } => Optional(&mut surface(scene, *robot, *link)?.restitution),
+            Place::LinkSurface { robot, link, axis } => {
+                let velocity = surface(scene, *robot, *link)?.velocity.get_or_insert(Vector3::zeros());
+                Number(velocity.get_mut(*axis)?)
+            }
             Place::Mass { robot, link } => Number(&mut inertial(scene, *robot, *link)?.mass),
             Place::CenterOfMass { robot, link, axis } => {
                 Number(inertial(scene, *robot, *link)?.origin.translation.vector.get_mut(*axis)?)
@@ -173,6 +177,9 @@ impl Place {
             },
             Place::ObstacleFriction(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.friction),
             Place::ObstacleRestitution(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.restitution),
+            Place::ObstacleSurface { obstacle, axis } => {
+                Number(scene.contact.obstacles.get_mut(*obstacle)?.surface_velocity.get_mut(*axis)?)
+            }
             Place::ObstaclePosition { obstacle, axis } => {
                 Number(scene.contact.obstacles.get_mut(*obstacle)?.pose.translation.vector.get_mut(*axis)?)
             }

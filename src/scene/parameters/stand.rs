@@ -15,6 +15,7 @@ impl Place {
             | Place::InertiaTurn { robot, link, .. }
             | Place::LinkFriction { robot, link }
             | Place::LinkRestitution { robot, link }
+            | Place::LinkSurface { robot, link, .. }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
                 let link = &robot.links[*link];
@@ -86,6 +87,7 @@ impl Place {
             }
             Place::ObstacleFriction(obstacle)
             | Place::ObstacleRestitution(obstacle)
+            | Place::ObstacleSurface { obstacle, .. }
             | Place::ObstaclePosition { obstacle, .. }
             | Place::ObstacleTurn { obstacle, .. }
             | Place::ObstacleShape { obstacle, .. }

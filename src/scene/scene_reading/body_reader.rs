@@ -71,6 +71,7 @@ impl CouplingReader<'_> {
         let surface = Surface {
             friction: table.friction.map(|friction| friction.0),
             restitution: table.restitution.map(|restitution| restitution.0),
+            velocity: table.surface_velocity.as_ref().map(vector),
         };
         let body = SceneBody { shape, weight, color, surface };
         let line = self.text.line(&span);

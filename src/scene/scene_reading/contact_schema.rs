@@ -13,6 +13,7 @@ pub(crate) struct ObstacleTable {
     pub pose: PoseTable,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub surface_velocity: Option<[Finite; 3]>,
 }
 
 #[derive(serde::Deserialize)]
@@ -76,4 +77,5 @@ pub(crate) struct LinkTable {
     pub collision: Option<LinkShapes>,
     pub friction: Option<Spanned<Friction>>,
     pub restitution: Option<Spanned<Fraction>>,
+    pub surface_velocity: Option<Spanned<[Finite; 3]>>,
 }

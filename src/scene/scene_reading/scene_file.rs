@@ -75,6 +75,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
             let surface = &mut robots[robot].robot.links[link].surface;
             surface.friction = said.surface.friction.or(surface.friction);
             surface.restitution = said.surface.restitution.or(surface.restitution);
+            surface.velocity = said.surface.velocity.or(surface.velocity);
         }
     }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
