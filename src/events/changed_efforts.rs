@@ -24,7 +24,8 @@ impl Eventful {
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);
         if !self.goes_on_under(inputs, state) {
-            self.lost_at_start += self.pass(inputs, state, &[]);
+            let exchanged = self.pass(inputs, state, &[]);
+            self.lost_at_start += exchanged;
         }
     }
 

@@ -30,6 +30,7 @@ use crate::instant::holding::held::Held;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
@@ -358,7 +359,8 @@ impl Eventful {
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);
         let events = self.events.len();
-        self.lost_at_start += self.pass_anew(inputs, state);
+        let exchanged = self.pass_anew(inputs, state);
+        self.lost_at_start += exchanged;
         let keep = |event: &Event| event.impulse.is_some();
         let happened: Vec<Event> = self.events.drain(events..).filter(keep).collect();
         self.events.extend(happened);

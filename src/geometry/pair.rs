@@ -70,6 +70,11 @@ impl PairGeometry {
     /// Prepares two colliders; their shapes and their poses in the bodies count, and for tolerances whether they are obstacles.
     pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
         let (one, other) = (Convex::shared(&a.shape, &a.pose)?, Convex::shared(&b.shape, &b.pose)?);
+        for (own, other) in [(a, b), (b, a)] {
+            if matches!(own.shape, Shape::Ellipsoid { .. }) && other.shape != Shape::HalfSpace {
+                return Err(GeometryError::Ellipsoid { other: kind(&other.shape) });
+            }
+        }
         let exchanged = one.is_some() && other.is_none();
         let obstacle = |collider: &Collider| match &collider.shape {
             Shape::Mesh(surface) => {

@@ -4,6 +4,7 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::scene::coupling::LinkReference;
+use crate::scene::numbers::turn;
 use crate::scene::robot::{Pose, Surface};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::PathBuf;
@@ -197,6 +198,11 @@ impl ContactSettings {
 impl Obstacle {
     /// The name of [`Obstacle::floor`].
     pub const FLOOR: &'static str = "floor";
+
+    /// The velocity of its surface in the world [m/s].
+    pub fn surface_velocity_in_world(&self) -> Vector3<f64> {
+        turn(self.rpy) * self.surface_velocity
+    }
 
     /// All points of the world with z ≤ `height` (m).
     pub fn floor(height: f64) -> Self {

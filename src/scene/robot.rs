@@ -120,6 +120,8 @@ pub enum Geometry {
     Sphere { radius: f64 },
     /// A capsule whose cylindrical part has this length (m).
     Capsule { radius: f64, length: f64 },
+    /// An ellipsoid with these semi-axes along x, y and z (m).
+    Ellipsoid { radii: Vector3<f64> },
     /// A mesh from a file.
     Mesh(MeshFile),
 }

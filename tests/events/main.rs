@@ -40,6 +40,7 @@ mod continuous_events;
 mod costs;
 mod couplings;
 mod crowds;
+mod ellipsoids;
 mod exact;
 mod laws;
 mod loads;

@@ -26,7 +26,7 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
             "position": collider.pose.translation.vector.as_slice(),
             "orientation": wxyz_from_rotation(collider.pose.rotation.matrix()),
         });
-        if collider.surface_velocity != Vector3::zeros() {
+        if collider.surface_velocity.iter().any(|rate| *rate != 0.0) {
             value["surface_velocity"] = json!(collider.surface_velocity.as_slice());
         }
         for (key, part) in shape_json(&collider.shape) {
@@ -122,6 +122,7 @@ fn shape_text(collider: &Collider, shape: &Shape) -> (&'static str, String) {
         Shape::Capsule { radius, half } => ("capsule", round(*radius, *half)),
         Shape::Cylinder { radius, half } => ("cylinder", round(*radius, *half)),
         Shape::Box { half } => ("box", triple(&(2.0 * half))),
+        Shape::Ellipsoid { radii } => ("ellipsoid", format!("radii {}", triple(radii))),
         Shape::Hull(points) => ("hull", counted(points.len(), "point", "points")),
         Shape::Mesh(surface) => ("mesh", counted(surface.triangles.len(), "triangle", "triangles")),
     }
@@ -140,6 +141,7 @@ fn shape_json(shape: &Shape) -> Vec<(&'static str, Value)> {
             vec![of("cylinder"), ("radius", json!(radius)), ("length", json!(2.0 * half))]
         }
         Shape::Box { half } => vec![of("box"), ("size", json!((2.0 * half).as_slice()))],
+        Shape::Ellipsoid { radii } => vec![of("ellipsoid"), ("radii", json!(radii.as_slice()))],
         Shape::Hull(points) => vec![of("hull"), ("points", json!(points.len()))],
         Shape::Mesh(surface) => {
             vec![of("mesh"), ("vertices", json!(surface.vertices.len())), ("triangles", json!(surface.triangles.len()))]

@@ -77,7 +77,12 @@ pub(super) fn move_on(
                     _ => (candidate.gap / step + candidate.curve, 0.0),
                 };
                 let law = candidate.law(scene.elements, 0.5 * step);
-                Given { sides: candidate.sides, law, bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z), compliance }
+                Given {
+                    sides: candidate.sides,
+                    law,
+                    bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z),
+                    compliance,
+                }
             };
             let blocks = island.candidates.iter().map(block);
             let problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);

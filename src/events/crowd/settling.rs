@@ -71,7 +71,12 @@ pub(super) fn settle(
                 Key::Motor(motor) => brake(scene, settling, motor, law),
                 _ => (law, 0.0, 0.0),
             };
-            Given { sides: candidate.sides, law, bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z), compliance }
+            Given {
+                sides: candidate.sides,
+                law,
+                bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z),
+                compliance,
+            }
         };
         let blocks = island.candidates.iter().map(block);
         let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);

@@ -90,7 +90,13 @@ mod tests {
         for (body, pose, shape) in
             [(Some(0), end, Shape::Sphere { radius: 0.01 }), (None, Pose::identity(), Shape::HalfSpace)]
         {
-            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose, shape, surface_velocity: Vector3::zeros() });
+            nonsmooth.colliders.push(Collider {
+                name: "one".into(),
+                body,
+                pose,
+                shape,
+                surface_velocity: Vector3::zeros(),
+            });
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 3.0, restitution: 0.0 });
         let (half, mut state) = (0.25_f64, State::zero(&mechanism));
@@ -122,7 +128,7 @@ mod tests {
             assert_eq!(contacts.candidates.len(), 1);
             let kinetic = |state: &State| energy(&mechanism, &body_states(&mechanism, state)).kinetic;
             let had = kinetic(&state);
-            let lost = contacts.seize(&mut scene, &mut state, 0).expect("an impulse");
+            let [lost, _] = contacts.seize(&mut scene, &mut state, 0).expect("an impulse");
             let touch = touch_motion(&contacts.candidates[0].contact.joint, &body_states(&mechanism, &state));
             println!("{limits:?}: rate {}, {lost} J lost, {touch:?}", state.velocity[6]);
             // The end stands: of 2 m/s what the law is solved to is left.

@@ -57,7 +57,8 @@ struct TouchEnd {
     point: [f64; 3],
     arm: [f64; 3],
     axis: [f64; 3],
-    /// The velocity of its surface over the body [m/s].
+    /// The x axis, and the velocity of its surface over the body [m/s].
+    first_axis: [f64; 3],
     surface: [f64; 3],
 }
 
@@ -127,7 +128,13 @@ impl<V: Lanes> SpatialTouch<V> {
     /// Takes the start of a step; `origin` is the common origin (m).
     pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
         let ends = [self.joint.a, self.joint.b].map(|end| End::new(&end, start, origin));
-        self.ends = ends.map(|End { point, arm, axes }| TouchEnd { point, arm, axis: axes[2], surface: [0.0; 3] });
+        self.ends = ends.map(|End { point, arm, axes }| TouchEnd {
+            point,
+            arm,
+            axis: axes[2],
+            first_axis: axes[0],
+            surface: [0.0; 3],
+        });
         if self.is_belt {
             let attachments = [&self.joint.a, &self.joint.b].into_iter().zip(self.joint.surfaces);
             for (end, (attachment, surface)) in self.ends.iter_mut().zip(attachments) {
@@ -172,7 +179,10 @@ impl<V: Lanes> SpatialTouch<V> {
             if number == 0 {
                 self.center = vector(b.origin);
             }
-            let Contact { gap, normal, point } = contact(pairing, self.joint.touch.side, a, b);
+            let Contact { gap, normal, point } = contact(pairing, self.joint.touch.side, a, b, || {
+                let axis = &ends[1].first_axis;
+                triple(if bodies[1].is_none() { Vector::splat(axis) } else { moved[1].turn(axis) })
+            });
             (at.gap, at.normal, at.point) = (gap.0, vector(normal), vector(point));
             if self.is_belt {
                 at.surfaces = [0, 1].map(|side: usize| match bodies[side] {
@@ -228,7 +238,9 @@ impl<V: Lanes> SpatialTouch<V> {
     fn roll(&mut self, bodies: [Option<BodySides<V>>; 2]) {
         let AtStages { normal, point, .. } = self.at[0];
         let arm = match self.pairing {
-            Some(Pairing { cores: Cores::PlaneRim(_) | Cores::LineRim(_), .. }) => point.minus(self.center),
+            Some(Pairing { cores: Cores::PlaneRim(_) | Cores::LineRim(_) | Cores::PlaneEllipsoid(_), .. }) => {
+                point.minus(self.center)
+            }
             Some(Pairing { radius, .. }) => normal.times(V::splat(-radius)),
             None => Vector::zero(),
         };

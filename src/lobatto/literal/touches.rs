@@ -192,9 +192,12 @@ fn pose(end: &Attachment, q: &DVector<f64>) -> Option<(usize, Vector3<f64>, Matr
 fn meeting(joint: &TouchJoint, q: &DVector<f64>) -> Option<Meeting> {
     let place = |end: &Attachment| {
         let (origin, axis) = (end.frame.translation.vector, end.frame.rotation * Vector3::z());
+        let axes = *end.frame.rotation.matrix();
         match pose(end, q) {
-            None => Placed { origin, axis },
-            Some((_, position, rotation)) => Placed { origin: position + rotation * origin, axis: rotation * axis },
+            None => Placed { origin, axis, axes },
+            Some((_, position, rotation)) => {
+                Placed { origin: position + rotation * origin, axis: rotation * axis, axes: rotation * axes }
+            }
         }
     };
     meet(&joint.touch, place(&joint.a), place(&joint.b))
@@ -224,10 +227,11 @@ fn slip(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>, rates: &DVector<f6
 
 /// `w_T` [m/s].
 fn belt(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>) -> Vector3<f64> {
-    let [surface_a, surface_b] = [(&joint.a, joint.surfaces[0]), (&joint.b, joint.surfaces[1])].map(|(end, surface)| {
-        let surface = end.frame.rotation * surface;
-        pose(end, q).map_or(surface, |(_, _, rotation)| rotation * surface)
-    });
+    let [surface_a, surface_b] =
+        [(&joint.a, joint.surfaces[0]), (&joint.b, joint.surfaces[1])].map(|(end, surface)| {
+            let surface = end.frame.rotation * surface;
+            pose(end, q).map_or(surface, |(_, _, rotation)| rotation * surface)
+        });
     across(&here.normal, surface_b - surface_a)
 }
 

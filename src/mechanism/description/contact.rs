@@ -8,6 +8,7 @@
 //! | line | an edge (r = 0), the side of a cylinder or capsule | P + s z |
 //! | plane | a face, a half space: z points out of the body | (P, z) |
 //! | rim | the edge of the end of a cylinder, of radius ρ | the circle about z through P |
+//! | ellipsoid | its surface, with semi-axes along x, y, z | the ellipsoid about P |
 //!
 //! The unit normal n points from a to b, and the points of contact `p_a`, `p_b` are on the surfaces. The gap and its rate are
 //!
@@ -59,6 +60,11 @@ pub enum Shape {
     Box {
         /// m.
         half: Vector3<f64>,
+    },
+    /// About the origin.
+    Ellipsoid {
+        /// Its semi-axes along x, y and z (m).
+        radii: Vector3<f64>,
     },
     /// The convex hull of these points (m).
     Hull(Arc<Vec<Vector3<f64>>>),
@@ -125,6 +131,11 @@ pub enum Feature {
         /// ρ (m).
         radius: f64,
     },
+    /// An ellipsoid about the origin of its frame.
+    Ellipsoid {
+        /// Its semi-axes along x, y and z (m).
+        radii: [f64; 3],
+    },
 }
 
 /// The tangential force of a closed contact.
@@ -147,7 +158,7 @@ pub const LEVEL: f64 = 2.0;
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, plane–ellipsoid, rim–point and rim–line, both with a radius, rim–rim; line–rim for
     /// an edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
     /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as
@@ -182,6 +193,8 @@ pub enum Cores {
     Lines,
     /// A plane and a circle of this radius (m).
     PlaneRim(f64),
+    /// A plane and an ellipsoid of these semi-axes (m).
+    PlaneEllipsoid([f64; 3]),
     /// A line and a circle of this radius (m), whose plane the line goes through.
     LineRim(f64),
     /// A circle of this radius (m) and a line, which goes through the cylinder above it, outwards.
@@ -205,6 +218,7 @@ impl Touch {
             [Feature::Line { radius: a }, Feature::Point { radius }] => (Cores::LinePoint, a + radius, radius),
             [Feature::Line { radius: a }, Feature::Line { radius }] => (Cores::Lines, a + radius, radius),
             [Feature::Plane, Feature::Rim { radius }] => (Cores::PlaneRim(radius), 0.0, 0.0),
+            [Feature::Plane, Feature::Ellipsoid { radii }] => (Cores::PlaneEllipsoid(radii), 0.0, 0.0),
             [Feature::Line { radius: 0.0 }, Feature::Rim { radius }] => (Cores::LineRim(radius), 0.0, 0.0),
             [Feature::Rim { radius }, Feature::Line { radius: 0.0 }] => (Cores::RimLine(radius), 0.0, 0.0),
             [Feature::Rim { radius: rim }, Feature::Line { radius }] => (Cores::RimBesideLine(rim), radius, radius),

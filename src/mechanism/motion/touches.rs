@@ -47,7 +47,9 @@ pub fn touch_motion(joint: &TouchJoint, bodies: &[BodyState]) -> TouchMotion {
         let (origin, axes) = end.place(bodies);
         Placed { origin: Triple(origin.into()), axis: Triple(axes.column(2).into_owned().into()) }
     };
-    let Contact { gap, normal, point } = contact::<f64>(pairing, joint.touch.side, place(&joint.a), place(&joint.b));
+    let first_axis = || Triple(joint.b.axes(bodies).column(0).into_owned().into());
+    let Contact { gap, normal, point } =
+        contact::<f64>(pairing, joint.touch.side, place(&joint.a), place(&joint.b), first_axis);
     let (normal, point) = (Vector3::from(normal.0), Vector3::from(point.0));
     let velocity = material(&joint.b, bodies, &point) - material(&joint.a, bodies, &point);
     let rate = normal.dot(&velocity);
@@ -79,7 +81,7 @@ pub fn touch_accelerations(
     let Some(pairing) = joint.touch.pairing() else { return [0.0; 3] };
     let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
     let [a, b] = ends.each_ref().map(|end| end.placed);
-    let Contact { gap, point, normal } = contact(pairing, joint.touch.side, a, b);
+    let Contact { gap, point, normal } = contact(pairing, joint.touch.side, a, b, || ends[1].axis(&joint.b, bodies, 0));
     let here = Vector3::from(point.0.map(|component| component.value));
     let moves = Vector3::from(point.0.map(|component| component.rate));
     let [of_a, of_b] = ends.each_ref().map(|end| end.material(&here, &moves));
@@ -114,20 +116,17 @@ impl<'b> Moving<'b> {
         let body = end.body.map_or(&WORLD, |body| &bodies[body]);
         let acceleration = end.body.map_or((Vector3::zeros(), Vector3::zeros()), |body| accelerations[body]);
         let (linear, angular) = acceleration;
-        // A vector fixed in the body, from its centre of mass.
-        let turned = |arm: &Vector3<f64>| {
-            let rate = body.angular_velocity.cross(arm);
-            [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]
-        };
-        let jets = |[value, rate, second]: [Vector3<f64>; 3]| {
-            Triple([0, 1, 2].map(|i| Jet { value: value[i], rate: rate[i], second: second[i] }))
-        };
         let (origin, axes) = end.place(bodies);
-        let arm = turned(&(origin - body.position));
+        let arm = turned(body, &angular, &(origin - body.position));
         let center = [body.position, body.velocity, linear];
         let origin = jets([center[0] + arm[0], center[1] + arm[1], center[2] + arm[2]]);
-        let axis = jets(turned(&axes.column(2).into_owned()));
+        let axis = jets(turned(body, &angular, &axes.column(2).into_owned()));
         Moving { body, acceleration, placed: Placed { origin, axis } }
+    }
+
+    /// An axis of the frame of this end with its derivatives.
+    fn axis(&self, end: &Attachment, bodies: &[BodyState], axis: usize) -> Triple<Jet> {
+        jets(turned(self.body, &self.acceleration.1, &end.axes(bodies).column(axis).into_owned()))
     }
 
     /// Velocity of the material at a point [m/s], and the derivative of it while the point moves [m/s²].
@@ -138,6 +137,17 @@ impl<'b> Moving<'b> {
         let acceleration = linear + angular.cross(&arm) + angular_velocity.cross(&(moves - velocity));
         (velocity + angular_velocity.cross(&arm), acceleration)
     }
+}
+
+/// A vector fixed in a body with this angular acceleration [rad/s²], and its first and second derivatives.
+fn turned(body: &BodyState, angular: &Vector3<f64>, arm: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    let rate = body.angular_velocity.cross(arm);
+    [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]
+}
+
+/// A vector with its derivatives as jets.
+fn jets([value, rate, second]: [Vector3<f64>; 3]) -> Triple<Jet> {
+    Triple([0, 1, 2].map(|i| Jet { value: value[i], rate: rate[i], second: second[i] }))
 }
 
 /// Two unit vectors that are square to a normal and to each other: the same ones for the same normal.

@@ -148,6 +148,7 @@ fn radius(shape: &Shape) -> f64 {
         Shape::Capsule { radius, half } => radius + half,
         Shape::Cylinder { radius, half } => radius.hypot(*half),
         Shape::Box { half } => half.norm(),
+        Shape::Ellipsoid { radii } => radii.max(),
         Shape::Hull(points) => farthest(points),
         Shape::Mesh(surface) => farthest(&surface.vertices),
     }
@@ -162,6 +163,7 @@ fn extent(shape: &Shape, direction: &Vector3<f64>) -> f64 {
         Shape::Capsule { radius, half } => radius + half * direction.z.abs(),
         Shape::Cylinder { radius, half } => radius * direction.xy().norm() + half * direction.z.abs(),
         Shape::Box { half } => half.dot(&direction.abs()),
+        Shape::Ellipsoid { radii } => radii.component_mul(direction).norm(),
         Shape::Hull(points) => farthest(points),
         Shape::Mesh(surface) => farthest(&surface.vertices),
     }

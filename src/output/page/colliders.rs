@@ -70,6 +70,7 @@ fn drawn_collider(collider: &Collider, looks: &mut Looks, with_meshes: bool) -> 
         Shape::Capsule { radius, half } => ("capsule", vec![*radius, 2.0 * half]),
         Shape::Cylinder { radius, half } => ("cylinder", vec![*radius, 2.0 * half]),
         Shape::Box { half } => ("box", half.iter().map(|half| 2.0 * half).collect()),
+        Shape::Ellipsoid { radii } => ("ellipsoid", radii.iter().copied().collect()),
         Shape::Mesh(surface) => add(surface)?,
         // Points without a hull touch no other shape.
         Shape::Hull(points) => add(&hull_surface(points).unwrap_or_default())?,

@@ -74,6 +74,11 @@ impl Keys {
         }
     }
 
+    /// The semi-axes of an ellipsoid.
+    fn radii(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
+        self.vector(head, &format!("{rest}.radii"), Range::Positive, |axis| place(ShapeNumber::Radii(axis)));
+    }
+
     /// The edges of a box.
     fn sizes(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
         self.vector(head, &format!("{rest}.size"), Range::Positive, |axis| place(ShapeNumber::Size(axis)));
@@ -130,6 +135,7 @@ impl Keys {
             Geometry::Sphere { .. } => self.round(head, shape, false, of_shape),
             Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round(head, shape, true, of_shape),
             Geometry::Box { .. } => self.sizes(head, shape, of_shape),
+            Geometry::Ellipsoid { .. } => self.radii(head, shape, of_shape),
             Geometry::Mesh(_) => {}
         }
     }
@@ -160,6 +166,7 @@ impl Keys {
                     Geometry::Sphere { .. } => self.round("link", &head, false, place),
                     Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round("link", &head, true, place),
                     Geometry::Box { .. } => self.sizes("link", &head, place),
+                    Geometry::Ellipsoid { .. } => self.radii("link", &head, place),
                     Geometry::Mesh(_) => self.scales("link", &head, place),
                 }
                 let origin = format!("{head}.origin");
@@ -286,6 +293,7 @@ impl Keys {
                 Shape::Sphere { .. } => self.round("obstacle", &head, false, place),
                 Shape::Capsule { .. } | Shape::Cylinder { .. } => self.round("obstacle", &head, true, place),
                 Shape::Box { .. } => self.sizes("obstacle", &head, place),
+                Shape::Ellipsoid { .. } => self.radii("obstacle", &head, place),
                 Shape::Mesh(_) => self.scales("obstacle", &head, place),
                 Shape::HalfSpace => {
                     let place = |axis| Place::ObstacleNormal { obstacle, axis };

@@ -283,6 +283,8 @@ pub(crate) enum SpringNumber {
 pub(crate) enum ShapeNumber {
     Radius,
     Length,
+    /// Of an ellipsoid, along an axis.
+    Radii(usize),
     /// Along an axis.
     Size(usize),
     /// Scale of a mesh, along an axis.

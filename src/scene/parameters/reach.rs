@@ -272,6 +272,7 @@ fn of_geometry(geometry: &mut Geometry, what: ShapeNumber) -> Option<&mut f64> {
         ) => radius,
         (ShapeNumber::Length, Geometry::Cylinder { length, .. } | Geometry::Capsule { length, .. }) => length,
         (ShapeNumber::Size(axis), Geometry::Box { size }) => size.get_mut(axis)?,
+        (ShapeNumber::Radii(axis), Geometry::Ellipsoid { radii }) => radii.get_mut(axis)?,
         (ShapeNumber::Scale(axis), Geometry::Mesh(mesh)) => mesh.scale.get_mut(axis)?,
         _ => return None,
     })
@@ -294,6 +295,7 @@ fn of_obstacle(obstacle: &mut Obstacle, what: ShapeNumber) -> Option<Slot<'_>> {
         ) => Slot::Number(radius),
         (ShapeNumber::Length, Shape::Capsule { half, .. } | Shape::Cylinder { half, .. }) => Slot::Half(half),
         (ShapeNumber::Size(axis), Shape::Box { half }) => Slot::Half(half.get_mut(axis)?),
+        (ShapeNumber::Radii(axis), Shape::Ellipsoid { radii }) => Slot::Number(radii.get_mut(axis)?),
         (ShapeNumber::Scale(axis), Shape::Mesh(_)) => Slot::Number(obstacle.scale.get_mut(axis)?),
         _ => return None,
     })

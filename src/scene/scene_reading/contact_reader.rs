@@ -114,7 +114,7 @@ impl CouplingReader<'_> {
     ) -> Result<(Shape, Rotation3<f64>, Option<MeshSource>), SceneError> {
         let whole = table.span();
         let table = table.into_inner();
-        let ShapeTable { kind, normal, size, radius, length, file, scale } = &table;
+        let ShapeTable { kind, normal, size, radius, radii, length, file, scale } = &table;
         let refuse =
             |span: &Range<usize>, message| Err(self.text.error(span, Some(owner.clone()), Problem::Keys(message)));
         if let Some((span, message)) = foreign_key(&table) {
@@ -146,6 +146,10 @@ impl CouplingReader<'_> {
                 }
                 (Some(radius), Some(half)) => Shape::Capsule { radius: radius.get_ref().0, half },
                 _ => return refuse(&whole, "cylinders and capsules need a radius and a length"),
+            },
+            ShapeKind::Ellipsoid => match radii {
+                Some(radii) => Shape::Ellipsoid { radii: Vector3::from(radii.get_ref().map(|radius| radius.0)) },
+                None => return refuse(&whole, "an ellipsoid needs its radii along x, y and z"),
             },
             ShapeKind::Mesh => {
                 let Some(file) = file else { return refuse(&whole, "a mesh needs its file") };
@@ -209,7 +213,10 @@ impl CouplingReader<'_> {
                 return refuse(span, "give its collision, friction, restitution or surface_velocity");
             }
             if let Some(span) = of_surface.filter(|_| shape.is_some()) {
-                return refuse(span, "friction, restitution and surface_velocity are of the whole link; leave out its shape");
+                return refuse(
+                    span,
+                    "friction, restitution and surface_velocity are of the whole link; leave out its shape",
+                );
             }
             let surface = Surface {
                 friction: friction.map(|friction| friction.get_ref().0),
@@ -230,13 +237,14 @@ impl CouplingReader<'_> {
 
 /// The place of a key that a shape of this kind has not, and what to say of it.
 fn foreign_key(table: &ShapeTable) -> Option<(Range<usize>, &'static str)> {
-    let ShapeTable { kind, normal, size, radius, length, file, scale } = table;
+    let ShapeTable { kind, normal, size, radius, radii, length, file, scale } = table;
     let round = matches!(kind, ShapeKind::Cylinder | ShapeKind::Capsule);
     let is = |wanted| *kind == wanted;
     let span = |has: bool, given: Option<Range<usize>>, message| given.filter(|_| !has).map(|span| (span, message));
     let of = |given: &Option<Spanned<_>>| given.as_ref().map(Spanned::span);
     span(is(ShapeKind::HalfSpace), normal.as_ref().map(Spanned::span), "only a half space has a normal")
         .or(span(is(ShapeKind::Box), size.as_ref().map(Spanned::span), "only a box has a size"))
+        .or(span(is(ShapeKind::Ellipsoid), radii.as_ref().map(Spanned::span), "only an ellipsoid has radii"))
         .or(span(round || is(ShapeKind::Sphere), of(radius), "only spheres, cylinders and capsules have a radius"))
         .or(span(round, of(length), "only cylinders and capsules have a length"))
         .or(span(is(ShapeKind::Mesh), file.as_ref().map(Spanned::span), "only a mesh has a file"))

@@ -24,6 +24,7 @@ pub(crate) struct ShapeTable {
     pub normal: Option<Spanned<[Finite; 3]>>,
     pub size: Option<Spanned<[Positive; 3]>>,
     pub radius: Option<Spanned<Positive>>,
+    pub radii: Option<Spanned<[Positive; 3]>>,
     pub length: Option<Spanned<Positive>>,
     pub file: Option<Spanned<String>>,
     pub scale: Option<Spanned<[Finite; 3]>>,
@@ -37,6 +38,7 @@ pub(crate) enum ShapeKind {
     Sphere,
     Cylinder,
     Capsule,
+    Ellipsoid,
     Mesh,
 }
 
