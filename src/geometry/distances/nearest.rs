@@ -163,7 +163,7 @@ pub fn spans_plane(a: &Part, b: &Part) -> bool {
         Part::Point(_) => 0,
         Part::Line(_, radius) if *radius == 0.0 => 1,
         Part::Circle(..) => 1,
-        Part::Line(..) | Part::Plane(..) | Part::Ellipsoid(_) => 2,
+        Part::Line(..) | Part::Plane(..) | Part::Ellipsoid(_) | Part::Hollow(..) => 2,
     };
     sharp(a) + sharp(b) >= 2
 }

@@ -57,6 +57,8 @@ pub enum Part {
     Circle(Vector3<f64>, Vector3<f64>, f64),
     /// The surface of an ellipsoid.
     Ellipsoid(Ellipsoid),
+    /// A sphere about a centre (m) with a radius (m), from inside.
+    Hollow(Vector3<f64>, f64),
 }
 
 impl Part {
@@ -65,7 +67,7 @@ impl Part {
         match self {
             Part::Line(ends, _) => ends.reverse(),
             Part::Circle(_, axis, _) => *axis = -*axis,
-            Part::Point(_) | Part::Plane(..) | Part::Ellipsoid(_) => {}
+            Part::Point(_) | Part::Plane(..) | Part::Ellipsoid(_) | Part::Hollow(..) => {}
         }
     }
 
@@ -77,6 +79,7 @@ impl Part {
             Part::Line(ends, radius) => Part::Line(ends.map(point), radius),
             Part::Plane(at, normal) => Part::Plane(point(at), rotation * normal),
             Part::Circle(centre, axis, radius) => Part::Circle(point(centre), rotation * axis, radius),
+            Part::Hollow(centre, radius) => Part::Hollow(point(centre), radius),
             Part::Ellipsoid(Ellipsoid { centre, axes, radii }) => {
                 Part::Ellipsoid(Ellipsoid { centre: point(centre), axes: rotation * axes, radii })
             }

@@ -60,6 +60,7 @@ pub fn feature_frame(part: &Part, radius: f64) -> (Feature, Pose) {
         }
         Part::Plane(at, normal) => (Feature::Plane, frame(*at, normal)),
         Part::Circle(centre, axis, own) => (Feature::Rim { radius: *own }, frame(*centre, axis)),
+        Part::Hollow(centre, own) => (Feature::Hollow { radius: *own }, frame(*centre, &Vector3::z())),
         Part::Ellipsoid(Ellipsoid { centre, axes, radii }) => {
             let rotation = Rotation3::from_matrix_unchecked(*axes);
             let pose = Pose::from_parts(Translation3::from(*centre), rotation);

@@ -172,7 +172,7 @@ impl Joined {
                 let tilted = if is_level { axis.dot(along).abs() - STILL_PARALLEL } else { f64::INFINITY };
                 radius * (own - rest / KEPT).min(own - 0.5 * TANGENT).min(tilted)
             }
-            Feature::Line { .. } | Feature::Plane | Feature::Ellipsoid { .. } => return None,
+            Feature::Line { .. } | Feature::Plane | Feature::Ellipsoid { .. } | Feature::Hollow { .. } => return None,
         };
         Some(Meeting { normal, points: [point - normal * gap, point + normal * pairing.radius], off_form })
     }

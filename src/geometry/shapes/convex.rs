@@ -187,7 +187,7 @@ impl Convex {
         }
     }
 
-    /// A convex shape with its pose in the body; `None` for half spaces and meshes.
+    /// A convex shape with its pose in the body; `None` for half spaces, meshes and ropes.
     pub fn new(shape: &Shape, pose: &Pose) -> Result<Option<Self>, GeometryError> {
         let kind = kind(shape);
         check_pose(kind, pose)?;
@@ -199,6 +199,11 @@ impl Convex {
         let axis = pose.rotation * Vector3::z();
         Ok(Some(match shape {
             Shape::HalfSpace | Shape::Mesh(_) => return Ok(None),
+            Shape::Hollow { radius } => {
+                positive("length", *radius)?;
+                return Ok(None);
+            }
+            Shape::Point => Convex::round(Polytope::point(origin), 0.0),
             Shape::Sphere { radius } => Convex::round(Polytope::point(origin), positive("radius", *radius)?),
             Shape::Capsule { radius, half } => {
                 let (radius, half) = (positive("radius", *radius)?, positive("half length", *half)?);
@@ -268,6 +273,8 @@ pub fn kind(shape: &Shape) -> &'static str {
         Shape::Cylinder { .. } => "cylinder",
         Shape::Box { .. } => "box",
         Shape::Ellipsoid { .. } => "ellipsoid",
+        Shape::Hollow { .. } => "rope",
+        Shape::Point => "point",
         Shape::Hull(_) => "convex hull",
         Shape::Mesh(_) => "triangle mesh",
     }

@@ -81,6 +81,10 @@ pub(crate) fn meet(touch: &Touch, a: Placed, b: Placed) -> Option<Meeting> {
             let down = (a.axis - b.axis * cosine) / (1.0 - cosine * cosine).sqrt();
             meeting([a.origin, b.origin - down * rim], a.axis, [0.0; 2])
         }
+        [Feature::Hollow { radius }, Feature::Point { .. }] => {
+            let apart = b.origin - a.origin;
+            Meeting { gap: radius - apart.norm(), normal: -apart.normalize(), point: b.origin }
+        }
         [Feature::Plane, Feature::Ellipsoid { radii }] => {
             // The lowest point is the image of that of the unit ball under the map x → A x, whose tangent planes turn by A⁻¹.
             let stretch = b.axes * Matrix3::from_diagonal(&Vector3::from(radii)) * b.axes.transpose();

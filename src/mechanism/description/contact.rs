@@ -8,6 +8,7 @@
 //! | line | an edge (r = 0), the side of a cylinder or capsule | P + s z |
 //! | plane | a face, a half space: z points out of the body | (P, z) |
 //! | rim | the edge of the end of a cylinder, of radius ρ | the circle about z through P |
+//! | hollow ball | a ball from inside, as a rope holds it, of radius L | the sphere about P |
 //! | ellipsoid | its surface, with semi-axes along x, y, z | the ellipsoid about P |
 //!
 //! The unit normal n points from a to b, and the points of contact `p_a`, `p_b` are on the surfaces. The gap and its rate are
@@ -66,6 +67,13 @@ pub enum Shape {
         /// Its semi-axes along x, y and z (m).
         radii: Vector3<f64>,
     },
+    /// A ball from inside, about the origin: a rope of this length holds in it all that it is tied to.
+    Hollow {
+        /// The length of the rope (m).
+        radius: f64,
+    },
+    /// The origin alone, to which a rope is tied.
+    Point,
     /// The convex hull of these points (m).
     Hull(Arc<Vec<Vector3<f64>>>),
     /// A surface of triangles, counterclockwise from outside (m).
@@ -131,6 +139,11 @@ pub enum Feature {
         /// ρ (m).
         radius: f64,
     },
+    /// A ball from inside, about the origin of its frame.
+    Hollow {
+        /// Its radius (m).
+        radius: f64,
+    },
     /// An ellipsoid about the origin of its frame.
     Ellipsoid {
         /// Its semi-axes along x, y and z (m).
@@ -158,7 +171,7 @@ pub const LEVEL: f64 = 2.0;
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, plane–ellipsoid, rim–point and rim–line, both with a radius, rim–rim; line–rim for
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, plane–ellipsoid, hollow–point, rim–point and rim–line, both with a radius, rim–rim; line–rim for
     /// an edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
     /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as
@@ -193,6 +206,8 @@ pub enum Cores {
     Lines,
     /// A plane and a circle of this radius (m).
     PlaneRim(f64),
+    /// A sphere from inside and a point.
+    Hollow,
     /// A plane and an ellipsoid of these semi-axes (m).
     PlaneEllipsoid([f64; 3]),
     /// A line and a circle of this radius (m), whose plane the line goes through.
@@ -218,6 +233,7 @@ impl Touch {
             [Feature::Line { radius: a }, Feature::Point { radius }] => (Cores::LinePoint, a + radius, radius),
             [Feature::Line { radius: a }, Feature::Line { radius }] => (Cores::Lines, a + radius, radius),
             [Feature::Plane, Feature::Rim { radius }] => (Cores::PlaneRim(radius), 0.0, 0.0),
+            [Feature::Hollow { radius }, Feature::Point { radius: 0.0 }] => (Cores::Hollow, radius, 0.0),
             [Feature::Plane, Feature::Ellipsoid { radii }] => (Cores::PlaneEllipsoid(radii), 0.0, 0.0),
             [Feature::Line { radius: 0.0 }, Feature::Rim { radius }] => (Cores::LineRim(radius), 0.0, 0.0),
             [Feature::Rim { radius }, Feature::Line { radius: 0.0 }] => (Cores::RimLine(radius), 0.0, 0.0),

@@ -9,10 +9,11 @@
 //!     line–point:    q = d − (d·z_a) z_a,  n = q/|q|  φ = |q| − R                p = b − r n
 //!     line–line:     n = side (z_a × z_b)/|z_a × z_b| φ = n·d − R                p = b + t z_b − r n
 //!     plane–rim:     n = z_a,  m = n − (n·z_b) z_b    φ = n·d − ρ |m|            p = b − ρ m/|m|
+//!     hollow–point:  n = −d/|d|                       φ = L − |d|                p = b
 //!     plane–ellipsoid: n = z_a,  m_i = r_i² (n·e_i),  s = √Σ r_i² (n·e_i)²        φ = n·d − s    p = b − Σ m_i e_i / s
 //! ```
 //!
-//! with the semi-axes r_i (m) of an ellipsoid along the axes e_i of its frame.
+//! with the semi-axes r_i (m) of an ellipsoid along the axes e_i of its frame, and the length L (m) of a rope.
 //!
 //! where `b + t z_b` is the point of the second line that is nearest to the first: `t = ((d·z_a) e − d·z_b)/(1 − e²)`, `e = z_a·z_b`.
 //! n points from a to b. A rim that lies flat in the plane (m = 0) touches in all its points; p is its centre then.
@@ -110,6 +111,11 @@ pub fn contact<S: Smooth>(
             let length = length(down);
             let point = b.origin.minus(down.times(rim * length.reciprocal()));
             Contact { gap: apart.dot(normal) - rim * length, normal, point }
+        }
+        Cores::Hollow => {
+            let length = length(apart);
+            let normal = apart.times(S::constant(-1.0) * length.reciprocal());
+            Contact { gap: reach - length, normal, point: b.origin }
         }
         Cores::PlaneEllipsoid(radii) => {
             let first = first_axis();

@@ -4,7 +4,7 @@
 //! world if the link does not move. Shapes are not read if contacts are impossible (no obstacle, or `pairs = "none"`).
 
 use crate::geometry::kind;
-use crate::mechanism::description::contact::{Collider, Shape};
+use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::coupling::overlaps::number;
@@ -46,7 +46,7 @@ impl Model {
         }
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
-        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
+        let (mut pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
         for pair in &pairs {
             for [own, other] in [[pair.a, pair.b], [pair.b, pair.a]].map(|pair| pair.map(|of| &colliders[of])) {
                 if matches!(own.shape, Shape::Ellipsoid { .. }) && other.shape != Shape::HalfSpace {
@@ -55,11 +55,18 @@ impl Model {
                 }
             }
         }
+        let ropes = std::mem::take(&mut self.contact.ropes);
+        for (index, rope) in ropes.iter().enumerate() {
+            let (a, number) = (colliders.len(), pairs.len());
+            colliders.extend(rope.colliders.iter().cloned());
+            owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
+            pairs.push(ContactPair { number, a, b: a + 1, friction: 0.0, restitution: rope.restitution });
+        }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
         self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
-        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes };
+        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes, ropes };
         Ok(())
     }
 

@@ -11,4 +11,5 @@ pub(crate) mod loops;
 pub(crate) mod motors;
 pub(crate) mod overlaps;
 pub(crate) mod relations;
+pub(crate) mod ropes;
 pub(crate) mod rotors;

@@ -50,6 +50,8 @@ pub(crate) fn ball_about(collider: &Collider) -> Ball {
         Shape::Cylinder { radius, half } => (Vector3::zeros(), radius.hypot(*half)),
         Shape::Box { half } => (Vector3::zeros(), half.norm()),
         Shape::Ellipsoid { radii } => (Vector3::zeros(), radii.max()),
+        Shape::Hollow { .. } => (Vector3::zeros(), f64::INFINITY),
+        Shape::Point => (Vector3::zeros(), 0.0),
         Shape::Hull(points) => about(points),
         Shape::Mesh(surface) => about(&surface.vertices),
     };

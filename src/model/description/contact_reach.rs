@@ -149,6 +149,8 @@ fn radius(shape: &Shape) -> f64 {
         Shape::Cylinder { radius, half } => radius.hypot(*half),
         Shape::Box { half } => half.norm(),
         Shape::Ellipsoid { radii } => radii.max(),
+        Shape::Hollow { .. } => f64::INFINITY,
+        Shape::Point => 0.0,
         Shape::Hull(points) => farthest(points),
         Shape::Mesh(surface) => farthest(&surface.vertices),
     }
@@ -164,6 +166,8 @@ fn extent(shape: &Shape, direction: &Vector3<f64>) -> f64 {
         Shape::Cylinder { radius, half } => radius * direction.xy().norm() + half * direction.z.abs(),
         Shape::Box { half } => half.dot(&direction.abs()),
         Shape::Ellipsoid { radii } => radii.component_mul(direction).norm(),
+        Shape::Hollow { .. } => f64::INFINITY,
+        Shape::Point => 0.0,
         Shape::Hull(points) => farthest(points),
         Shape::Mesh(surface) => farthest(&surface.vertices),
     }

@@ -263,6 +263,14 @@ impl Keys {
                 self.vector("spring", &rest, Range::Finite, |axis| Place::SpringEnd { spring, b, axis });
             }
         }
+        for (rope, one) in scene.ropes.iter().enumerate() {
+            self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
+            self.put("rope", &format!("{}.restitution", one.name), Range::Fraction, Place::RopeRestitution(rope));
+            for end in 0..one.ends.len() {
+                let rest = format!("{}.points.{}.position", one.name, end + 1);
+                self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
+            }
+        }
         for (of, one) in scene.loops.iter().enumerate() {
             if one.kind == LoopType::Distance {
                 self.put("loop", &format!("{}.length", one.name), Range::Positive, Place::LoopLength(of));

@@ -137,6 +137,13 @@ pub(crate) enum Place {
         b: bool,
         axis: usize,
     },
+    RopeLength(usize),
+    RopeRestitution(usize),
+    RopeEnd {
+        rope: usize,
+        end: usize,
+        axis: usize,
+    },
     LoopLength(usize),
     LoopEnd {
         of: usize,

@@ -62,6 +62,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
+    let ropes = reader.ropes(file.rope)?;
     let mut tables = Vec::new();
     let loads = reader.loads(file.load, files, &mut tables)?;
     let drags = reader.drags(file.drag)?;
@@ -89,6 +90,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         robots,
         loops,
         springs,
+        ropes,
         loads,
         drags,
         couplings,
