@@ -53,6 +53,7 @@ mod pendulum;
 mod reactions;
 mod robots;
 mod robots_on_floor;
+mod ropes;
 mod rotors;
 mod scene_files;
 mod self_contact;

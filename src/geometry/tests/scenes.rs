@@ -108,7 +108,8 @@ pub fn support(shape: &Shape, pose: &Pose, normal: &Vector3<f64>) -> f64 {
         Shape::Box { half } => half.dot(&n.abs()),
         Shape::Ellipsoid { radii } => radii.component_mul(&n).norm(),
         Shape::Hull(points) => points.iter().map(|point| point.dot(&n)).fold(f64::NEG_INFINITY, f64::max),
-        Shape::HalfSpace | Shape::Mesh(_) => f64::INFINITY,
+        Shape::Point => 0.0,
+        Shape::HalfSpace | Shape::Mesh(_) | Shape::Hollow { .. } => f64::INFINITY,
     };
     own + normal.dot(&pose.translation.vector)
 }

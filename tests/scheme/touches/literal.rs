@@ -20,7 +20,7 @@ const VECTORS: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];
 type Pair = ([Feature; 2], f64, Vector3<f64>, Vector3<f64>);
 
 /// All pairs of features.
-fn pairs() -> [Pair; 13] {
+fn pairs() -> [Pair; 14] {
     let (point, line) = (Feature::Point { radius: 0.13 }, Feature::Line { radius: 0.07 });
     let (edge, rim) = (Feature::Line { radius: 0.0 }, Feature::Rim { radius: 0.3 });
     let (turn, other) = (Vector3::new(0.9, 0.1, 0.3), Feature::Rim { radius: 0.5 });
@@ -39,6 +39,7 @@ fn pairs() -> [Pair; 13] {
         // A rim that goes down through the plane of another, and two nearly in one plane.
         ([rim, other], 1.0, Vector3::new(0.44, 0.08, 0.0), Vector3::new(1.3, 0.0, 0.3)),
         ([rim, other], LEVEL, Vector3::new(0.4, 0.1, 0.0), Vector3::new(0.02, 0.0, 0.3)),
+        ([Feature::Hollow { radius: 0.3 }, Feature::Point { radius: 0.0 }], 1.0, Vector3::new(0.1, 0.2, 0.2), turn),
         ([Feature::Plane, Feature::Ellipsoid { radii: [0.2, 0.3, 0.12] }], 1.0, Vector3::new(0.1, 0.2, 0.19), turn),
     ]
 }
