@@ -10,6 +10,10 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::events::modes::piece::Piece;
 use crate::events::next_step::NextStep;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::progress::Progress;
+use crate::events::parts::trial::StepTrial;
+use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
@@ -28,8 +32,8 @@ impl Integrator for Eventful {
         state: &mut State,
         until: f64,
     ) -> Result<StepOutcome, StepError> {
-        let moved = self.left.as_ref().is_none_or(|left| left != state);
-        if moved || self.is_other(mechanism) {
+        let moved = self.previous.left.as_ref().is_none_or(|left| left != state);
+        if moved || self.model.is_other(mechanism) {
             self.begin(mechanism, inputs, state)?;
         }
         if let Some(outcome) = self.go_on_in_crowd(inputs, state, until) {
@@ -37,16 +41,16 @@ impl Integrator for Eventful {
         }
         self.heed(inputs, state);
         self.follow_commands(inputs, state);
-        let mut next = self.next_instant(state.time, until);
-        if inputs.feedback.is_some() && self.pieces[self.current].steps.is_none() {
+        let mut next = self.model.next_instant(state.time, until);
+        if inputs.feedback.is_some() && self.workspaces.active().steps.is_none() {
             next = next.min(state.time + LOOK);
         }
         // Efforts of a program change at ticks, to which it asks for steps.
-        self.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
-        self.stepped_over = None;
+        self.progress.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
+        self.progress.stepped_over = None;
         let advanced = match self.next_step(state) {
             NextStep::FirstOrder => {
-                self.origin.copy_from(state);
+                self.trial.origin.copy_from(state);
                 Ok(self.stumble(inputs, state, next))
             }
             smooth => self.advance(inputs, state, next, smooth),
@@ -57,38 +61,38 @@ impl Integrator for Eventful {
                 | StepError::NotAccurate { .. }
                 | StepError::TurnedTooFar { .. }
                 | StepError::Unstable { .. },
-            ) if !self.touching.pairs.is_empty() => {
+            ) if !self.model.touching.pairs.is_empty() => {
                 if self.slides() {
-                    self.crowding.jam(self.origin.time);
+                    self.progress.crowding.jam(self.trial.origin.time);
                 } else {
-                    self.crowding.fail(self.origin.time);
+                    self.progress.crowding.fail(self.trial.origin.time);
                 }
                 self.stumble(inputs, state, next)
             }
             Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. } | StepError::TurnedTooFar { .. })
-                if self.touching.pairs.is_empty() =>
+                if self.model.touching.pairs.is_empty() =>
             {
-                self.crowding.jam(self.origin.time);
+                self.progress.crowding.jam(self.trial.origin.time);
                 self.pass_singular(inputs, state, next)
             }
             // A given step was halved again and again, and is beyond the limit of stability because joints turn without bound.
-            Err(StepError::Unstable { .. }) if self.touching.pairs.is_empty() && self.starts_singular() => {
-                self.crowding.jam(self.origin.time);
+            Err(StepError::Unstable { .. }) if self.model.touching.pairs.is_empty() && self.starts_singular() => {
+                self.progress.crowding.jam(self.trial.origin.time);
                 self.pass_singular(inputs, state, next)
             }
             done => done?,
         };
-        outcome.cost.add(&std::mem::take(&mut self.abandoned));
+        outcome.cost.add(&std::mem::take(&mut self.tally.abandoned));
         // The remaining time is below the rounding of the time.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
             outcome.step += until - state.time;
             state.time = until;
-            self.pieces[self.current].small.time = until;
+            self.workspaces.active_mut().small.time = until;
         }
-        if !self.touching.pairs.is_empty() {
-            self.felt.see(inputs, &self.origin, state);
+        if !self.model.touching.pairs.is_empty() {
+            self.previous.felt.see(inputs, &self.trial.origin, state);
         }
-        match &mut self.left {
+        match &mut self.previous.left {
             Some(left) => left.copy_from(state),
             none => *none = Some(state.clone()),
         }
@@ -96,7 +100,13 @@ impl Integrator for Eventful {
     }
 
     fn dense(&mut self, _mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        let Eventful { whole, pieces, last, sample, origin, stepped_over, crowd, .. } = self;
+        let Eventful {
+            model: HybridModel { whole, .. },
+            workspaces: Workspaces { pieces, last, crowd, .. },
+            trial: StepTrial { sample, origin, .. },
+            progress: Progress { stepped_over, .. },
+            ..
+        } = self;
         sample.copy_from(origin);
         if let Some(end) = stepped_over {
             if let Some(inside) = crowd.as_ref().and_then(|crowd| crowd.inside(whole, origin, end, time)) {
@@ -121,33 +131,33 @@ impl Integrator for Eventful {
     }
 
     fn take_abandoned(&mut self) -> Cost {
-        std::mem::take(&mut self.abandoned)
+        std::mem::take(&mut self.tally.abandoned)
     }
 
     fn description(&self) -> MethodDescription {
-        let steps = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
-        let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
+        let steps = self.workspaces.pieces.get(self.workspaces.current).and_then(|piece| piece.steps.as_ref());
+        let mut description = steps.map_or_else(|| self.workspaces.idle.clone(), |steps| steps.description());
         // The findings of other modes.
-        description.include_stability(&self.idle);
-        description.few_stage_steps = self.idle.few_stage_steps;
-        for steps in self.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {
+        description.include_stability(&self.workspaces.idle);
+        description.few_stage_steps = self.workspaces.idle.few_stage_steps;
+        for steps in self.workspaces.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {
             let of_piece = steps.description();
             description.include_stability(&of_piece);
             description.few_stage_steps += of_piece.few_stage_steps;
         }
         if description.adaptive {
-            description.step = self.stepped / self.steps.max(1) as f64;
+            description.step = self.tally.stepped / self.tally.steps.max(1) as f64;
         }
-        description.unsolved_contacts = self.unsolved;
-        description.contact_solvers = self.solvers;
-        (description.first_order_steps, description.first_order_time) = self.first_order;
-        (description.first_order_residual, description.first_order_lift) = self.crowd_figures;
-        (description.rebounds_left_out, description.rebounds_energy) = self.cut;
+        description.unsolved_contacts = self.tally.unsolved;
+        description.contact_solvers = self.tally.solvers;
+        (description.first_order_steps, description.first_order_time) = self.tally.first_order;
+        (description.first_order_residual, description.first_order_lift) = self.tally.crowd_figures;
+        (description.rebounds_left_out, description.rebounds_energy) = self.tally.cut;
         description
     }
 
     fn take_events(&mut self, events: &mut Vec<Event>) {
-        events.append(&mut self.events);
+        events.append(&mut self.tally.events);
     }
 
     fn contacts(&self, _mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
@@ -158,14 +168,14 @@ impl Integrator for Eventful {
 
     fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
         let mut status = JointStatus::default();
-        for (joint, mode) in self.elements.joints.iter().zip(&self.mode.joints) {
+        for (joint, mode) in self.model.elements.joints.iter().zip(&self.mode.joints) {
             let held = match *mode {
-                JointMode::Held { on } if !self.in_crowd => Some(on),
+                JointMode::Held { on } if !self.progress.in_crowd => Some(on),
                 _ => None,
             };
             status = joint.status(body, held).unwrap_or(status);
         }
-        for (motor, mode) in self.elements.motors.iter().zip(&self.mode.motors) {
+        for (motor, mode) in self.model.elements.motors.iter().zip(&self.mode.motors) {
             let at = motor.coordinate;
             if at.body != body {
                 continue;

@@ -13,6 +13,9 @@ use crate::events::forces::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
 use crate::events::modes::present::Present;
 use crate::events::modes::tolerances::BALLISTIC_GAP;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::trial::StepTrial;
+use crate::events::parts::workspaces::Workspaces;
 use crate::instant::holding::touching::TOUCHED;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
@@ -29,37 +32,43 @@ impl Eventful {
             return false;
         }
         let open = |watched: &Watched, gap: f64, this: &Self| {
-            gap > watched.nearly(TOUCHED, &this.elements, &this.touching, &this.mode)
+            gap > watched.nearly(TOUCHED, &this.model.elements, &this.model.touching, &this.mode)
         };
-        let origin = self.origin.clone();
+        let origin = self.trial.origin.clone();
         let opens = triggers.iter().any(|watched| is_gap(*watched) && open(watched, self.gap(*watched, &origin), self));
         let found = if opens { self.first_gap(inputs, longest, &origin) } else { None };
         let Some((end, first)) = found else { return false };
         if !triggers.contains(&first) {
             triggers.push(first);
         }
-        let piece = &mut self.pieces[self.current];
-        piece.small = piece.moving.gather(&self.whole, &end);
+        let piece = self.workspaces.active_mut();
+        piece.small = piece.moving.gather(&self.model.whole, &end);
         true
     }
 
     /// The state in which the first gap closes, and that gap.
     fn first_gap(&mut self, inputs: Inputs, longest: f64, origin: &State) -> Option<(State, Watched)> {
-        let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
+        let Eventful {
+            model: HybridModel { whole, elements, touching, .. },
+            workspaces: Workspaces { response, pieces, current, .. },
+            trial: StepTrial { holding, efforts, .. },
+            mode,
+            ..
+        } = self;
         let mut all = vec![0.0; efforts.len()];
         mode.efforts_at(elements, inputs, origin.time, origin, &mut all);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let accelerations = accelerations(&present, response, origin, &all, holding.is_unique());
         let moves: Vec<f64> = accelerations.into_iter().map(|(acceleration, _)| acceleration).collect();
         let (mut until, mut first) = (longest, None);
-        let gaps: Vec<Watched> = self.watched.iter().copied().filter(|watched| is_gap(*watched)).collect();
+        let gaps: Vec<Watched> = self.trial.watched.iter().copied().filter(|watched| is_gap(*watched)).collect();
         for watched in gaps {
             let end = self.after(origin, &moves, until);
             if self.is_apart(watched, &end) {
                 continue;
             }
             let start = self.gap(watched, origin);
-            let closed = watched.nearly(BALLISTIC_GAP, &self.elements, &self.touching, &self.mode);
+            let closed = watched.nearly(BALLISTIC_GAP, &self.model.elements, &self.model.touching, &self.mode);
             let after = self.gap(watched, &end);
             if start <= closed || after > 0.0 {
                 continue;
@@ -94,7 +103,7 @@ impl Eventful {
     fn after(&self, origin: &State, accelerations: &[f64], time: f64) -> State {
         let mut state = origin.clone();
         let moved = origin.velocity.iter().zip(accelerations).map(|(rate, a)| time * (rate + 0.5 * time * a));
-        state.displace(&self.whole, &moved.collect::<Vec<f64>>());
+        state.displace(&self.model.whole, &moved.collect::<Vec<f64>>());
         state.velocity.iter_mut().zip(accelerations).for_each(|(rate, a)| *rate += time * a);
         state.time += time;
         state
@@ -104,14 +113,19 @@ impl Eventful {
     fn is_apart(&self, watched: Watched, state: &State) -> bool {
         let Watched::Approach(pair) = watched else { return false };
         let is_closed = self.mode.contacts.iter().any(|closed| closed.contact.pair == pair);
-        !is_closed && self.touching.least_distance(pair, &body_states(&self.whole, state), 0.0) > 0.0
+        !is_closed && self.model.touching.least_distance(pair, &body_states(&self.model.whole, state), 0.0) > 0.0
     }
 
     /// A gap in a state (m or rad).
     fn gap(&self, watched: Watched, state: &State) -> f64 {
-        let mut bodies = self.bodies.clone();
-        place_bodies(&self.whole, state, &mut bodies);
-        let Eventful { elements, touching, mode, holding, slips, .. } = self;
+        let mut bodies = self.trial.bodies.clone();
+        place_bodies(&self.model.whole, state, &mut bodies);
+        let Eventful {
+            model: HybridModel { elements, touching, .. },
+            trial: StepTrial { holding, slips, .. },
+            mode,
+            ..
+        } = self;
         let [since, time] = [state.time; 2];
         watched.value(&Seen { elements, touching, mode, holding, since, time, state, bodies: &bodies, slips })
     }

@@ -18,14 +18,14 @@ use crate::mechanism::motion::state::State;
 impl Eventful {
     /// Takes other efforts from outside: the mode is decided anew if it cannot go on under them.
     pub(super) fn heed(&mut self, inputs: Inputs, state: &mut State) {
-        if self.outside == inputs.efforts {
+        if self.previous.outside == inputs.efforts {
             return;
         }
-        self.outside.clear();
-        self.outside.extend_from_slice(inputs.efforts);
+        self.previous.outside.clear();
+        self.previous.outside.extend_from_slice(inputs.efforts);
         if !self.goes_on_under(inputs, state) {
             let exchanged = self.pass(inputs, state, &[]);
-            self.lost_at_start += exchanged;
+            self.tally.lost_at_start += exchanged;
         }
     }
 
@@ -36,15 +36,19 @@ impl Eventful {
         if !held && self.mode.contacts.is_empty() {
             return true;
         }
-        if self.asleep || self.undecided || self.repeats.are_at(state.time) || self.left.is_none() {
+        if self.progress.asleep
+            || self.progress.undecided
+            || self.progress.repeats.are_at(state.time)
+            || self.previous.left.is_none()
+        {
             return false;
         }
-        self.sample.copy_from(state);
-        self.evaluated = Evaluated::default();
+        self.trial.sample.copy_from(state);
+        self.trial.evaluated = Evaluated::default();
         let time = state.time;
-        (0..self.watched.len()).all(|index| {
+        (0..self.trial.watched.len()).all(|index| {
             let mut value = [0.0];
-            if self.watched[index].needs_efforts() {
+            if self.trial.watched[index].needs_efforts() {
                 self.evaluate_at_sample(inputs, time, time, &[index], &mut value);
             }
             value[0] >= 0.0
@@ -53,10 +57,10 @@ impl Eventful {
 
     /// At a given instant of a target or a tick: the efforts that begin there. Whether the mode has to be decided anew.
     pub(super) fn meet_instants(&mut self, inputs: Inputs, state: &State) -> bool {
-        let (before, now) = (self.origin.time, state.time);
+        let (before, now) = (self.trial.origin.time, state.time);
         let (mut changed, mut jumped) = (false, false);
-        for index in 0..self.elements.motors.len() {
-            let next = self.elements.motors[index].next_instant(before);
+        for index in 0..self.model.elements.motors.len() {
+            let next = self.model.elements.motors[index].next_instant(before);
             if (next - now).abs() > ONE_INSTANT * now.abs().max(1.0) {
                 continue;
             }
@@ -68,16 +72,16 @@ impl Eventful {
             self.mode.motors[index] = mode;
             jumped = true;
         }
-        let reached = self.whole.forces.next_instant(before);
+        let reached = self.model.whole.forces.next_instant(before);
         jumped |= (reached - now).abs() <= ONE_INSTANT * now.abs().max(1.0);
         changed || jumped && !self.goes_on_under(inputs, state)
     }
 
     /// Notes that a sampled motor reaches its bound at a tick (s), or comes back from it.
     fn note_bound_at_tick(&mut self, index: usize, mode: MotorMode, time: f64) {
-        let motor = &self.elements.motors[index];
+        let motor = &self.model.elements.motors[index];
         if let (MotorMode::Given(before), MotorMode::Given(now)) = (self.mode.motors[index], mode) {
-            note_bound(motor, [before, now].map(|effort| side_of_bound(motor, effort)), time, &mut self.events);
+            note_bound(motor, [before, now].map(|effort| side_of_bound(motor, effort)), time, &mut self.tally.events);
         }
     }
 }

@@ -19,7 +19,7 @@ use crate::mechanism::motion::state::State;
 impl Eventful {
     /// Gives a motor a target from now on: rad or m, rad/s or m/s, N m or N.
     pub(crate) fn aim(&mut self, motor: usize, value: f64) {
-        let Some(known) = self.elements.motors.get_mut(motor) else { return };
+        let Some(known) = self.model.elements.motors.get_mut(motor) else { return };
         if known.target.is_commanded() {
             if known.target.value(0.0) != value {
                 known.target.command(value);
@@ -37,28 +37,28 @@ impl Eventful {
         if commands == Commands::Known {
             return;
         }
-        self.evaluated = Default::default();
+        self.trial.evaluated = Default::default();
         let mut changed = commands == Commands::Begun;
         if changed {
-            self.pieces.clear();
-            (self.current, self.last) = (0, 0);
+            self.workspaces.pieces.clear();
+            (self.workspaces.current, self.workspaces.last) = (0, 0);
         }
-        for index in 0..self.elements.motors.len() {
+        for index in 0..self.model.elements.motors.len() {
             // Between ticks the effort is held.
-            let held = self.elements.motors[index].period > 0.0;
+            let held = self.model.elements.motors[index].period > 0.0;
             let mode = self.motor_mode(index, state);
             if !held && mode != self.mode.motors[index] {
                 self.mode.motors[index] = mode;
                 changed = true;
             }
         }
-        if changed || self.asleep || !self.goes_on_under(inputs, state) {
+        if changed || self.progress.asleep || !self.goes_on_under(inputs, state) {
             let exchanged = self.pass(inputs, state, &[]);
-            self.lost_at_start += exchanged;
+            self.tally.lost_at_start += exchanged;
         }
         // A piece that is shared with a copy of the run is changed only if it has other targets.
-        for piece in self.pieces.iter_mut().filter(|piece| piece.drives.is_behind(&self.elements)) {
-            piece.drives.heed(&self.elements);
+        for piece in self.workspaces.pieces.iter_mut().filter(|piece| piece.drives.is_behind(&self.model.elements)) {
+            piece.drives.heed(&self.model.elements);
         }
     }
 }

@@ -11,6 +11,8 @@ use crate::events::finding::speeds::speed_at;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::trial::StepTrial;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::touches::touch_motion;
@@ -51,7 +53,7 @@ impl Approaching for GapInside<'_, '_> {
 
     fn least_gap(&mut self, time: f64, enough: f64) -> f64 {
         self.eventful.place(Inside { time, roughly: self.roughly });
-        let least = self.eventful.touching.least_distance(self.pair, &self.eventful.bodies, enough);
+        let least = self.eventful.model.touching.least_distance(self.pair, &self.eventful.trial.bodies, enough);
         if time == self.end {
             self.at_end = Some(least);
         }
@@ -60,12 +62,12 @@ impl Approaching for GapInside<'_, '_> {
 
     fn bodies(&mut self, time: f64) -> [BodyState; 2] {
         self.eventful.place(Inside { time, roughly: self.roughly });
-        let Eventful { touching, bodies, .. } = &*self.eventful;
+        let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { bodies, .. }, .. } = &*self.eventful;
         touching.pairs[self.pair].bodies.map(|body| body.map_or(WORLD, |body| bodies[body]))
     }
 
     fn reach(&self) -> [f64; 2] {
-        let pair = &self.eventful.touching.pairs[self.pair];
+        let pair = &self.eventful.model.touching.pairs[self.pair];
         [0, 1].map(|side| if pair.bodies[side].is_some() { pair.reach[side] } else { f64::INFINITY })
     }
 }
@@ -73,49 +75,51 @@ impl Approaching for GapInside<'_, '_> {
 impl Eventful {
     /// A bound of the overlap of all pairs in the steps so far (m): at their ends, and between them.
     pub fn overlap(&self) -> f64 {
-        self.overlap
+        self.trial.overlap
     }
 
     /// Whether a pair that may close has a stretch of the last step in which it was not looked at.
     pub(super) fn has_hole(&self, since: f64) -> bool {
-        let end = self.pieces[self.current].small.time;
+        let end = self.workspaces.active().small.time;
         let covered = end - SAME_END * (end - since);
-        let open =
-            |watched: &Watched| matches!(watched, Watched::Approach(_)) && !self.repeats.ignored.contains(watched);
+        let open = |watched: &Watched| {
+            matches!(watched, Watched::Approach(_)) && !self.progress.repeats.ignored.contains(watched)
+        };
         let until = |index: usize| {
             // They are in the order of their numbers.
-            let own = self.covers.binary_search_by_key(&index, |(watched, _)| *watched);
-            own.map_or(f64::NEG_INFINITY, |place| self.covers[place].1.until)
+            let own = self.trial.covers.binary_search_by_key(&index, |(watched, _)| *watched);
+            own.map_or(f64::NEG_INFINITY, |place| self.trial.covers[place].1.until)
         };
-        end > since && (0..self.watched.len()).any(|index| open(&self.watched[index]) && until(index) < covered)
+        end > since
+            && (0..self.trial.watched.len()).any(|index| open(&self.trial.watched[index]) && until(index) < covered)
     }
 
     /// Bounds how deep shapes overlap in the last step (m).
     pub(super) fn bound_overlap(&mut self, since: f64) {
-        let end = self.pieces[self.current].small.time;
-        self.evaluated.bodies = false;
-        let mut least = self.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
+        let end = self.workspaces.active().small.time;
+        self.trial.evaluated.bodies = false;
+        let mut least = self.trial.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
         if !self.mode.contacts.is_empty() && end > since {
-            let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
-            let inside = (!short || self.steps.is_multiple_of(SELDOM))
+            let short = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
+            let inside = (!short || self.tally.steps.is_multiple_of(SELDOM))
                 .then(|| since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64);
             for time in inside.into_iter().chain([end]) {
                 self.place(Inside::at(time));
                 let gaps =
-                    self.mode.contacts.iter().map(|closed| touch_motion(&closed.contact.joint, &self.bodies).gap);
+                    self.mode.contacts.iter().map(|closed| touch_motion(&closed.contact.joint, &self.trial.bodies).gap);
                 least = gaps.fold(least, f64::min);
             }
         }
         // A step that does not look at a pair knows its ends alone: between them it moves by less than a micrometre.
-        if self.repeats.ignored.iter().any(|watched| matches!(watched, Watched::Approach(_))) {
+        if self.progress.repeats.ignored.iter().any(|watched| matches!(watched, Watched::Approach(_))) {
             self.place(Inside::at(end));
-            for watched in &self.repeats.ignored {
+            for watched in &self.progress.repeats.ignored {
                 if let Watched::Approach(pair) = watched {
-                    least = least.min(self.touching.distance_within(*pair, &self.bodies, 0.0));
+                    least = least.min(self.model.touching.distance_within(*pair, &self.trial.bodies, 0.0));
                 }
             }
         }
-        self.overlap = self.overlap.max(-least);
+        self.trial.overlap = self.trial.overlap.max(-least);
     }
 
     /// Asks the last step at many instants whether its certificates are true: no pair overlaps in a covered stretch, or moves faster than its bound.
@@ -126,13 +130,13 @@ impl Eventful {
         if !(are_checked() || cfg!(debug_assertions)) {
             return;
         }
-        let end = self.pieces[self.current].small.time;
-        assert!(!self.has_hole(since), "a hole in the step from {since} to {end} s: {:?}", self.covers);
-        for (watched, cover) in self.covers.clone() {
-            let Watched::Approach(pair) = self.watched[watched] else { continue };
+        let end = self.workspaces.active().small.time;
+        assert!(!self.has_hole(since), "a hole in the step from {since} to {end} s: {:?}", self.trial.covers);
+        for (watched, cover) in self.trial.covers.clone() {
+            let Watched::Approach(pair) = self.trial.watched[watched] else { continue };
             let roughly = self.is_known_roughly(pair);
             // A step of first order may have left as much.
-            let (allowed, most) = (self.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
+            let (allowed, most) = (self.model.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
             for part in 0..=ASKED {
                 let time = since + (cover.until.min(end) - since) * part as f64 / ASKED as f64;
                 let mut inside = GapInside { eventful: self, inputs, since, roughly, watched, pair, end, at_end: None };

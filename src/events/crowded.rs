@@ -13,8 +13,11 @@ use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
 use crate::events::crowding::LABOUR_WITHIN;
 use crate::events::effects::resting::energy;
-use crate::events::integrator::{Eventful, larger};
+use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::workspaces::Workspaces;
+use crate::events::parts::workspaces::larger;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -42,9 +45,9 @@ const CHEAP: f64 = 1.0;
 impl Eventful {
     /// The length of steps over events (s), and whether they keep to the tolerance.
     fn crowd_length(&self) -> (f64, bool) {
-        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
-        let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.whole.gravity.norm());
-        let kept = self.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
+        let mass: f64 = self.model.whole.bodies.iter().map(|body| body.mass).sum();
+        let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.model.whole.gravity.norm());
+        let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
         match kept {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
             _ => (PLAIN, false),
@@ -54,10 +57,10 @@ impl Eventful {
     /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.
     pub(super) fn bearable_labour(&self) -> Option<f64> {
         let (length, keeps) = self.crowd_length();
-        if self.crowd.is_none() || !keeps {
+        if self.workspaces.crowd.is_none() || !keeps {
             return None;
         }
-        let second = STEP * (USUAL + OVERHEAD) * self.whole.velocity_count as f64 / length;
+        let second = STEP * (USUAL + OVERHEAD) * self.model.whole.velocity_count as f64 / length;
         Some(LABOUR_WITHIN * (2.0 * second).max(CHEAP) / ITERATION)
     }
 
@@ -65,16 +68,16 @@ impl Eventful {
     /// switched off, or if the step cannot be made.
     pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
         let (length, keeps) = self.crowd_length();
-        if self.recipe.keeps(Rule::Crowds) || self.crowding.is_brief(keeps) {
+        if self.model.recipe.keeps(Rule::Crowds) || self.progress.crowding.is_brief(keeps) {
             return None;
         }
-        let before = self.crowding;
-        self.crowding.enter(state.time);
+        let before = self.progress.crowding;
+        self.progress.crowding.enter(state.time);
         let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, length) else {
-            self.crowding = before;
+            self.progress.crowding = before;
             return None;
         };
-        self.in_crowd = true;
+        self.progress.in_crowd = true;
         if self.is_over(&made, length) {
             self.leave_crowd(inputs, state, &mut outcome);
         }
@@ -83,21 +86,21 @@ impl Eventful {
 
     /// The next step of a crowd from a state that the last one has left; `None` if the run is in no crowd, or the step cannot be made.
     pub(super) fn go_on_in_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
-        if !self.in_crowd {
+        if !self.progress.in_crowd {
             return None;
         }
-        let next = self.next_instant(state.time, until);
+        let next = self.model.next_instant(state.time, until);
         let (length, _) = self.crowd_length();
         let made = self.step_in_crowd(inputs, state, next, length);
         let Some((mut outcome, made)) = made else {
-            self.in_crowd = false;
+            self.progress.in_crowd = false;
             self.pass_anew(inputs, state);
             return None;
         };
         if self.is_over(&made, length) {
             self.leave_crowd(inputs, state, &mut outcome);
         }
-        match &mut self.left {
+        match &mut self.previous.left {
             Some(left) => left.copy_from(state),
             none => *none = Some(state.clone()),
         }
@@ -106,29 +109,29 @@ impl Eventful {
 
     /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
     fn is_over(&mut self, made: &Made, length: f64) -> bool {
-        let rates = self.whole.velocity_count as f64;
+        let rates = self.model.whole.velocity_count as f64;
         let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
         let over = STEP * (made.iterations as f64 + OVERHEAD) * rates / length;
-        self.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
+        self.progress.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
     }
 
     /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.
     fn leave_crowd(&mut self, inputs: Inputs, state: &mut State, outcome: &mut StepOutcome) {
-        self.in_crowd = false;
-        self.crowding.leave(state.time);
-        let before = energy(&self.whole, state).total();
-        self.outside.clear();
-        self.outside.extend_from_slice(inputs.efforts);
-        for index in 0..self.elements.motors.len() {
+        self.progress.in_crowd = false;
+        self.progress.crowding.leave(state.time);
+        let before = energy(&self.model.whole, state).total();
+        self.previous.outside.clear();
+        self.previous.outside.extend_from_slice(inputs.efforts);
+        for index in 0..self.model.elements.motors.len() {
             self.mode.motors[index] = self.motor_mode(index, state);
         }
-        let events = self.events.len();
+        let events = self.tally.events.len();
         self.pass_anew(inputs, state);
-        self.events.truncate(events);
-        outcome.exchange.impacts += before - energy(&self.whole, state).total();
-        self.stepped_over = Some(state.clone());
-        let piece = &mut self.pieces[self.current];
-        piece.small = piece.moving.gather(&self.whole, state);
+        self.tally.events.truncate(events);
+        outcome.exchange.impacts += before - energy(&self.model.whole, state).total();
+        self.progress.stepped_over = Some(state.clone());
+        let piece = self.workspaces.active_mut();
+        piece.small = piece.moving.gather(&self.model.whole, state);
     }
 
     /// Makes one step of at most this length (s) towards `until`, if it can be made.
@@ -139,8 +142,13 @@ impl Eventful {
         until: f64,
         length: f64,
     ) -> Option<(StepOutcome, Made)> {
-        self.origin.copy_from(state);
-        let Eventful { whole, elements, touching, response, mode, crowd, .. } = self;
+        self.trial.origin.copy_from(state);
+        let Eventful {
+            model: HybridModel { whole, elements, touching, .. },
+            workspaces: Workspaces { response, crowd, .. },
+            mode,
+            ..
+        } = self;
         let crowd = crowd.as_mut()?;
         let mut forces = |at: &State, accelerations: &mut [f64], efforts: &mut [f64]| {
             inputs.write_constant(efforts);
@@ -167,23 +175,23 @@ impl Eventful {
         // The end is a given instant to the last bit.
         end.time = if step == rest { until } else { end.time };
         state.copy_from(&end);
-        for index in 0..self.elements.motors.len() {
-            let motor = &self.elements.motors[index];
-            if motor.period > 0.0 && motor.next_instant(self.origin.time) <= state.time {
+        for index in 0..self.model.elements.motors.len() {
+            let motor = &self.model.elements.motors[index];
+            if motor.period > 0.0 && motor.next_instant(self.trial.origin.time) <= state.time {
                 self.mode.motors[index] = self.motor_mode(index, state);
             }
         }
         let Made { iterations, residual, unsolved, overlap, lifted, work, dissipated, friction, lost, .. } = made;
-        self.unsolved += unsolved;
-        self.overlap = self.overlap.max(overlap);
-        self.crowd_figures = (self.crowd_figures.0.max(residual), self.crowd_figures.1.max(lifted));
-        self.first_order = (self.first_order.0 + 1, self.first_order.1 + step);
+        self.tally.unsolved += unsolved;
+        self.trial.overlap = self.trial.overlap.max(overlap);
+        self.tally.crowd_figures = (self.tally.crowd_figures.0.max(residual), self.tally.crowd_figures.1.max(lifted));
+        self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
         // An impact within the step is at its end for samples inside it.
-        self.between = larger(self.between, Some(0.25 * step * made.jump + lifted));
-        self.stepped_over = Some(state.clone());
+        self.workspaces.between = larger(self.workspaces.between, Some(0.25 * step * made.jump + lifted));
+        self.progress.stepped_over = Some(state.clone());
         self.memory.kinetic = self.memory.kinetic.max(made.kinetic);
-        self.steps += 1;
-        self.stepped += step;
+        self.tally.steps += 1;
+        self.tally.stepped += step;
         let impacts = lost - dissipated - friction;
         let exchange = Exchange { work, dissipated, friction, impacts };
         Some((StepOutcome::new(step, iterations, exchange), made))
@@ -191,8 +199,8 @@ impl Eventful {
 
     /// Adds the contacts that press at the end of a step of a crowd, with their mean forces in it; `false` if the run is in no crowd.
     pub(super) fn report_crowd(&self, out: &mut Vec<ContactPoint>) -> bool {
-        let Some(crowd) = self.crowd.as_ref().filter(|_| self.in_crowd) else { return false };
-        crowd.pressing(&self.touching, out);
+        let Some(crowd) = self.workspaces.crowd.as_ref().filter(|_| self.progress.in_crowd) else { return false };
+        crowd.pressing(&self.model.touching, out);
         true
     }
 }

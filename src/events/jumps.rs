@@ -39,8 +39,8 @@ impl Eventful {
         shortest: f64,
         outcome: &mut StepOutcome,
     ) -> Result<Vec<Watched>, StepError> {
-        let since = self.origin.time;
-        let mut length = self.pieces[self.current].small.time - since;
+        let since = self.trial.origin.time;
+        let mut length = self.workspaces.active().small.time - since;
         let mut bracket = Some(first);
         while let Some(found) = bracket {
             let why = match self.locate(inputs, found, outcome)? {
@@ -52,13 +52,13 @@ impl Eventful {
                 Located::Passes { length: before } => {
                     length = before;
                     // Directions have followed the slip to the end of the step.
-                    let origin = self.origin.clone();
+                    let origin = self.trial.origin.clone();
                     self.note_slips(&origin);
                     Rejected::SlipTurned
                 }
             };
             outcome.cost.reject(why);
-            self.pieces[self.current].go_back(since, &self.recipe);
+            self.workspaces.active_mut().go_back(since, &self.model.recipe);
             if length <= shortest {
                 return Err(StepError::NotAccurate { time: since, step: length });
             }

@@ -7,21 +7,29 @@ use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::events::modes::present::Present;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::trial::StepTrial;
+use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::motion::inputs::Inputs;
 
 impl Eventful {
     /// Places the sample and its bodies at an instant of the last step.
     pub(crate) fn place(&mut self, instant: Inside) {
         self.go_to(instant);
-        if !self.evaluated.bodies {
-            self.placed.place(&self.whole, &self.sample, &mut self.bodies);
-            self.evaluated.bodies = true;
+        if !self.trial.evaluated.bodies {
+            self.trial.placed.place(&self.model.whole, &self.trial.sample, &mut self.trial.bodies);
+            self.trial.evaluated.bodies = true;
         }
     }
 
     /// Puts the sample there.
     fn go_to(&mut self, instant: Inside) {
-        let Eventful { whole, pieces, current, sample, origin, evaluated, .. } = self;
+        let Eventful {
+            model: HybridModel { whole, .. },
+            workspaces: Workspaces { pieces, current, .. },
+            trial: StepTrial { sample, origin, evaluated, .. },
+            ..
+        } = self;
         let piece = &mut pieces[*current];
         let at = Some((instant, piece.instants.makings()));
         if evaluated.at != at {
@@ -54,21 +62,10 @@ impl Eventful {
         values: &mut [f64],
     ) {
         let Eventful {
-            whole,
-            elements,
-            touching,
+            model: HybridModel { whole, elements, touching, .. },
+            workspaces: Workspaces { response, pieces, current, .. },
+            trial: StepTrial { holding, sample, evaluated, watched, efforts, bodies, placed, slips, .. },
             mode,
-            response,
-            pieces,
-            current,
-            holding,
-            sample,
-            evaluated,
-            watched,
-            efforts,
-            bodies,
-            placed,
-            slips,
             ..
         } = self;
         if !evaluated.efforts && which.iter().any(|&index| watched[index].needs_efforts()) {

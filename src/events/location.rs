@@ -52,13 +52,13 @@ const NARROW: f64 = 1e-2;
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.
     fn candidates(&self, since: f64, which: &mut Vec<usize>) {
-        let small = &self.pieces[self.current].small;
+        let small = &self.workspaces.active().small;
         let length = small.time - since;
         let near = |watched: &Watched| match *watched {
             Watched::Gap(index, side) => {
-                let joint = &self.elements.joints[index];
-                let piece = &self.pieces[self.current];
-                let Some(own) = piece.moving.coordinate(&self.whole, joint.coordinate) else { return false };
+                let joint = &self.model.elements.joints[index];
+                let piece = &self.workspaces.active();
+                let Some(own) = piece.moving.coordinate(&self.model.whole, joint.coordinate) else { return false };
                 let (start, end) = (&piece.small_start, small);
                 let fastest = start.velocity[own.freedom].abs().max(end.velocity[own.freedom].abs());
                 let nearest = [start, end].map(|state| joint.gap(side, state.position[own.position]));
@@ -70,15 +70,17 @@ impl Eventful {
             _ => true,
         };
         which.clear();
-        let looked_at = |watched: &Watched| !self.repeats.ignored.contains(watched) && near(watched);
-        which.extend(self.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index));
+        let looked_at = |watched: &Watched| !self.progress.repeats.ignored.contains(watched) && near(watched);
+        which.extend(
+            self.trial.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index),
+        );
     }
 
     /// The first bracket in which a function changes its sign in the last step; `known` is one that does at its end.
     pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
-        let mut looking = std::mem::take(&mut self.looking);
+        let mut looking = std::mem::take(&mut self.trial.looking);
         let found = self.look(inputs, since, known.map(|known| known.watched), &mut looking);
-        self.looking = looking;
+        self.trial.looking = looking;
         if found.is_some_and(|found| found.at_start) {
             return found;
         }
@@ -99,27 +101,33 @@ impl Eventful {
         }
         noise.clear();
         noise.extend(which.iter().map(|&index| {
-            let watched = self.watched[index];
+            let watched = self.trial.watched[index];
             let fresh = match watched {
-                Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.fresh_joints[joint],
-                Watched::Margin => self.fresh_joints.contains(&true) || self.fresh_pairs.contains(&true),
-                Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
-                Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.fresh_pairs[pair],
+                Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
+                    self.trial.fresh_joints[joint]
+                }
+                Watched::Margin => self.trial.fresh_joints.contains(&true) || self.trial.fresh_pairs.contains(&true),
+                Watched::Motor(motor, _) | Watched::Excess(motor) => self.trial.fresh_motors[motor],
+                Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.trial.fresh_pairs[pair],
                 Watched::Presses(contact)
                 | Watched::Grips(contact)
                 | Watched::Slips(contact)
-                | Watched::Feature(contact) => self.fresh_pairs[self.mode.contacts[contact].contact.pair],
+                | Watched::Feature(contact) => self.trial.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
-            if fresh { f64::INFINITY } else { watched.nearly(AT_EVENT, &self.elements, &self.touching, &self.mode) }
+            if fresh {
+                f64::INFINITY
+            } else {
+                watched.nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode)
+            }
         }));
-        let end = self.pieces[self.current].small.time;
-        let short = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
+        let end = self.workspaces.active().small.time;
+        let short = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
         let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
             // An unloaded contact does not part by roundings.
             for (value, &index) in values.iter_mut().zip(&which[of]) {
-                if let Watched::Presses(contact) = self.watched[index]
-                    && self.holding.is_unloaded(contact)
+                if let Watched::Presses(contact) = self.trial.watched[index]
+                    && self.trial.holding.is_unloaded(contact)
                 {
                     *value = value.abs().max(f64::MIN_POSITIVE);
                 }
@@ -130,38 +138,38 @@ impl Eventful {
 
     /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
     fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
-        self.covers.clear();
-        if !(0..self.watched.len()).any(|watched| self.open_pair(watched).is_some()) {
+        self.trial.covers.clear();
+        if !(0..self.trial.watched.len()).any(|watched| self.open_pair(watched).is_some()) {
             return None;
         }
-        let end = self.pieces[self.current].small.time;
-        let mut speeds = std::mem::take(&mut self.speeds);
-        speeds.reset(self.whole.bodies.len());
+        let end = self.workspaces.active().small.time;
+        let mut speeds = std::mem::take(&mut self.trial.speeds);
+        speeds.reset(self.model.whole.bodies.len());
         for (sample, time) in ENDS.into_iter().zip([since, end]) {
             self.place(Inside::roughly(time));
-            speeds.take(sample, &self.bodies);
+            speeds.take(sample, &self.trial.bodies);
         }
-        self.reserves.begin(&self.origin, &self.sample, self.touching.pairs.len());
+        self.trial.reserves.begin(&self.trial.origin, &self.trial.sample, self.model.touching.pairs.len());
         // In a span that is short beside the steps of the motion, the speeds at its ends tell whether a reserve lasts.
-        let mut sampled = self.pieces[self.current].steps.as_ref().is_some_and(|steps| steps.is_short_span());
+        let mut sampled = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
         if !sampled {
             self.sample_speeds([since, end], &mut speeds);
         }
         let mut first: Option<Bracket> = None;
-        for watched in 0..self.watched.len() {
+        for watched in 0..self.trial.watched.len() {
             let Some(pair) = self.open_pair(watched) else { continue };
             if let Some(rest) = self.reserve(pair, &speeds, end - since) {
-                self.covers.push((watched, Cover { until: end, least: rest }));
+                self.trial.covers.push((watched, Cover { until: end, least: rest }));
                 continue;
             }
             if std::mem::take(&mut sampled) {
                 self.sample_speeds([since, end], &mut speeds);
             }
-            let of @ Pair { bodies, reach, breadth, .. } = &self.touching.pairs[pair];
+            let of @ Pair { bodies, reach, breadth, .. } = &self.model.touching.pairs[pair];
             let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
             let zero = of.within(AT_EVENT);
             let measure = Measure {
-                closed: if self.fresh_pairs[pair] { f64::INFINITY } else { zero },
+                closed: if self.trial.fresh_pairs[pair] { f64::INFINITY } else { zero },
                 zero,
                 speed: speeds.closing(*bodies, *reach),
                 resolution,
@@ -191,35 +199,35 @@ impl Eventful {
                 cover.take([cover.until, end], gap.gap(end));
             }
             if let (None, Some(at_end)) = (found, gap.at_end) {
-                self.reserves.note(pair, at_end);
+                self.trial.reserves.note(pair, at_end);
             }
-            self.covers.push((watched, cover));
+            self.trial.covers.push((watched, cover));
             if let Some(found) = found
                 && first.is_none_or(|known| found.root < known.root)
             {
                 first = Some(found);
             }
         }
-        self.speeds = speeds;
+        self.trial.speeds = speeds;
         first
     }
 
     /// The pair of a watched function, if it is the gap of one and looked at.
     fn open_pair(&self, watched: usize) -> Option<usize> {
-        match &self.watched[watched] {
-            open @ Watched::Approach(pair) if !self.repeats.ignored.contains(open) => Some(*pair),
+        match &self.trial.watched[watched] {
+            open @ Watched::Approach(pair) if !self.progress.repeats.ignored.contains(open) => Some(*pair),
             _ => None,
         }
     }
 
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
     fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
-        let of @ Pair { bodies, reach, .. } = &self.touching.pairs[pair];
+        let of @ Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
         // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds.
-        if self.fresh_pairs[pair] || self.mode.contacts.iter().any(|closed| closed.contact.pair == pair) {
+        if self.trial.fresh_pairs[pair] || self.mode.contacts.iter().any(|closed| closed.contact.pair == pair) {
             return None;
         }
-        self.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(AT_EVENT))
+        self.trial.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(AT_EVENT))
     }
 
     /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.
@@ -232,7 +240,7 @@ impl Eventful {
             }
             if !ENDS.contains(&sample) {
                 self.place(Inside::roughly(since + (end - since) * sample as f64 / SAMPLES as f64));
-                speeds.take(sample, &self.bodies);
+                speeds.take(sample, &self.trial.bodies);
             }
         }
     }
@@ -240,13 +248,13 @@ impl Eventful {
     /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching
     /// pairs.
     pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
-        !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
+        !self.trial.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
     }
 
     /// The most that a pair can close by in the last step [m/s].
     pub(super) fn fastest_of(&self, pair: usize) -> f64 {
-        let Pair { bodies, reach, .. } = &self.touching.pairs[pair];
-        self.speeds.closing(*bodies, *reach)
+        let Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
+        self.trial.speeds.closing(*bodies, *reach)
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
@@ -256,39 +264,39 @@ impl Eventful {
         first: Bracket,
         outcome: &mut StepOutcome,
     ) -> Result<Located, StepError> {
-        let since = self.origin.time;
+        let since = self.trial.origin.time;
         let mut bracket = first;
-        for _ in 0..=self.watched.len().min(ATTEMPTS) {
+        for _ in 0..=self.trial.watched.len().min(ATTEMPTS) {
             if bracket.at_start {
-                self.pieces[self.current].go_back(since, &self.recipe);
+                self.workspaces.active_mut().go_back(since, &self.model.recipe);
                 return Ok(Located::At(self.overlaps_at_start(bracket.watched)));
             }
             if !self.end_at(inputs, since, bracket, outcome)? {
                 return Ok(Located::Jumps);
             }
-            let end = self.pieces[self.current].small.time;
+            let end = self.workspaces.active().small.time;
             match self.detect(inputs, since, Some(bracket)) {
                 Some(earlier) if earlier.root < end - SAME_END * (end - since) => bracket = earlier,
                 _ => break,
             }
         }
-        let all: Vec<usize> = (0..self.watched.len()).collect();
+        let all: Vec<usize> = (0..self.trial.watched.len()).collect();
         let mut values = vec![0.0; all.len()];
-        let end = self.pieces[self.current].small.time;
+        let end = self.workspaces.active().small.time;
         self.evaluate(inputs, since, Inside::at(end), &all, &mut values);
-        let state = &self.sample;
+        let state = &self.trial.sample;
         let meets = |index: usize| {
-            let watched = self.watched[index];
+            let watched = self.trial.watched[index];
             let allowed = match watched {
                 // Those that get there at the same time; the top of a small bounce does not.
                 Watched::Gap(joint, _) => {
-                    self.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
+                    self.model.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
                 }
-                _ => watched.nearly(AT_EVENT, &self.elements, &self.touching, &self.mode),
+                _ => watched.nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode),
             };
             index == bracket.watched || values[index].abs() <= allowed
         };
-        let all = (0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]);
+        let all = (0..self.trial.watched.len()).filter(|&index| meets(index)).map(|index| self.trial.watched[index]);
         let mut all: Vec<Watched> = all.collect();
         self.leave_unloaded(inputs, since, bracket.watched, &mut all);
         let turned: Vec<Option<Turned>> = all.iter().map(|watched| self.turns(since, *watched)).collect();
@@ -302,20 +310,21 @@ impl Eventful {
 
     /// The function that is negative from the start on, and all pairs that overlap and contacts that have left their features there.
     fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
-        place_bodies(&self.whole, &self.origin, &mut self.bodies);
-        self.evaluated = Evaluated::default();
-        let overlaps = |index: usize| match self.watched[index] {
+        place_bodies(&self.model.whole, &self.trial.origin, &mut self.trial.bodies);
+        self.trial.evaluated = Evaluated::default();
+        let overlaps = |index: usize| match self.trial.watched[index] {
             Watched::Approach(pair) => {
-                self.touching.overlaps(pair, &self.bodies, self.touching.pairs[pair].within(AT_EVENT))
+                self.model.touching.overlaps(pair, &self.trial.bodies, self.model.touching.pairs[pair].within(AT_EVENT))
             }
             Watched::Feature(contact) => {
                 let contact = &self.mode.contacts[contact].contact;
-                self.touching.margin(contact, &self.bodies) < -self.touching.pairs[contact.pair].within(BORDER)
+                self.model.touching.margin(contact, &self.trial.bodies)
+                    < -self.model.touching.pairs[contact.pair].within(BORDER)
             }
             _ => false,
         };
-        let all = (0..self.watched.len()).filter(|&index| index == negative || overlaps(index));
-        all.map(|index| self.watched[index]).collect()
+        let all = (0..self.trial.watched.len()).filter(|&index| index == negative || overlaps(index));
+        all.map(|index| self.trial.watched[index]).collect()
     }
 
     /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps.
@@ -327,13 +336,13 @@ impl Eventful {
         outcome: &mut StepOutcome,
     ) -> Result<bool, StepError> {
         let which = [bracket.watched];
-        let full = self.pieces[self.current].small.time - since;
-        let scale = self.watched[bracket.watched].scale(&self.elements, &self.touching, &self.mode);
+        let full = self.workspaces.active().small.time - since;
+        let scale = self.trial.watched[bracket.watched].scale(&self.model.elements, &self.model.touching, &self.mode);
         let (mut low, mut high) = (bracket.low - since, (bracket.high - since).max(bracket.root - since));
         let mut length = bracket.root - since;
         let mut slope = bracket.slope;
         // A slip has a direction before it stops, but not at the stop: its end is reached from before the stop.
-        let stops = matches!(self.watched[bracket.watched], Watched::Slips(_) | Watched::SlipsTogether(_));
+        let stops = matches!(self.trial.watched[bracket.watched], Watched::Slips(_) | Watched::SlipsTogether(_));
         if stops {
             let before = if bracket.low > since { bracket.low - since } else { 0.5 * length };
             slope = 0.0;
@@ -343,23 +352,23 @@ impl Eventful {
         // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
         let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
         // For forces: whether an end before the root is known.
-        let (forces, mut preceded) = (self.watched[bracket.watched].is_force(), false);
+        let (forces, mut preceded) = (self.trial.watched[bracket.watched].is_force(), false);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
             if length <= self.shortest(since) {
-                self.pieces[self.current].go_back(since, &self.recipe);
+                self.workspaces.active_mut().go_back(since, &self.model.recipe);
                 break;
             }
-            let piece = &mut self.pieces[self.current];
-            let done = match piece.again(&self.whole, inputs, since, length) {
+            let piece = self.workspaces.active_mut();
+            let done = match piece.again(&self.model.whole, inputs, since, length) {
                 Ok(done) => done,
                 // Near the stop of a slip a shorter step may be one that can be solved.
                 Err(StepError::NotConverged { .. }) if stops && attempt + 1 < ATTEMPTS => {
-                    piece.go_back(since, &self.recipe);
+                    piece.go_back(since, &self.model.recipe);
                     high = high.min(length);
                     passed = true;
                     let done = self.step_towards(inputs, since, since + 0.5 * (low + length))?;
-                    length = self.pieces[self.current].small.time - since;
+                    length = self.workspaces.active().small.time - since;
                     done
                 }
                 Err(error) => return Err(error),
@@ -367,7 +376,7 @@ impl Eventful {
             outcome.take_again(&done);
             outcome.cost.located += 1;
             let mut value = [0.0];
-            let end = self.pieces[self.current].small.time;
+            let end = self.workspaces.active().small.time;
             self.evaluate(inputs, since, Inside::at(end), &which, &mut value);
             let [value] = value;
             if let Some((other, there)) = before
@@ -386,7 +395,7 @@ impl Eventful {
                     slope = -value / (bracket.root - since - length).max(f64::MIN_POSITIVE);
                 }
             }
-            let noise = (WITHIN * self.watched[bracket.watched].rounding(&self.holding)).max(2e-16 * scale);
+            let noise = (WITHIN * self.trial.watched[bracket.watched].rounding(&self.trial.holding)).max(2e-16 * scale);
             if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= slip_at_rest(self.memory.fastest) {
                 break;
             }

@@ -49,6 +49,7 @@ mod location;
 mod modes;
 mod moving;
 mod next_step;
+mod parts;
 mod quiet;
 mod repeats;
 mod singular;

@@ -140,7 +140,7 @@ impl Moving {
 impl Eventful {
     /// The mechanism that moves in the mode of a state.
     fn moving(&self, whole: Mechanism, state: &State, efforts: &[f64]) -> Result<Moving, MovingError> {
-        let piece = &self.pieces[self.current];
+        let piece = &self.workspaces.active();
         let held = piece.moving.clone();
         let slides_or_rolls = held.mechanism.touches.len();
         if slides_or_rolls > 0 {
@@ -148,10 +148,10 @@ impl Eventful {
         }
         let mut of_whole = vec![0.0; whole.velocity_count];
         Inputs::constant(efforts).write_constant(&mut of_whole);
-        self.mode.add_constant_efforts(&self.elements, &mut of_whole);
+        self.mode.add_constant_efforts(&self.model.elements, &mut of_whole);
         let mut own = vec![0.0; held.mechanism.velocity_count];
         held.gather_velocities(&whole, &of_whole, &mut own);
-        let joints = self.elements.joints.iter().zip(&self.mode.joints);
+        let joints = self.model.elements.joints.iter().zip(&self.mode.joints);
         let stuck = joints.filter_map(|(joint, mode)| match mode {
             JointMode::Free { .. } => None,
             JointMode::Held { on } => {
@@ -159,15 +159,16 @@ impl Eventful {
             }
         });
         let stuck = stuck.collect();
-        let motors = self.elements.motors.iter().zip(&self.mode.motors).enumerate().map(|(number, (motor, mode))| {
-            let saturated = matches!(mode, MotorMode::Saturated(_));
-            Driving {
-                motor: number,
-                freedom: held.freedom(&whole, motor.coordinate.freedom),
-                by_target: if saturated { 0.0 } else { by_target(&motor.law) },
-                saturated,
-            }
-        });
+        let motors =
+            self.model.elements.motors.iter().zip(&self.mode.motors).enumerate().map(|(number, (motor, mode))| {
+                let saturated = matches!(mode, MotorMode::Saturated(_));
+                Driving {
+                    motor: number,
+                    freedom: held.freedom(&whole, motor.coordinate.freedom),
+                    by_target: if saturated { 0.0 } else { by_target(&motor.law) },
+                    saturated,
+                }
+            });
         let motors = motors.collect();
         let sticks = |closed: &&Closed| closed.slides.is_none();
         let mut moving = Moving {

@@ -57,12 +57,12 @@ impl Eventful {
         if self.is_crowded(state) {
             return NextStep::FirstOrder;
         }
-        if self.repeats.are_to_be_passed() {
-            let pairs = !self.touching.pairs.is_empty();
-            let at_most = self.repeats.passing_length(self.shortest_passing(state.time), pairs);
+        if self.progress.repeats.are_to_be_passed() {
+            let pairs = !self.model.touching.pairs.is_empty();
+            let at_most = self.progress.repeats.passing_length(self.shortest_passing(state.time), pairs);
             return NextStep::Passing { at_most };
         }
-        self.repeats.look_at_all();
+        self.progress.repeats.look_at_all();
         NextStep::Watched
     }
 

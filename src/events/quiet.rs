@@ -3,6 +3,9 @@
 use crate::events::forces::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
 use crate::events::modes::present::Present;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::trial::StepTrial;
+use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
@@ -22,7 +25,7 @@ impl Eventful {
     /// Whether a state at rest stays as it is: every acceleration is a rounding, on contacts and under efforts that do not change. A free body can
     /// also be at rest, if the forces on it cancel. Its energies and speeds would be roundings, and with them the lengths of steps.
     pub(super) fn stays_at_rest(&mut self, inputs: Inputs, state: &State) -> bool {
-        let asked = !(self.mode.contacts.is_empty() || self.pieces[self.current].moving.is_empty());
+        let asked = !(self.mode.contacts.is_empty() || self.workspaces.active().moving.is_empty());
         if !asked
             || inputs.feedback.is_some()
             || !self.is_driven_evenly()
@@ -31,7 +34,13 @@ impl Eventful {
         {
             return false;
         }
-        let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
+        let Eventful {
+            model: HybridModel { whole, elements, touching, .. },
+            workspaces: Workspaces { response, pieces, current, .. },
+            trial: StepTrial { holding, efforts, .. },
+            mode,
+            ..
+        } = self;
         mode.efforts_at(elements, inputs, state.time, state, efforts);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let all = accelerations(&present, response, state, efforts, holding.is_unique());
@@ -40,17 +49,18 @@ impl Eventful {
 
     /// Whether every motor has a constant target and no ticks.
     fn is_driven_evenly(&self) -> bool {
-        self.elements.motors.iter().all(|motor: &Motor| motor.period == 0.0 && motor.target.is_constant())
+        self.model.elements.motors.iter().all(|motor: &Motor| motor.period == 0.0 && motor.target.is_constant())
     }
 
     /// Whether all motions of the last step were too small to matter, on contacts and under efforts that do not change.
     pub(super) fn is_quiet(&self, state: &State) -> bool {
-        if self.asleep || self.mode.contacts.is_empty() || state.time - self.origin.time < SHORTEST_REST {
+        if self.progress.asleep || self.mode.contacts.is_empty() || state.time - self.trial.origin.time < SHORTEST_REST
+        {
             return false;
         }
-        let wanted = self.recipe.tolerance().unwrap_or(0.0);
+        let wanted = self.model.recipe.tolerance().unwrap_or(0.0);
         let slow = |rate: &f64| rate.abs() <= (REST * self.memory.fastest).max(0.1 * wanted);
-        let moved = self.origin.position.iter().zip(&state.position).map(|(from, to)| (to - from).abs());
+        let moved = self.trial.origin.position.iter().zip(&state.position).map(|(from, to)| (to - from).abs());
         moved.fold(0.0, f64::max) <= REST.max(1e-3 * wanted)
             && state.velocity.iter().all(slow)
             && self.is_driven_evenly()

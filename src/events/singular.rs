@@ -34,20 +34,20 @@ const REACH: f64 = 1e-2;
 impl Eventful {
     /// Makes such a step towards `until` from the start of the step that failed.
     pub(super) fn pass_singular(&mut self, inputs: Inputs, state: &mut State, until: f64) -> StepOutcome {
-        let start = self.origin.clone();
+        let start = self.trial.origin.clone();
         state.copy_from(&start);
-        let step = self.crowding.length().min(until - start.time);
-        let efforts = self.mode.driving_efforts(&self.elements, inputs, state);
+        let step = self.progress.crowding.length().min(until - start.time);
+        let efforts = self.mode.driving_efforts(&self.model.elements, inputs, state);
         let momenta = self.momenta(&start, step);
-        let moved: Vec<f64> = regular_rates(&mass_matrix(&self.whole, &start), &start.velocity, step);
+        let moved: Vec<f64> = regular_rates(&mass_matrix(&self.model.whole, &start), &start.velocity, step);
         let moved: Vec<f64> = moved.iter().map(|rate| step * rate).collect();
-        state.displace(&self.whole, &moved);
+        state.displace(&self.model.whole, &moved);
         state.time = start.time + step;
         self.put_within_limits(state);
-        if self.whole.has_closures() {
+        if self.model.whole.has_closures() {
             state.velocity.fill(0.0);
             // If it fails, a closure stays open by the error of a first-order step.
-            let _ = assemble(&self.whole, state);
+            let _ = assemble(&self.model.whole, state);
         }
         let velocity = self.velocities_of(momenta, &efforts, step, state);
         if velocity.iter().all(|rate| rate.is_finite()) {
@@ -57,36 +57,36 @@ impl Eventful {
         }
         let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
         self.bound(&start, state, work);
-        self.first_order = (self.first_order.0 + 1, self.first_order.1 + step);
-        self.unsolved += 1;
+        self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
+        self.tally.unsolved += 1;
         self.see_jump(&start, state);
-        self.stepped_over = Some(state.clone());
-        self.outside.clear();
-        self.outside.extend_from_slice(inputs.efforts);
+        self.progress.stepped_over = Some(state.clone());
+        self.previous.outside.clear();
+        self.previous.outside.extend_from_slice(inputs.efforts);
         let _ = self.pass_anew(inputs, state);
-        let impacts = energy(&self.whole, &start).total() + work - energy(&self.whole, state).total();
-        let piece = &mut self.pieces[self.current];
-        piece.small = piece.moving.gather(&self.whole, state);
-        self.steps += 1;
-        self.stepped += step;
+        let impacts = energy(&self.model.whole, &start).total() + work - energy(&self.model.whole, state).total();
+        let piece = self.workspaces.active_mut();
+        piece.small = piece.moving.gather(&self.model.whole, state);
+        self.tally.steps += 1;
+        self.tally.stepped += step;
         let exchange = Exchange { work, impacts, ..Exchange::default() };
         StepOutcome::new(step, 1, exchange)
     }
 
     /// Whether the last step began near such a position.
     pub(super) fn starts_singular(&self) -> bool {
-        let mass = mass_matrix(&self.whole, &self.origin);
+        let mass = mass_matrix(&self.model.whole, &self.trial.origin);
         modes(&mass).is_some_and(|(_, eigen)| eigen.eigenvalues.iter().any(|value| *value < LIGHT))
     }
 
     /// Linear and angular momentum of each body about its centre of mass after the forces on it have acted for a step (s).
     fn momenta(&self, start: &State, step: f64) -> Vec<BodyWrench> {
-        let bodies = body_states(&self.whole, start);
+        let bodies = body_states(&self.model.whole, start);
         let mut momenta = vec![BodyWrench::default(); bodies.len()];
-        body_wrenches(&self.whole, start.time, &bodies, &mut momenta);
-        for ((momentum, at), body) in momenta.iter_mut().zip(&bodies).zip(&self.whole.bodies) {
+        body_wrenches(&self.model.whole, start.time, &bodies, &mut momenta);
+        for ((momentum, at), body) in momenta.iter_mut().zip(&bodies).zip(&self.model.whole.bodies) {
             let spin = at.rotation * body.inertia.component_mul(&(at.rotation.transpose() * at.angular_velocity));
-            momentum.0 = body.mass * (at.velocity + step * self.whole.gravity) + step * momentum.0;
+            momentum.0 = body.mass * (at.velocity + step * self.model.whole.gravity) + step * momentum.0;
             momentum.1 = spin + step * momentum.1;
         }
         momenta
@@ -94,23 +94,29 @@ impl Eventful {
 
     /// The rates with which the bodies have these momenta in a state, with efforts along the joints for a step (s); held joints stay at rest.
     fn velocities_of(&mut self, mut momenta: Vec<BodyWrench>, efforts: &[f64], step: f64, state: &State) -> Vec<f64> {
-        let count = self.whole.velocity_count;
+        let count = self.model.whole.velocity_count;
         let (mut impulses, mut own) = (vec![0.0; count], vec![0.0; count]);
-        let bodies = body_states(&self.whole, state);
-        efforts_of_wrenches(&self.whole, &bodies, &mut momenta, &mut impulses);
-        joint_efforts(&self.whole, self.origin.time, &state.position, &self.origin.velocity, &mut own);
-        for (freedom, armature) in self.whole.rotors() {
-            impulses[freedom] += armature * self.origin.velocity[freedom];
+        let bodies = body_states(&self.model.whole, state);
+        efforts_of_wrenches(&self.model.whole, &bodies, &mut momenta, &mut impulses);
+        joint_efforts(
+            &self.model.whole,
+            self.trial.origin.time,
+            &state.position,
+            &self.trial.origin.velocity,
+            &mut own,
+        );
+        for (freedom, armature) in self.model.whole.rotors() {
+            impulses[freedom] += armature * self.trial.origin.velocity[freedom];
         }
         for (impulse, (own, effort)) in impulses.iter_mut().zip(own.iter().zip(efforts)) {
             *impulse += step * (own + effort);
         }
-        let held = self.elements.joints.iter().zip(&self.mode.joints);
+        let held = self.model.elements.joints.iter().zip(&self.mode.joints);
         let held = held.filter(|(_, mode)| matches!(mode, JointMode::Held { .. }));
         let freedoms: Vec<usize> = held.map(|(joint, _)| joint.coordinate.freedom).collect();
         let mut rows = vec![impulses.into()];
         rows.extend(freedoms.iter().map(|&freedom| row_of_freedom(count, freedom, 1.0)));
-        let answers = self.response.answers(state, &rows);
+        let answers = self.workspaces.response.answers(state, &rows);
         let mut velocity = answers.column(0).into_owned();
         if !freedoms.is_empty() {
             let columns = answers.columns(1, freedoms.len());
@@ -128,7 +134,7 @@ impl Eventful {
 
     /// Puts joints that a step has moved beyond their limits onto them.
     fn put_within_limits(&self, state: &mut State) {
-        for joint in &self.elements.joints {
+        for joint in &self.model.elements.joints {
             if let Some(side) = joint.sides().find(|&side| joint.gap(side, joint.position(state)) < 0.0) {
                 joint.put_on(side, state);
             }

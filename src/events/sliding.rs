@@ -14,6 +14,9 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::present::Present;
 use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::trial::StepTrial;
+use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
@@ -86,7 +89,13 @@ impl Eventful {
         if !self.slides() {
             return Stopping { until: f64::INFINITY, slow: None, straight: false };
         }
-        let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
+        let Eventful {
+            model: HybridModel { whole, elements, touching, .. },
+            workspaces: Workspaces { response, pieces, current, .. },
+            trial: StepTrial { holding, efforts, .. },
+            mode,
+            ..
+        } = self;
         let mut all = vec![0.0; efforts.len()];
         mode.efforts_at(elements, inputs, since, state, &mut all);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
@@ -98,7 +107,7 @@ impl Eventful {
         let straight = slow.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
         let slow = slow.and_then(|stop| {
             let slip = if unique { Watched::Slips(stop.contact) } else { Watched::SlipsTogether(stop.pair) };
-            self.watched.iter().position(|known| *known == slip)
+            self.trial.watched.iter().position(|known| *known == slip)
         });
         let stops = if stops < SOON { SHORT_OF * stops } else { BEYOND * stops };
         Stopping { until: since + stops.min(TURNS * turns).max(SOONEST), slow, straight }
@@ -120,31 +129,34 @@ impl Eventful {
 
     /// Whether a gimbal lock has made the last step shorter than its energy has digits for.
     fn is_too_quick(&self, since: f64, until: f64) -> bool {
-        let length = self.pieces[self.current].small.time - since;
-        length < TOO_QUICK && until - since > TOO_QUICK && self.touching.pairs.is_empty() && self.starts_singular()
+        let length = self.workspaces.active().small.time - since;
+        length < TOO_QUICK
+            && until - since > TOO_QUICK
+            && self.model.touching.pairs.is_empty()
+            && self.starts_singular()
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
     pub(super) fn step_towards(&mut self, inputs: Inputs, since: f64, until: f64) -> Result<StepOutcome, StepError> {
         let closed = !self.mode.contacts.is_empty();
         let least = self.gives_up();
-        if let Some(steps) = &mut self.pieces[self.current].steps {
+        if let Some(steps) = &mut self.workspaces.active_mut().steps {
             steps.give_up_below(least);
         }
         let mut until = until;
         loop {
-            let piece = &mut self.pieces[self.current];
-            let made = piece.step(&self.whole, inputs, until);
+            let piece = self.workspaces.active_mut();
+            let made = piece.step(&self.model.whole, inputs, until);
             match made {
                 Ok(outcome) if self.is_too_quick(since, until) => {
-                    self.pieces[self.current].go_back(since, &self.recipe);
+                    self.workspaces.active_mut().go_back(since, &self.model.recipe);
                     return Err(StepError::NotAccurate { time: since, step: outcome.step });
                 }
                 Ok(outcome) => return Ok(outcome),
                 Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
                     if closed && until - since > SOONEST.max(least) =>
                 {
-                    self.pieces[self.current].go_back(since, &self.recipe);
+                    self.workspaces.active_mut().go_back(since, &self.model.recipe);
                     until = since + SLOWER * (until - since);
                 }
                 Err(error) => return Err(error),
@@ -156,18 +168,20 @@ impl Eventful {
     /// by more than the tolerance allows, or than a given step may be. Steps so short that gaps have no digits left may be off by rounding only. If
     /// all contacts stick, only a given step that is far off counts.
     pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
-        let length = end.time - self.origin.time;
+        let length = end.time - self.trial.origin.time;
         let sticks = !self.slides();
-        let asked = !(sticks && (self.mode.contacts.is_empty() || self.recipe.tolerance().is_some()));
+        let asked = !(sticks && (self.mode.contacts.is_empty() || self.model.recipe.tolerance().is_some()));
         if length <= 0.0 || !asked {
             return false;
         }
-        let (before, after) = (energy(&self.whole, &self.origin), energy(&self.whole, end));
+        let (before, after) = (energy(&self.model.whole, &self.trial.origin), energy(&self.model.whole, end));
         let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
         let off = (after.total() - before.total() + exchange.lost()).abs();
-        let most = match self.recipe.tolerance() {
+        let most = match self.model.recipe.tolerance() {
             // A body that begins to move has a tiny kinetic energy: roundings are small beside the work that forces do over its size.
-            _ if sticks => OFF_STUCK * largest + OFF * self.pushes(inputs, end) * size(&self.whole, &self.origin),
+            _ if sticks => {
+                OFF_STUCK * largest + OFF * self.pushes(inputs, end) * size(&self.model.whole, &self.trial.origin)
+            }
             _ if length <= JAM => OFF * largest,
             Some(tolerance) => tolerance.max(OFF) * largest,
             None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
@@ -181,15 +195,15 @@ impl Eventful {
         if self.mode.contacts.is_empty() {
             return false;
         }
-        let Eventful { whole, mode, bodies, placed, .. } = self;
+        let Eventful { model: HybridModel { whole, .. }, trial: StepTrial { bodies, placed, .. }, mode, .. } = self;
         placed.place(whole, end, bodies);
         mode.contacts.iter().any(|closed| touch_motion(&closed.contact.joint, bodies).gap < -OVERLAP)
     }
 
     /// Sum of the sizes of all forces [N or N m].
     fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
-        let Piece { moving, small, .. } = &*self.pieces[self.current];
-        let driving = self.mode.driving_efforts(&self.elements, inputs, end);
+        let Piece { moving, small, .. } = &*self.workspaces.active();
+        let driving = self.mode.driving_efforts(&self.model.elements, inputs, end);
         let efforts = driving.iter().map(|effort| effort.abs()).sum();
         Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
@@ -197,7 +211,7 @@ impl Eventful {
     /// Takes the directions in which closed contacts slide at the end of the step that was made last. Near a stop the component across a slip is the
     /// error of the step: a slow slip that would turn by more than half a right angle keeps its direction.
     pub(super) fn turn_slips(&mut self) {
-        let Eventful { mode, bodies, slips, memory, .. } = self;
+        let Eventful { trial: StepTrial { bodies, slips, .. }, mode, memory, .. } = self;
         for (closed, along) in mode.contacts.iter().zip(slips) {
             let slip = touch_motion(&closed.contact.joint, bodies).slip;
             let speed = slip.norm();
@@ -209,17 +223,17 @@ impl Eventful {
 
     /// Takes the directions in which closed contacts slide in a state; those that begin to slide have the ones of the decision.
     pub(super) fn note_slips(&mut self, state: &State) {
-        self.slips.clear();
+        self.trial.slips.clear();
         if self.mode.contacts.is_empty() {
             return;
         }
-        self.placed.place(&self.whole, state, &mut self.bodies);
+        self.trial.placed.place(&self.model.whole, state, &mut self.trial.bodies);
         for closed in &self.mode.contacts {
             let begins = closed.slides.unwrap_or_default();
-            let slip = touch_motion(&closed.contact.joint, &self.bodies).slip;
+            let slip = touch_motion(&closed.contact.joint, &self.trial.bodies).slip;
             // Slower than rest it has no direction of its own.
             let moving = slip.norm() > slip_at_rest(self.memory.fastest);
-            self.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
+            self.trial.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
         }
     }
 }

@@ -28,7 +28,7 @@ const SHORTENED: usize = 8;
 pub(super) const SHORTER: f64 = 1.0 / 16.0;
 
 /// One step that is being made: kept while it is made again and again, thrown away with it.
-struct Trial {
+struct Attempt {
     /// Where it begins, and how far it is to go (s).
     since: f64,
     until: f64,
@@ -59,45 +59,45 @@ impl Eventful {
             NextStep::Watched | NextStep::FirstOrder => until,
         };
         loop {
-            let mut trial = self.begin_trial(inputs, state, until, matches!(next, NextStep::Passing { .. }));
+            let mut attempt = self.begin_attempt(inputs, state, until, matches!(next, NextStep::Passing { .. }));
             let mut outcome = StepOutcome::default();
-            let ending = self.make(inputs, &mut trial, &mut outcome);
+            let ending = self.make(inputs, &mut attempt, &mut outcome);
             self.take_failed_cost();
             let ending = match ending {
                 Ok(ending) => ending,
                 Err(error) => {
-                    self.abandoned.add(&outcome.cost);
+                    self.tally.abandoned.add(&outcome.cost);
                     return Err(error);
                 }
             };
             self.hand_out(state, &ending, &mut outcome);
             let Some(why) = self.defect(inputs, state, &ending, &outcome) else {
-                self.conclude(inputs, state, &trial, ending, &mut outcome);
+                self.conclude(inputs, state, &attempt, ending, &mut outcome);
                 return Ok(outcome);
             };
-            self.abandoned.add(&outcome.cost);
-            self.abandoned.reject(why);
+            self.tally.abandoned.add(&outcome.cost);
+            self.tally.abandoned.reject(why);
             if outcome.step <= JAM {
                 return Err(StepError::NotAccurate { time: since, step: outcome.step });
             }
-            self.note_labour(since, outcome.cost.iterations, trial.unknowns, false);
-            self.pieces[self.current].go_back(since, &self.recipe);
-            state.copy_from(&self.origin);
+            self.note_labour(since, outcome.cost.iterations, attempt.unknowns, false);
+            self.workspaces.active_mut().go_back(since, &self.model.recipe);
+            state.copy_from(&self.trial.origin);
             until = since + SHORTER * outcome.step;
         }
     }
 
     /// Begins a step: its efforts, the directions of slips, and how far it may go.
-    fn begin_trial(&mut self, inputs: Inputs, state: &State, until: f64, passing: bool) -> Trial {
+    fn begin_attempt(&mut self, inputs: Inputs, state: &State, until: f64, passing: bool) -> Attempt {
         let since = state.time;
-        self.origin.copy_from(state);
-        self.last = self.current;
-        self.evaluated = Evaluated::default();
-        inputs.write_constant(&mut self.efforts);
-        self.mode.add_constant_efforts(&self.elements, &mut self.efforts);
+        self.trial.origin.copy_from(state);
+        self.workspaces.last = self.workspaces.current;
+        self.trial.evaluated = Evaluated::default();
+        inputs.write_constant(&mut self.trial.efforts);
+        self.mode.add_constant_efforts(&self.model.elements, &mut self.trial.efforts);
         self.note_slips(state);
-        if !self.touching.pairs.is_empty() {
-            match &mut self.stepped_in {
+        if !self.model.touching.pairs.is_empty() {
+            match &mut self.previous.stepped_in {
                 Some(known) => known.copy_from(&self.mode),
                 none => *none = Some(self.mode.clone()),
             }
@@ -105,43 +105,43 @@ impl Eventful {
         let shortest = self.shortest_passing(since);
         let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
         let stopped = slow.filter(|_| straight && !passing);
-        let given = self.bounded && !passing && until <= soon;
+        let given = self.progress.bounded && !passing && until <= soon;
         let contacts = self.mode.contacts.len();
-        let piece = &mut self.pieces[self.current];
+        let piece = self.workspaces.active_mut();
         let unknowns = piece.moving.mechanism.velocity_count + 3 * contacts;
         if let Some(steps) = &mut piece.steps {
             steps.expect_instant(given);
         }
-        piece.begin(&self.whole, inputs, &self.efforts, &self.origin);
-        Trial { since, until: until.min(soon), passing, shortest, unknowns, slow, stopped }
+        piece.begin(&self.model.whole, inputs, &self.trial.efforts, &self.trial.origin);
+        Attempt { since, until: until.min(soon), passing, shortest, unknowns, slow, stopped }
     }
 
     /// Makes the step, ends it at its first event, and says how it ended.
-    fn make(&mut self, inputs: Inputs, trial: &mut Trial, outcome: &mut StepOutcome) -> Result<Ending, StepError> {
-        let since = trial.since;
+    fn make(&mut self, inputs: Inputs, attempt: &mut Attempt, outcome: &mut StepOutcome) -> Result<Ending, StepError> {
+        let since = attempt.since;
         // A step to a stop that is nearer than steps are long can be solved seldom, and would end here.
-        if trial.stopped.is_none() {
-            match self.step_towards(inputs, since, trial.until) {
+        if attempt.stopped.is_none() {
+            match self.step_towards(inputs, since, attempt.until) {
                 Ok(made) => *outcome = made,
                 // One that cannot be solved has a slip that turns before it stops, or begins again.
-                Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. }) if trial.slow.is_some() => {
-                    self.pieces[self.current].go_back(since, &self.recipe);
-                    trial.stopped = trial.slow;
+                Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. }) if attempt.slow.is_some() => {
+                    self.workspaces.active_mut().go_back(since, &self.model.recipe);
+                    attempt.stopped = attempt.slow;
                 }
                 Err(error) => return Err(error),
             }
         }
-        let bracket = match trial.stopped {
+        let bracket = match attempt.stopped {
             Some(slip) => Some(Bracket::at_start(slip, since)),
-            None => self.first_bracket(inputs, trial, outcome)?,
+            None => self.first_bracket(inputs, attempt, outcome)?,
         };
         let mut triggers = match bracket {
-            Some(bracket) => self.end_at_first(inputs, bracket, trial.shortest, outcome)?,
+            Some(bracket) => self.end_at_first(inputs, bracket, attempt.shortest, outcome)?,
             None => Vec::new(),
         };
-        Ok(if self.pieces[self.current].small.time > since {
+        Ok(if self.workspaces.active().small.time > since {
             if triggers.is_empty() { Ending::Full } else { Ending::AtEvent(triggers) }
-        } else if !trial.passing && self.go_ballistically(inputs, trial.shortest, &mut triggers) {
+        } else if !attempt.passing && self.go_ballistically(inputs, attempt.shortest, &mut triggers) {
             Ending::Ballistic(triggers)
         } else {
             Ending::AtStart(triggers)
@@ -153,19 +153,19 @@ impl Eventful {
     fn first_bracket(
         &mut self,
         inputs: Inputs,
-        trial: &Trial,
+        attempt: &Attempt,
         outcome: &mut StepOutcome,
     ) -> Result<Option<Bracket>, StepError> {
-        let since = trial.since;
+        let since = attempt.since;
         let mut bracket = self.detect(inputs, since, None);
         for _ in 0..SHORTENED {
-            let piece = &mut self.pieces[self.current];
+            let piece = self.workspaces.active_mut();
             let shorter = since + SHORTER * (piece.small.time - since);
-            if bracket.is_none_or(|found| !found.at_start) || shorter - since < trial.shortest {
+            if bracket.is_none_or(|found| !found.at_start) || shorter - since < attempt.shortest {
                 break;
             }
-            piece.go_back(since, &self.recipe);
-            let again = piece.step(&self.whole, inputs, shorter)?;
+            piece.go_back(since, &self.model.recipe);
+            let again = piece.step(&self.model.whole, inputs, shorter)?;
             outcome.cost.reject(Rejected::EventAtStart);
             outcome.take_again(&again);
             bracket = self.detect(inputs, since, None);
@@ -176,17 +176,18 @@ impl Eventful {
     /// Writes where the step ended, with its length and the energy that went in and out.
     fn hand_out(&mut self, state: &mut State, ending: &Ending, outcome: &mut StepOutcome) {
         if ending.is_at_start() {
-            state.copy_from(&self.origin);
+            state.copy_from(&self.trial.origin);
         } else {
-            let piece = &mut self.pieces[self.current];
-            piece.moving.spread(&self.whole, &piece.small, state);
+            let piece = self.workspaces.active_mut();
+            piece.moving.spread(&self.model.whole, &piece.small, state);
         }
-        outcome.step = state.time - self.origin.time;
+        outcome.step = state.time - self.trial.origin.time;
         let of_scheme = ending.is_of_scheme();
         let kernel = if of_scheme { outcome.exchange } else { Exchange::default() };
         outcome.exchange = self.exchanged(state, kernel, !of_scheme);
         if matches!(ending, Ending::Ballistic(_)) {
-            let [before, after] = [&self.origin, &*state].map(|state| resting::energy(&self.whole, state).total());
+            let [before, after] =
+                [&self.trial.origin, &*state].map(|state| resting::energy(&self.model.whole, state).total());
             let taken = if self.slides() { &mut outcome.exchange.friction } else { &mut outcome.exchange.dissipated };
             *taken += before - after;
         }
@@ -197,7 +198,7 @@ impl Eventful {
         let overlaps = outcome.step > JAM && self.overlaps(state);
         if overlaps {
             Some(Rejected::Overlap)
-        } else if !ending.is_at_start() && self.has_hole(self.origin.time) {
+        } else if !ending.is_at_start() && self.has_hole(self.trial.origin.time) {
             Some(Rejected::Unseen)
         } else {
             self.is_off_balance(inputs, state, &outcome.exchange).then_some(Rejected::OffBalance)
@@ -209,91 +210,89 @@ impl Eventful {
         &mut self,
         inputs: Inputs,
         state: &mut State,
-        trial: &Trial,
+        attempt: &Attempt,
         ending: Ending,
         outcome: &mut StepOutcome,
     ) {
-        let (since, passing) = (trial.since, trial.passing);
+        let (since, passing) = (attempt.since, attempt.passing);
         let at_start = ending.is_at_start();
-        if !at_start && !self.touching.pairs.is_empty() {
+        if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
             self.check_covers(inputs, since);
         }
-        outcome.exchange += std::mem::take(&mut self.lost_at_start);
+        outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         self.remember(state);
-        self.fresh_joints.fill(false);
-        self.fresh_motors.fill(false);
-        self.fresh_pairs.fill(false);
+        self.trial.wear_off();
         let changed = self.meet_instants(inputs, state);
         let mut triggers = ending.triggers().to_vec();
         if !triggers.is_empty() || changed || passing {
-            self.repeats.see(&self.mode, state, at_start, passing);
-            self.repeats.note(&triggers, at_start, &self.watched);
+            self.progress.repeats.see(&self.mode, state, at_start, passing);
+            self.progress.repeats.note(&triggers, at_start, &self.trial.watched);
             if triggers.is_empty() && passing {
                 triggers = self.overlooked();
             }
             let mode = self.mode.clone();
             outcome.exchange += self.pass(inputs, state, &triggers);
-            if at_start && let Some(left) = self.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
-                self.crowding.count_repeated(left);
+            if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
+                self.progress.crowding.count_repeated(left);
             }
             // A slip that was stopped has changed, even if it begins again.
-            self.repeats.take_change(at_start && trial.stopped.is_none() && mode.is_like(&self.mode));
+            self.progress.repeats.take_change(at_start && attempt.stopped.is_none() && mode.is_like(&self.mode));
         }
         if !(passing || at_start) {
-            self.repeats.advance();
+            self.progress.repeats.advance();
         }
-        let lasts = inputs.feedback.is_none() && !self.whole.forces.change();
+        let lasts = inputs.feedback.is_none() && !self.model.whole.forces.change();
         let quiet = triggers.is_empty() && !changed && lasts && self.is_quiet(state);
-        self.quiet = if quiet { self.quiet + 1 } else { 0 };
+        self.progress.quiet = if quiet { self.progress.quiet + 1 } else { 0 };
         if matches!(ending, Ending::Ballistic(_)) {
             // No step was made that has an inside.
-            self.stepped_over = Some(state.clone());
+            self.progress.stepped_over = Some(state.clone());
         }
-        if self.quiet >= QUIET {
-            self.asleep = true;
+        if self.progress.quiet >= QUIET {
+            self.progress.asleep = true;
             state.velocity.fill(0.0);
             self.enter(state);
         }
-        self.steps += 1;
-        self.stepped += outcome.step;
-        self.note_labour(since, outcome.cost.iterations, trial.unknowns, !triggers.is_empty());
+        self.tally.steps += 1;
+        self.tally.stepped += outcome.step;
+        self.note_labour(since, outcome.cost.iterations, attempt.unknowns, !triggers.is_empty());
     }
 
     /// Remembers the largest rates, speeds and kinetic energy at the end of a step.
     fn remember(&mut self, state: &State) {
-        for (memory, joint) in self.memory.joints.iter_mut().zip(&self.elements.joints) {
+        for (memory, joint) in self.memory.joints.iter_mut().zip(&self.model.elements.joints) {
             memory.fastest = memory.fastest.max(joint.rate(state).abs());
         }
-        if !self.touching.pairs.is_empty() {
-            self.placed.place(&self.whole, state, &mut self.bodies);
-            let speeds = self.bodies.iter().map(|body| body.velocity.norm());
+        if !self.model.touching.pairs.is_empty() {
+            self.trial.placed.place(&self.model.whole, state, &mut self.trial.bodies);
+            let speeds = self.trial.bodies.iter().map(|body| body.velocity.norm());
             self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
-            self.memory.kinetic = self.memory.kinetic.max(energy(&self.whole, &self.bodies).kinetic);
+            self.memory.kinetic = self.memory.kinetic.max(energy(&self.model.whole, &self.trial.bodies).kinetic);
         }
     }
 
     /// Counts the cost of steps of the piece in use that failed.
     pub(super) fn take_failed_cost(&mut self) {
-        if let Some(steps) = &mut self.pieces[self.current].steps {
-            self.abandoned.add(&steps.take_abandoned());
+        if let Some(steps) = &mut self.workspaces.active_mut().steps {
+            self.tally.abandoned.add(&steps.take_abandoned());
         }
     }
 
     /// Counts the cost of a step from a time (s) on; given steps may be many between events.
     fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, event: bool) {
-        if self.recipe.tolerance().is_some() {
-            self.crowding.labour(since, iterations, unknowns, event);
+        if self.model.recipe.tolerance().is_some() {
+            self.progress.crowding.labour(since, iterations, unknowns, event);
         }
     }
 
     /// The pairs that overlap at the end of a step that did not look at them.
     fn overlooked(&self) -> Vec<Watched> {
         let overlaps = |watched: &&Watched| match **watched {
-            Watched::Approach(pair) => self.touching.overlaps(pair, &self.bodies, 0.0),
+            Watched::Approach(pair) => self.model.touching.overlaps(pair, &self.trial.bodies, 0.0),
             _ => false,
         };
-        self.repeats.ignored.iter().filter(overlaps).copied().collect()
+        self.progress.repeats.ignored.iter().filter(overlaps).copied().collect()
     }
 
     /// The energy that went in and out in the step (J): the sums of the scheme for the reduced mechanism, told apart.
@@ -302,17 +301,17 @@ impl Eventful {
             return Exchange::default();
         }
         let mut friction = 0.0;
-        for (joint, mode) in self.elements.joints.iter().zip(&self.mode.joints) {
+        for (joint, mode) in self.model.elements.joints.iter().zip(&self.mode.joints) {
             if let JointMode::Free { sliding } = mode {
-                let moved = displacement(&self.origin, end, joint.coordinate.position);
+                let moved = displacement(&self.trial.origin, end, joint.coordinate.position);
                 friction += f64::from(*sliding) * moved * joint.friction;
             }
         }
-        let Piece { drives, steps, small, small_start, .. } = &mut *self.pieces[self.current];
+        let Piece { drives, steps, small, small_start, .. } = self.workspaces.active_mut();
         let (given, taken) =
             steps.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own.as_ref(), small_start, small));
         // Without dampers it is all of the motors, and no rounding of a difference.
-        let forces = &self.whole.forces;
+        let forces = &self.model.whole.forces;
         let between_points = forces.point_springs.iter().any(|spring| spring.damping > 0.0);
         let damped = between_points || !forces.joint_dampers.is_empty() || !forces.drags.is_empty();
         let taken = if damped { taken } else { kernel.dissipated };

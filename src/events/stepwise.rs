@@ -73,29 +73,29 @@ struct Pushed {
 impl Eventful {
     /// Whether steps between events are too frequent and too short for the run to advance, or the scheme has no mode to step in.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
-        if self.undecided {
-            self.crowding.fail(state.time);
+        if self.progress.undecided {
+            self.progress.crowding.fail(state.time);
             return true;
         }
         // Given steps may be short without any event.
-        let chosen = self.recipe.tolerance().is_some();
+        let chosen = self.model.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         let bearable = self.bearable_labour();
-        let may = !self.touching.pairs.is_empty() && !self.recipe.keeps(Rule::Crowds);
-        may && self.crowding.count(state.time, work, bearable)
+        let may = !self.model.touching.pairs.is_empty() && !self.model.recipe.keeps(Rule::Crowds);
+        may && self.progress.crowding.count(state.time, work, bearable)
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.
     pub(super) fn stumble(&mut self, inputs: Inputs, state: &mut State, until: f64) -> StepOutcome {
-        let start = self.origin.clone();
+        let start = self.trial.origin.clone();
         state.copy_from(&start);
         if let Some(outcome) = self.enter_crowd(inputs, state, until) {
             return outcome;
         }
-        let efforts = self.mode.driving_efforts(&self.elements, inputs, state);
-        let mut free = vec![0.0; self.whole.velocity_count];
-        self.response.accelerations(state, &efforts, &mut free);
-        let mut step = self.crowding.length().min(until - start.time);
+        let efforts = self.mode.driving_efforts(&self.model.elements, inputs, state);
+        let mut free = vec![0.0; self.model.whole.velocity_count];
+        self.workspaces.response.accelerations(state, &efforts, &mut free);
+        let mut step = self.progress.crowding.length().min(until - start.time);
         let mut rounds = 0;
         let Pushed { pressed, limits, near, rebounds, driven, .. } = loop {
             let pushed = self.pushed(step, &start, &free, &mut state.velocity);
@@ -105,38 +105,38 @@ impl Eventful {
             }
             (step, rounds) = (step * pushed.part, rounds + 1);
         };
-        self.leave_out(rebounds.0, rebounds.1, &start);
+        self.tally.leave_out(rebounds.0, rebounds.1, &self.model.whole, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         let moving = State { velocity: state.velocity.clone(), ..start.clone() };
-        let loads = work_of_forces(&self.whole, &moving, step);
-        state.displace(&self.whole, &moved);
+        let loads = work_of_forces(&self.model.whole, &moving, step);
+        state.displace(&self.model.whole, &moved);
         state.time = start.time + step;
         // If it fails, closures stay open by the error of a step of first order.
         let wanted = state.velocity.clone();
-        let _ = assemble(&self.whole, state);
+        let _ = assemble(&self.model.whole, state);
         if !state.velocity.iter().all(|rate| rate.is_finite()) {
             state.velocity = wanted;
         }
         self.land(&pressed, &limits, state);
         let work = loads + driven + efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum::<f64>();
         self.bound(&start, state, work);
-        self.first_order = (self.first_order.0 + 1, self.first_order.1 + step);
+        self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
         self.see_jump(&start, state);
-        self.stepped_over = Some(state.clone());
-        self.outside.clear();
-        self.outside.extend_from_slice(inputs.efforts);
-        let events = self.events.len();
+        self.progress.stepped_over = Some(state.clone());
+        self.previous.outside.clear();
+        self.previous.outside.extend_from_slice(inputs.efforts);
+        let events = self.tally.events.len();
         self.pass_anew(inputs, state);
-        self.events.truncate(events);
+        self.tally.events.truncate(events);
         // Closed contacts have been moved, which must not gain energy either.
         let impacts = self.bound(&start, state, work);
-        let bodies = body_states(&self.whole, state);
-        let distance = |&pair: &usize| self.touching.distance_within(pair, &bodies, 0.0);
-        self.overlap = near.iter().map(distance).fold(self.overlap, |deepest, gap| deepest.max(-gap));
-        let piece = &mut self.pieces[self.current];
-        piece.small = piece.moving.gather(&self.whole, state);
-        self.steps += 1;
-        self.stepped += step;
+        let bodies = body_states(&self.model.whole, state);
+        let distance = |&pair: &usize| self.model.touching.distance_within(pair, &bodies, 0.0);
+        self.trial.overlap = near.iter().map(distance).fold(self.trial.overlap, |deepest, gap| deepest.max(-gap));
+        let piece = self.workspaces.active_mut();
+        piece.small = piece.moving.gather(&self.model.whole, state);
+        self.tally.steps += 1;
+        self.tally.stepped += step;
         StepOutcome::new(step, 1, Exchange { work, impacts, ..Exchange::default() })
     }
 
@@ -150,13 +150,13 @@ impl Eventful {
         impulses: &[f64],
         before: &[f64],
     ) -> (usize, f64) {
-        let slow = 2.0 * self.crowding.length() * self.whole.gravity.norm();
+        let slow = 2.0 * self.progress.crowding.length() * self.model.whole.gravity.norm();
         let (mut row, mut count, mut sum) = (0, 0, 0.0);
         for (block, side) in blocks.iter().zip(sides) {
             let restitution = match (block.of, side) {
-                (Of::Joint(joint), Some(_)) => self.elements.joints[joint].restitution,
+                (Of::Joint(joint), Some(_)) => self.model.elements.joints[joint].restitution,
                 (Of::Joint(_), None) => 0.0,
-                (Of::Contact(contact), _) => self.touching.pairs[contacts[contact].pair].restitution,
+                (Of::Contact(contact), _) => self.model.touching.pairs[contacts[contact].pair].restitution,
             };
             if restitution > 0.0 && impulses[row] > 0.0 && before[row] < -slow {
                 (count, sum) = (count + 1, sum - 0.5 * restitution.powi(2) * impulses[row] * before[row]);
@@ -170,7 +170,7 @@ impl Eventful {
     /// each other as `wider` (m) are among them. Returns also the distance of each pair (m), and whether it is near enough.
     fn closing_within(&self, step: f64, start: &State, velocity: &[f64], wider: &[f64]) -> (Closing, Vec<(f64, bool)>) {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
-        for (index, joint) in self.elements.joints.iter().enumerate() {
+        for (index, joint) in self.model.elements.joints.iter().enumerate() {
             let freedom = joint.coordinate.freedom;
             let mut add = |bounds: [f64; 2], side: Option<Side>, gap: f64| {
                 blocks.push(Block::of_joint(index, freedom, velocity.len(), side.map_or(1.0, inward), bounds));
@@ -190,21 +190,21 @@ impl Eventful {
                 }
             }
         }
-        let bodies = body_states(&self.whole, start);
-        let mut seen = Vec::with_capacity(self.touching.pairs.len());
-        for (pair, of) in self.touching.pairs.iter().enumerate() {
+        let bodies = body_states(&self.model.whole, start);
+        let mut seen = Vec::with_capacity(self.model.touching.pairs.len());
+        for (pair, of) in self.model.touching.pairs.iter().enumerate() {
             let speed = of.bodies.iter().zip(of.reach).filter_map(|(body, reach)| {
                 let state = &bodies[(*body)?];
                 Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
             let within = (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider[pair]);
-            let distance = self.touching.distance_within(pair, &bodies, within);
+            let distance = self.model.touching.distance_within(pair, &bodies, within);
             seen.push((distance, distance <= within));
             if distance > within {
                 continue;
             }
-            for (contact, gap) in self.touching.near(pair, &bodies, within) {
-                let rows = rows_of_contact(&self.whole, &bodies, &contact.joint, of.friction > 0.0);
+            for (contact, gap) in self.model.touching.near(pair, &bodies, within) {
+                let rows = rows_of_contact(&self.model.whole, &bodies, &contact.joint, of.friction > 0.0);
                 let law = Law::of_contact(of.friction, None);
                 blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
                 gaps.push(gap);
@@ -218,7 +218,7 @@ impl Eventful {
     /// Adds the free accelerations, and the impulses of all blocks that may close in a step, to velocities at its start. A pair that was far may come
     /// near because others push it: it is then looked at as well.
     fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
-        let mut wider = vec![0.0; self.touching.pairs.len()];
+        let mut wider = vec![0.0; self.model.touching.pairs.len()];
         let mut round = 0;
         loop {
             for ((rate, before), acceleration) in velocity.iter_mut().zip(&start.velocity).zip(free) {
@@ -227,7 +227,7 @@ impl Eventful {
             let (Closing { blocks, gaps, contacts, sides }, seen) = self.closing_within(step, start, velocity, &wider);
             let (mut pressed, mut limits, mut rebounds, mut driven) = (Vec::new(), Vec::new(), (0, 0.0), 0.0);
             if !blocks.is_empty() {
-                let rows = Rows::of(&mut self.response, start, &blocks);
+                let rows = Rows::of(&mut self.workspaces.response, start, &blocks);
                 let mut rates = rows.rates(velocity);
                 let mut row = 0;
                 for (block, gap) in blocks.iter().zip(&gaps) {
@@ -242,10 +242,10 @@ impl Eventful {
                 pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
                 limits = limits_in(&blocks, &gaps, &sides, &impulses);
             }
-            let moving = body_states(&self.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
+            let moving = body_states(&self.model.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
             let state_of = |body: Option<usize>| body.map_or(WORLD, |body| moving[body]);
             let (mut part, mut widened) = (1.0_f64, false);
-            for ((pair, of), &(distance, near)) in self.touching.pairs.iter().enumerate().zip(&seen) {
+            for ((pair, of), &(distance, near)) in self.model.touching.pairs.iter().enumerate().zip(&seen) {
                 let reach = [0, 1].map(|side| of.bodies[side].map_or(f64::INFINITY, |_| of.reach[side]));
                 let moves = MOVES * step * speed_at(of.bodies.map(state_of), reach);
                 if near {
@@ -267,7 +267,7 @@ impl Eventful {
     /// velocities are projected as well: held contacts hold still, and sliding ones keep a normal rate of zero. Normals turn in a step, and a
     /// remaining gap would fall back in the next step as an impact.
     fn land(&mut self, pressed: &[Pressed], limits: &[Bearing], state: &mut State) {
-        let joints = &self.elements.joints;
+        let joints = &self.model.elements.joints;
         let limit_gap = |limit: &Bearing, state: &State| {
             let joint = &joints[limit.joint];
             joint.gap(limit.side, joint.position(state))
@@ -275,9 +275,9 @@ impl Eventful {
         let limit_row = |limit: &Bearing, count: usize| {
             row_of_freedom(count, joints[limit.joint].coordinate.freedom, inward(limit.side))
         };
-        let of = |pressed: &Pressed| &self.touching.pairs[pressed.contact.pair];
+        let of = |pressed: &Pressed| &self.model.touching.pairs[pressed.contact.pair];
         for _ in 0..LANDINGS {
-            let bodies = body_states(&self.whole, state);
+            let bodies = body_states(&self.model.whole, state);
             let gap = |pressed: &&Pressed| touch_motion(&pressed.contact.joint, &bodies).gap;
             let near = |pressed: &&Pressed| gap(pressed).abs() <= of(pressed).within(NEAR);
             let landing: Vec<&Pressed> = pressed.iter().filter(near).collect();
@@ -287,28 +287,29 @@ impl Eventful {
             if landed && limits.iter().all(on_limit) {
                 break;
             }
-            let normal = |pressed: &&Pressed| rows_of_contact(&self.whole, &bodies, &pressed.contact.joint, false);
+            let normal =
+                |pressed: &&Pressed| rows_of_contact(&self.model.whole, &bodies, &pressed.contact.joint, false);
             let mut rows: Vec<Row> = landing.iter().flat_map(normal).collect();
             rows.extend(limits.iter().map(|limit| limit_row(limit, state.velocity.len())));
             gaps.extend(limits.iter().map(|limit| limit_gap(limit, state)));
-            let rows = Rows::new(&mut self.response, state, rows);
+            let rows = Rows::new(&mut self.workspaces.response, state, rows);
             let mut change = vec![0.0; state.velocity.len()];
             rows.add(&pull(&rows, &gaps), &mut change);
-            state.displace(&self.whole, &change);
-            let _ = assemble(&self.whole, state);
+            state.displace(&self.model.whole, &change);
+            let _ = assemble(&self.model.whole, state);
         }
-        let bodies = body_states(&self.whole, state);
+        let bodies = body_states(&self.model.whole, state);
         let closed = pressed.iter().filter(|pressed| {
             let now = touch_motion(&pressed.contact.joint, &bodies).gap.abs();
             pressed.gap.abs().max(now) <= of(pressed).closed_anew()
         });
-        let rows =
-            closed.flat_map(|pressed| rows_of_contact(&self.whole, &bodies, &pressed.contact.joint, pressed.holds));
+        let rows = closed
+            .flat_map(|pressed| rows_of_contact(&self.model.whole, &bodies, &pressed.contact.joint, pressed.holds));
         let mut rows: Vec<Row> = rows.collect();
         let bears = |limit: &&Bearing| limit.gap <= joints[limit.joint].at_limit(limit.side);
         rows.extend(limits.iter().filter(bears).map(|limit| limit_row(limit, state.velocity.len())));
         if !rows.is_empty() {
-            let rows = Rows::new(&mut self.response, state, rows);
+            let rows = Rows::new(&mut self.workspaces.response, state, rows);
             rows.add(&pull(&rows, &rows.rates(&state.velocity)), &mut state.velocity);
         }
         for limit in limits {
@@ -324,13 +325,13 @@ impl Eventful {
 
     /// Takes the energy that a step has gained beside the work (J) from the velocities; returns the energy that it has lost (J).
     pub(super) fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
-        let (before, after) = (energy(&self.whole, start), energy(&self.whole, end));
+        let (before, after) = (energy(&self.model.whole, start), energy(&self.model.whole, end));
         let gained = after.total() - before.total() - work;
         if gained > GAIN * after.kinetic && after.kinetic > 0.0 {
             let factor = ((after.kinetic - gained) / after.kinetic).max(0.0).sqrt();
             end.velocity.iter_mut().for_each(|rate| *rate *= factor);
         }
-        before.total() + work - energy(&self.whole, end).total()
+        before.total() + work - energy(&self.model.whole, end).total()
     }
 }
 
@@ -373,21 +374,21 @@ mod tests {
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
-        eventful.crowd = None;
+        eventful.workspaces.crowd = None;
         let mut state = State::zero(&mechanism);
         state.position[2] = 100.0;
         let inputs = Inputs::constant(&[0.0; 6]);
         eventful.step(&mechanism, inputs, &mut state, 1e-3).expect("a step");
         // As short as a step is when it is given up.
-        let piece = &mut eventful.pieces[eventful.current];
+        let piece = &mut eventful.workspaces.pieces[eventful.workspaces.current];
         let pace = StepPace::Step { length: 1e-14, kinetic: 1.0 };
         piece.steps.as_mut().expect("a body that moves").go_on_at(pace, state.time);
         piece.small.position[2] += 1e-9;
         let short = eventful.step(&mechanism, inputs, &mut state, 1.0).expect("a step").step;
         assert!(short > 0.0 && short < 1e-13, "{short:e}");
-        eventful.origin.copy_from(&state);
+        eventful.trial.origin.copy_from(&state);
         eventful.stumble(inputs, &mut state, 1.0);
-        eventful.left = Some(state.clone());
+        eventful.previous.left = Some(state.clone());
         let after = eventful.step(&mechanism, inputs, &mut state, 1.0).expect("a step").step;
         assert!(after >= 0.9 * STEP, "{after:e}");
     }
@@ -410,7 +411,7 @@ mod tests {
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
-        eventful.crowd = None;
+        eventful.workspaces.crowd = None;
         // Turned by 0.3 rad about y, over an edge that the centre of mass goes round at 2 rad/s.
         let (angle, spin) = (0.3_f64, 2.0);
         let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
@@ -424,7 +425,7 @@ mod tests {
         eventful.begin(&mechanism, inputs, &mut state).expect("a start");
         assert_eq!(eventful.mode.contacts.len(), 2);
         for _ in 0..20 {
-            eventful.origin.copy_from(&state);
+            eventful.trial.origin.copy_from(&state);
             eventful.stumble(inputs, &mut state, 1.0);
             let bodies = body_states(&mechanism, &state);
             let touches: Vec<_> =
@@ -462,7 +463,7 @@ mod tests {
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
-        eventful.crowd = None;
+        eventful.workspaces.crowd = None;
         let (angle, spin) = (0.1_f64, 1.0);
         let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
         let arm = turned * Vector3::new(-0.1, 0.0, 0.1);
@@ -475,7 +476,7 @@ mod tests {
         eventful.begin(&mechanism, inputs, &mut state).expect("a start");
         assert_eq!(eventful.mode.joints[0], JointMode::Held { on: Some(Side::Upper) });
         for _ in 0..20 {
-            eventful.origin.copy_from(&state);
+            eventful.trial.origin.copy_from(&state);
             eventful.stumble(inputs, &mut state, 1.0);
             let [place, rate] = [state.position[coordinate.position], state.velocity[coordinate.freedom]];
             assert_eq!([place, rate], [0.0; 2], "at {}", state.time);

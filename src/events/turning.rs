@@ -32,16 +32,17 @@ pub(super) enum Turned {
 impl Eventful {
     /// Leaves out contacts that are unloaded at both ends of the step: others that meet do not part them.
     pub(super) fn leave_unloaded(&mut self, inputs: Inputs, since: f64, located: usize, all: &mut Vec<Watched>) {
-        let located = self.watched[located];
+        let located = self.trial.watched[located];
         let unloaded = |this: &Self, watched: &Watched| match *watched {
-            Watched::Presses(contact) if *watched != located => this.holding.is_unloaded(contact),
+            Watched::Presses(contact) if *watched != located => this.trial.holding.is_unloaded(contact),
             _ => false,
         };
         let ends: Vec<Watched> = all.iter().copied().filter(|watched| unloaded(self, watched)).collect();
         if ends.is_empty() {
             return;
         }
-        let which: Vec<usize> = (0..self.watched.len()).filter(|&index| ends.contains(&self.watched[index])).collect();
+        let which: Vec<usize> =
+            (0..self.trial.watched.len()).filter(|&index| ends.contains(&self.trial.watched[index])).collect();
         self.evaluate(inputs, since, Inside::at(since), &which, &mut vec![0.0; which.len()]);
         all.retain(|watched| !(ends.contains(watched) && unloaded(self, watched)));
     }
@@ -56,14 +57,15 @@ impl Eventful {
             }
             _ => return None,
         };
-        let end = self.pieces[self.current].small.time;
+        let end = self.workspaces.active().small.time;
         if end <= since {
             return None;
         }
         let mut speed = |part: f64| {
             self.place(Inside::at(since + part * (end - since)));
-            let of =
-                |contact: &usize| touch_motion(&self.mode.contacts[*contact].contact.joint, &self.bodies).slip.norm();
+            let of = |contact: &usize| {
+                touch_motion(&self.mode.contacts[*contact].contact.joint, &self.trial.bodies).slip.norm()
+            };
             contacts.iter().map(of).fold(0.0, f64::max)
         };
         let before = [0.0, 0.25, 0.5, 0.75].map(&mut speed).into_iter().fold(0.0, f64::max);

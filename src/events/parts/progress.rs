@@ -1,0 +1,48 @@
+//! The progress of a run with events: what the next step depends on beside the state and its mode.
+//!
+//! Invariants: `asleep` only if all bodies rest and nothing acts that changes with time; `quiet` counts steps at rest in a row; `in_crowd` only for
+//! mechanisms that have a workspace for steps over many impacts.
+
+use crate::events::crowding::Crowding;
+use crate::events::repeats::Repeats;
+use crate::mechanism::motion::state::State;
+
+/// The progress of a run.
+#[derive(Clone)]
+pub(in crate::events) struct Progress {
+    /// When the run began (s).
+    pub began: f64,
+    /// Whether a given instant bounds the next step, and not only the end of the run.
+    pub bounded: bool,
+    /// Events that may repeat, and the functions that the step does not look at.
+    pub repeats: Repeats,
+    /// The counts of crowds of events.
+    pub crowding: Crowding,
+    /// Whether the run makes steps over many impacts now.
+    pub in_crowd: bool,
+    /// Whether the laws could not be solved at all where the last step ended: the next one is of first order.
+    pub undecided: bool,
+    /// Whether all bodies rest on contacts, and stay there until the next event.
+    pub asleep: bool,
+    /// Consecutive steps at rest.
+    pub quiet: usize,
+    /// The end of the last step, if it has no inside: one of first order, or one under constant accelerations.
+    pub stepped_over: Option<State>,
+}
+
+impl Progress {
+    /// Before the first step.
+    pub fn new() -> Self {
+        Progress {
+            began: 0.0,
+            bounded: false,
+            repeats: Repeats::new(),
+            crowding: Crowding::CALM,
+            in_crowd: false,
+            undecided: false,
+            asleep: false,
+            quiet: 0,
+            stepped_over: None,
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! The tally of a run with events: figures that are reported, and that no step depends on.
+//!
+//! Two entries wait for the next outcome that can carry them: `abandoned` and `lost_at_start`.
+
+use crate::events::effects::resting;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::integrator::{ContactSolvers, Cost};
+use crate::mechanism::motion::state::State;
+
+/// Rebounds that are left out are told where they would have given back more than this part of the kinetic energy.
+const MATTERS: f64 = 1e-9;
+
+/// The figures of a run so far.
+#[derive(Clone, Default)]
+pub(in crate::events) struct Tally {
+    /// Number of steps, and how long they were together (s).
+    pub steps: usize,
+    pub stepped: f64,
+    /// Steps of first order, and how long they were together (s).
+    pub first_order: (usize, f64),
+    /// The largest residual and the largest lift of steps over many impacts (m).
+    pub crowd_figures: (f64, f64),
+    /// The events since they were last taken.
+    pub events: Vec<Event>,
+    /// The cost of attempts that were thrown away, which no outcome has yet.
+    pub abandoned: Cost,
+    /// Energy lost in impacts at the start, and the work of driven surfaces in them, which no outcome has yet.
+    pub lost_at_start: Exchange,
+    /// Number of laws of contact that could not be solved to their accuracy.
+    pub unsolved: usize,
+    /// How often each contact solver has solved a problem of an event.
+    pub solvers: ContactSolvers,
+    /// Number of rebounds left out in crowds of impacts and in steps of first order, and the energy that they would have given back (J).
+    pub cut: (usize, f64),
+    /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
+    pub left_of_impacts: f64,
+}
+
+impl Tally {
+    /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic
+    /// energy.
+    pub fn leave_out(&mut self, rebounds: usize, energy: f64, whole: &Mechanism, state: &State) {
+        if rebounds > 0 && energy > MATTERS * resting::energy(whole, state).kinetic {
+            self.cut = (self.cut.0 + rebounds, self.cut.1 + energy);
+        }
+    }
+}
