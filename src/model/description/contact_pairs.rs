@@ -28,6 +28,25 @@ pub enum Owner {
     Robot(usize),
     /// An obstacle, by number.
     Obstacle(usize),
+    /// The first end of a rope, with its length, by number.
+    Rope(usize),
+    /// The second end.
+    RopeEnd(usize),
+}
+
+/// A rope between two points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RopeRecord {
+    /// Its name.
+    pub name: String,
+    /// The links of its ends.
+    pub links: [String; 2],
+    /// The ball in which it holds its second end, and that end.
+    pub colliders: [Collider; 2],
+    /// m.
+    pub length: f64,
+    /// e.
+    pub restitution: f64,
 }
 
 /// The record of the shapes of a model.
@@ -41,6 +60,8 @@ pub struct ContactRecord {
     pub left_out: Vec<LeftOutPair>,
     /// The meshes of links that were read.
     pub meshes: Vec<MeshSource>,
+    /// The ropes, whose ends are the last colliders and pairs.
+    pub ropes: Vec<RopeRecord>,
 }
 
 /// The pairs of colliders that may touch, and those that never do.
