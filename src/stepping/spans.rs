@@ -11,8 +11,8 @@
 //!
 //! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.34`
 //! ([`crate::length::stage_choice`]). The local error of three stages is less than E²/100, so that ten thousand spans leave 3 % of T. After each
-//! refusal in a row twice as many of the next spans are not tried with that number of stages. The order between events is the order of many stages, because
-//! spans are made with few stages only where both are below the tolerance.
+//! refusal in a row twice as many of the next spans are not tried with that number of stages. The order between events is the order of many stages,
+//! because spans are made with few stages only where both are below the tolerance.
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::length::companion::Companion;

@@ -8,7 +8,8 @@
 //!
 //! D_i and M are lengths (m), h is the length of a step (s); [`crate::events::finding::speeds`] has V. Distances are the same seen from any rigid
 //! body: the carrier of two bodies of one robot is the first body of its tree, because bodies of a robot that walks are slow beside each other. The
-//! carrier of all other pairs is the world. A body that is moved between two steps has travelled by the displacement of its farthest point, `|Δc| + |ΔR| R`.
+//! carrier of all other pairs is the world. A body that is moved between two steps has travelled by the displacement of its farthest point,
+//! `|Δc| + |ΔR| R`.
 //!
 //! Sums are rounded upwards. Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2.
 
