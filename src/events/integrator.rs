@@ -3,6 +3,7 @@
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::transition::transit;
+use crate::events::finding::reserves::Reserves;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
@@ -151,6 +152,7 @@ impl Eventful {
             self.workspaces.replace(mechanism);
             self.previous.reporting = RefCell::new(Reporting::new(mechanism));
             self.trial.placed.forget();
+            self.trial.reserves = Reserves::new(mechanism, &self.model.touching);
         }
         if self.previous.left.is_none() {
             self.progress.began = state.time;

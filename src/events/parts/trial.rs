@@ -65,7 +65,7 @@ impl StepTrial {
             fresh_pairs: vec![false; touching.pairs.len()],
             looking: Looking::default(),
             speeds: Speeds::default(),
-            reserves: Reserves::default(),
+            reserves: Reserves::new(whole, touching),
             covers: Vec::new(),
             overlap: 0.0,
             bodies: vec![WORLD; whole.bodies.len()],
