@@ -3,6 +3,7 @@
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::transition::transit;
+use crate::events::finding::reserves::Reserves;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;

@@ -6,10 +6,10 @@
 //!     a pair that was asked has r(t₀) − V h at the end of the step, or is looked at
 //! ```
 //!
-//! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the speed
-//! of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at. Bodies
-//! that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in proportion to
-//! the bodies. Reserves last over events, because those move no body far.
+//! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the
+//! speed of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at.
+//! Bodies that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in
+//! proportion to the bodies. Reserves last over events, because those move no body far.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (a heap of times before which no pair can collide).
 

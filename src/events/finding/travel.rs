@@ -1,14 +1,15 @@
 //! How far bodies travel, as bounds of the changes of gaps over many steps.
 //!
 //! ```text
-//!     D_i += V_i h                      V_i (m/s): the fastest point of body i within its reach, seen from a carrier (crate::events::finding::speeds)
+//!     D_i += V_i h                      V_i (m/s): the fastest point of body i within its reach, seen from a carrier
 //!     φ_ab(t) ≥ φ_ab(t₁) − (D_a(t) − D_a(t₁)) − (D_b(t) − D_b(t₁))
 //!     M   += 2 max_i V_i h              no gap falls by more than M does
 //! ```
 //!
-//! D_i and M are lengths (m), h is the length of a step (s). Distances are the same seen from any rigid body: the carrier of two bodies of one robot is
-//! the first body of its tree, because bodies of a robot that walks are slow beside each other. The carrier of all other pairs is the world. A
-//! body that is moved between two steps has travelled by the displacement of its farthest point, `|Δc| + |ΔR| R`.
+//! D_i and M are lengths (m), h is the length of a step (s); [`crate::events::finding::speeds`] has V. Distances are the same seen from any rigid
+//! body: the carrier of two bodies of one robot is the first body of its tree, because bodies of a robot that walks are slow beside each other. The
+//! carrier of all other pairs is the world. A body that is moved between two steps has travelled by the displacement of its farthest point,
+//! `|Δc| + |ΔR| R`.
 //!
 //! Sums are rounded upwards. Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2.
 
