@@ -2,6 +2,7 @@
 
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
+use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
@@ -232,8 +233,13 @@ impl Eventful {
             ..
         } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
+        let had = whole.moves_joints().then(|| resting::energy(whole, state).total());
         let mut scene = Scene { whole, elements, touching, response, solvers };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
+        if let Some(had) = had {
+            // The rest of the balance: impulses that hold a moved joint at its rate do work.
+            self.tally.driven += resting::energy(&self.model.whole, state).total() - had + done.lost;
+        }
         self.tally.events.extend(done.events);
         self.tally.unsolved += done.unsolved;
         let (rebounds, energy) = done.cut;

@@ -221,6 +221,7 @@ impl Eventful {
             self.check_covers(inputs, since);
         }
         outcome.exchange.impacts += std::mem::take(&mut self.tally.lost_at_start);
+        outcome.exchange.work += std::mem::take(&mut self.tally.driven);
         self.remember(state);
         self.trial.wear_off();
         let changed = self.meet_instants(inputs, state);
@@ -233,6 +234,7 @@ impl Eventful {
             }
             let mode = self.mode.clone();
             outcome.exchange.impacts += self.pass(inputs, state, &triggers);
+            outcome.exchange.work += std::mem::take(&mut self.tally.driven);
             if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
                 self.progress.crowding.count_repeated(left);
             }

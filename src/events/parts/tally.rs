@@ -1,6 +1,6 @@
 //! The tally of a run with events: figures that are reported, and that no step depends on.
 //!
-//! Two entries wait for the next outcome that can carry them: `abandoned` and `lost_at_start`.
+//! Three entries wait for the next outcome that can carry them: `abandoned`, `lost_at_start` and `driven`.
 
 use crate::events::effects::resting;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -27,6 +27,8 @@ pub(in crate::events) struct Tally {
     pub abandoned: Cost,
     /// Energy lost in impacts at the start, which no outcome has yet (J).
     pub lost_at_start: f64,
+    /// Work in impacts of the drives of joints that are moved in time, which no outcome has yet (J).
+    pub driven: f64,
     /// Number of laws of contact that could not be solved to their accuracy.
     pub unsolved: usize,
     /// How often each contact solver has solved a problem of an event.
