@@ -2,8 +2,8 @@
 
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
+use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
-use crate::events::finding::reserves::Reserves;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
@@ -240,8 +240,12 @@ impl Eventful {
             ..
         } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
+        let had = whole.moves_joints().then(|| resting::energy(whole, state).total());
         let mut scene = Scene { whole, elements, touching, response, solvers };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
+        // Impulses that hold a moved joint at its rate do work, too: the rest of the balance.
+        let rest = |had: f64| resting::energy(&self.model.whole, state).total() - had + done.lost;
+        let work = had.map_or(done.driven, rest);
         self.tally.events.extend(done.events);
         self.tally.unsolved += done.unsolved;
         let (rebounds, energy) = done.cut;
@@ -259,6 +263,6 @@ impl Eventful {
             let (meetings, contacts) = (done.meetings, done.contacts);
             trace.push(Traced::Jump(Box::new(TracedJump { before, after: state.clone(), meetings, contacts })));
         }
-        Exchange { impacts: done.lost, work: done.driven, ..Exchange::default() }
+        Exchange { impacts: done.lost, work, ..Exchange::default() }
     }
 }

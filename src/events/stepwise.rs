@@ -327,7 +327,8 @@ impl Eventful {
     pub(super) fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
         let (before, after) = (energy(&self.model.whole, start), energy(&self.model.whole, end));
         let gained = after.total() - before.total() - work;
-        if gained > GAIN * after.kinetic && after.kinetic > 0.0 {
+        // Joints that are moved in time keep their rates, whatever energy that takes.
+        if gained > GAIN * after.kinetic && after.kinetic > 0.0 && !self.model.whole.moves_joints() {
             let factor = ((after.kinetic - gained) / after.kinetic).max(0.0).sqrt();
             end.velocity.iter_mut().for_each(|rate| *rate *= factor);
         }

@@ -111,7 +111,8 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
     rows.add(&found.impulses, &mut state.velocity);
     (done.lost, done.cut) = (found.lost, found.cut);
     done.driven = rows.work_of_belts(&found.impulses);
-    if is_of_limits(scene) {
+    // The drive of a joint that is moved in time does work in an impact.
+    if is_of_limits(scene) && !scene.whole.moves_joints() {
         let kinetic = kinetic_energy(scene, state, &velocity);
         let off = |done: &Impulses, state: &State| {
             (kinetic - kinetic_energy(scene, state, &state.velocity) - done.lost).abs()

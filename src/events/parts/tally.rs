@@ -1,6 +1,6 @@
 //! The tally of a run with events: figures that are reported, and that no step depends on.
 //!
-//! Two entries wait for the next outcome that can carry them: `abandoned` and `lost_at_start`.
+//! Three entries wait for the next outcome that can carry them: `abandoned`, `lost_at_start` and `driven`.
 
 use crate::events::effects::resting;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -26,7 +26,7 @@ pub(in crate::events) struct Tally {
     pub events: Vec<Event>,
     /// The cost of attempts that were thrown away, which no outcome has yet.
     pub abandoned: Cost,
-    /// Energy lost in impacts at the start, and the work of driven surfaces in them, which no outcome has yet.
+    /// Energy lost in impacts at the start, and the work of driven surfaces and joints in them, which no outcome has yet.
     pub lost_at_start: Exchange,
     /// Number of laws of contact that could not be solved to their accuracy.
     pub unsolved: usize,
