@@ -345,7 +345,7 @@ impl PairGeometry {
 
     /// The distance of all features outside `closed` from the tangent plane of one of these places, which has this normal, from collider a to
     /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative. Distances above `within` (m) may be
-    /// less than the true ones. `None` for a half space, and where a mesh is not flat near the other shape.
+    /// less than the true ones. `None` for a half space, for the inside of a shape, and where a mesh is not flat near the other shape.
     pub fn beyond(
         &self,
         place: &PlaceId,
@@ -360,7 +360,7 @@ impl PairGeometry {
         let point = first.inverse_transform_point(&(*point).into()).coords;
         let of = |first: bool| closed.iter().map(|place| side(first, place)).collect::<Vec<_>>();
         let of_first = match &self.first {
-            First::HalfSpace(_) => return None,
+            First::HalfSpace(_) | First::Hollow(_) => return None,
             First::Mesh(mesh) => {
                 // Off its faces the tangent plane does not lie on it.
                 let FeatureId::Face(_) = side(true, place) else { return None };

@@ -203,7 +203,7 @@ impl Touching {
     pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {
         let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
         let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, likely);
-        (places.into_iter().map(|place| contact(pair, of, place)).collect(), apart)
+        (places.into_iter().map(|place| self.contact(pair, place)).collect(), apart)
     }
 
     /// The contact at the point of the same rim towards a direction in the world, if this contact is of a rim on a plane, or of a point of the rim.

@@ -265,9 +265,9 @@ mod tests {
         // The tips of the first and third link are |1 + e^{iq}| = 2 cos(q/2) apart, with the angle q of the third joint.
         for limit in [0.5, 1.5, 2.5, 3.0] {
             let least = 2.0 * f64::cos(0.5 * limit);
-            for (radius, never) in [(0.4 * least, true), (0.51 * least, false)] {
+            for (radius, expected) in [(0.4 * least, true), (0.51 * least, false)] {
                 let (one, other) = (ball(0, radius), ball(2, radius));
-                assert_eq!(never(&arm([PI, limit]), &one, &other), never, "{limit} {radius}");
+                assert_eq!(never(&arm([PI, limit]), &one, &other), expected, "{limit} {radius}");
             }
         }
         // Without limits they meet.
