@@ -1,14 +1,15 @@
 //! How far bodies travel, as bounds of the changes of gaps over many steps.
 //!
 //! ```text
-//!     D_i += V_i h                      V_i (m/s): the fastest point of body i within its reach, seen from a carrier (crate::events::finding::speeds)
+//!     D_i += V_i h                      V_i (m/s): the fastest point of body i within its reach, seen from a carrier
 //!     φ_ab(t) ≥ φ_ab(t₁) − (D_a(t) − D_a(t₁)) − (D_b(t) − D_b(t₁))
 //!     M   += 2 max_i V_i h              no gap falls by more than M does
 //! ```
 //!
-//! D_i and M are lengths (m), h is the length of a step (s). Distances are the same seen from any rigid body: the carrier of two bodies of one robot is
-//! the first body of its tree, because bodies of a robot that walks are slow beside each other. The carrier of all other pairs is the world. A
-//! body that is moved between two steps has travelled by the displacement of its farthest point, `|Δc| + |ΔR| R`.
+//! D_i and M are lengths (m), h is the length of a step (s); [`crate::events::finding::speeds`] has V. Distances are the same seen from any rigid
+//! body: the carrier of two bodies of one robot is the first body of its tree, because bodies of a robot that walks are slow beside each other. The
+//! carrier of all other pairs is the world. A body that is moved between two steps has travelled by the displacement of its farthest point,
+//! `|Δc| + |ΔR| R`.
 //!
 //! Sums are rounded upwards. Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2.
 
@@ -119,7 +120,7 @@ fn add(sums: &mut [f64], most: &mut f64, moved: impl Iterator<Item = f64>) {
     for (sum, moved) in sums.iter_mut().zip(moved) {
         *sum = upwards(*sum + moved);
         // A speed that is not a number shall not be lost.
-        largest = if moved <= largest { largest } else { moved };
+        largest = if moved <= largest || largest.is_nan() { largest } else { moved };
     }
     *most = upwards(*most + 2.0 * largest);
 }
@@ -186,9 +187,10 @@ mod tests {
             let time = 1e-3 * f64::from(count);
             assert!(step(&mut travel, [time, time + 1e-3], 0.5));
         }
-        // A quarter more than ω R t, and than the way of the carrier at the least.
+        // A quarter more than ω R t, and half of the changes of ω, which turns with the carrier: 0.9 rad/s in steps of 1 ms.
         let [_, by] = travel.of([Some(beside), None]);
-        assert!((by - 1.25 * 0.5 * 0.2 * 0.1).abs() < 1e-9, "{by}");
+        let turned = 1.25 * 0.5 * 0.2 * 0.1;
+        assert!(by >= turned && by < turned * (1.0 + 1e-3), "{by}");
         let [_, by] = travel.of([None, Some(flying)]);
         assert!(by > 0.1 * 21.0_f64.sqrt(), "{by}");
         // M falls as fast as the gap of two bodies like the fastest.
