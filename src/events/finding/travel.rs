@@ -16,6 +16,7 @@
 use crate::events::finding::speeds::Speeds;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
 
 /// A body whose travel is summed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,8 @@ pub(crate) struct Traveller {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Travel {
     travellers: Vec<Traveller>,
+    /// Their numbers by body and carrier.
+    numbers: BTreeMap<(usize, Option<usize>), usize>,
     start: Travelled,
     end: Travelled,
     /// Whether a step has begun.
@@ -50,13 +53,13 @@ struct Travelled {
 impl Travel {
     /// The number of a traveller, which is added if it is new; its reach is the largest of those that were given.
     pub fn traveller(&mut self, body: usize, carrier: Option<usize>, reach: f64) -> usize {
-        let same = |known: &Traveller| known.body == body && known.carrier == carrier;
-        let index = self.travellers.iter().position(same).unwrap_or_else(|| {
+        let next = self.travellers.len();
+        let index = *self.numbers.entry((body, carrier)).or_insert(next);
+        if index == next {
             self.travellers.push(Traveller { body, carrier, reach });
             self.start.sums.push(0.0);
             self.end.sums.push(0.0);
-            self.travellers.len() - 1
-        });
+        }
         let known = &mut self.travellers[index];
         known.reach = known.reach.max(reach);
         index
