@@ -229,19 +229,4 @@ mod tests {
         assert!((1_250..7_500).contains(&asked[0]) && asked[1] <= 2_500, "{asked:?}");
         assert!((reserves.at_end(1) - 1e-2).abs() < 1e-14);
     }
-
-    #[test]
-    fn a_step_whose_speeds_are_not_numbers_asks_all_pairs() {
-        let mut reserves = reserves(&[[Some(0), None], [Some(1), None]]);
-        step(&mut reserves, 0.0, 0.1);
-        (0..2).for_each(|pair| reserves.note(pair, 1.0));
-        let mut speeds = Speeds::default();
-        speeds.reset(2);
-        let lost = BodyState { velocity: Vector3::repeat(f64::NAN), ..WORLD };
-        speeds.take(0, &[lost; 2]);
-        speeds.take(SAMPLES, &[lost; 2]);
-        reserves.begin(&speeds, 0.1);
-        assert_eq!(reserves.asked(), [0, 1]);
-        assert_eq!(reserves.lasts(0, 0.0), None);
-    }
 }

@@ -16,6 +16,7 @@
 use crate::mechanism::description::contact::{Collider, Shape};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::matrices::times;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -49,9 +50,6 @@ pub(crate) fn ball_about(collider: &Collider) -> Ball {
         Shape::Capsule { radius, half } => (Vector3::zeros(), radius + half),
         Shape::Cylinder { radius, half } => (Vector3::zeros(), radius.hypot(*half)),
         Shape::Box { half } => (Vector3::zeros(), half.norm()),
-        Shape::Ellipsoid { radii } => (Vector3::zeros(), radii.max()),
-        Shape::Hollow { .. } => (Vector3::zeros(), f64::INFINITY),
-        Shape::Point => (Vector3::zeros(), 0.0),
         Shape::Hull(points) => about(points),
         Shape::Mesh(surface) => about(&surface.vertices),
     };
@@ -81,9 +79,11 @@ impl Interval {
         Interval { half: 0.0, shrink: 1.0, grow: 0.0, ..self }
     }
 
-    /// Its lower (−½) or upper (½) half.
-    fn part(self, side: f64) -> Self {
-        Interval::new(self.middle + side * self.half, 0.5 * self.half)
+    /// Its lower and its upper half.
+    fn halves(self) -> [Self; 2] {
+        let low = Interval::new(self.middle - 0.5 * self.half, 0.5 * self.half);
+        let middle = self.middle + 0.5 * self.half;
+        [low, Interval { middle, turn: middle.sin_cos(), ..low }]
     }
 }
 
@@ -131,7 +131,7 @@ pub(crate) fn never_meet_within_limits(
     let mut radii = Vec::with_capacity(joints.len());
     let mut middles = Vec::with_capacity(joints.len());
     for _ in 0..BOXES {
-        let Some(intervals) = left.pop() else { return true };
+        let Some(mut intervals) = left.pop() else { return true };
         if apart(&intervals, &mut radii) > 0.0 {
             continue;
         }
@@ -143,11 +143,10 @@ pub(crate) fn never_meet_within_limits(
         if apart(&middles, &mut radii) <= 0.0 {
             return false;
         }
-        for side in [-0.5, 0.5] {
-            let mut half = intervals.clone();
-            half[widest] = intervals[widest].part(side);
-            left.push(half);
-        }
+        let mut other = intervals.clone();
+        let [low, high] = intervals[widest].halves();
+        (intervals[widest], other[widest]) = (low, high);
+        left.extend([intervals, other]);
     }
     false
 }
@@ -183,7 +182,7 @@ fn interval(mechanism: &Mechanism, body: usize) -> Option<Interval> {
 
 /// Takes the center of a ball up a chain of joints, each with an interval of positions, whose radii are added to the list.
 fn climb(chain: &Chain, intervals: &[Interval], center: Vector3<f64>, radii: &mut Vec<f64>) -> Vector3<f64> {
-    let at = |frame: &Pose, point: Vector3<f64>| (frame * Point3::from(point)).coords;
+    let at = |frame: &Pose, point: Vector3<f64>| times(frame.rotation.matrix(), &point) + frame.translation.vector;
     chain.joints.iter().zip(intervals).fold(center, |center, (link, interval)| {
         let (middle, radius) = swept(link.kind, at(&link.into, center), interval);
         radii.push(radius);
@@ -247,16 +246,10 @@ mod tests {
     }
 
     fn ball(body: usize, radius: f64) -> Collider {
-        Collider {
-            name: String::new(),
-            body: Some(body),
-            pose: at(0.5, 0.0, 0.0),
-            shape: Shape::Sphere { radius },
-            surface_velocity: Vector3::zeros(),
-        }
+        Collider { name: String::new(), body: Some(body), pose: at(0.5, 0.0, 0.0), shape: Shape::Sphere { radius } }
     }
 
-    fn never(mechanism: &Mechanism, one: &Collider, other: &Collider) -> bool {
+    fn never_meet(mechanism: &Mechanism, one: &Collider, other: &Collider) -> bool {
         never_meet_within_limits(mechanism, [one.body, other.body], [one, other].map(ball_about))
     }
 
@@ -265,13 +258,13 @@ mod tests {
         // The tips of the first and third link are |1 + e^{iq}| = 2 cos(q/2) apart, with the angle q of the third joint.
         for limit in [0.5, 1.5, 2.5, 3.0] {
             let least = 2.0 * f64::cos(0.5 * limit);
-            for (radius, expected) in [(0.4 * least, true), (0.51 * least, false)] {
+            for (radius, never) in [(0.4 * least, true), (0.51 * least, false)] {
                 let (one, other) = (ball(0, radius), ball(2, radius));
-                assert_eq!(never(&arm([PI, limit]), &one, &other), expected, "{limit} {radius}");
+                assert_eq!(never_meet(&arm([PI, limit]), &one, &other), never, "{limit} {radius}");
             }
         }
         // Without limits they meet.
-        assert!(!never(&arm([f64::INFINITY; 2]), &ball(0, 0.01), &ball(2, 0.01)));
+        assert!(!never_meet(&arm([f64::INFINITY; 2]), &ball(0, 0.01), &ball(2, 0.01)));
     }
 
     #[test]
@@ -292,7 +285,7 @@ mod tests {
                     least = least.min((place(&one, 0) - place(&other, 2)).norm() - 2.0 * radius);
                 }
             }
-            assert_eq!(never(&mechanism, &one, &other), least > 0.0, "{limits:?} {least}");
+            assert_eq!(never_meet(&mechanism, &one, &other), least > 0.0, "{limits:?} {least}");
         }
     }
 }
