@@ -27,7 +27,7 @@ def flat(numbers, what):
     return as_array(numbers, what, 1, "of one axis")
 
 
-def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contact=None, without=(), packages=None, params=None):
+def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contact=None, without=(), packages=None, params=None, hold=None, keyframe=None):
     """Reads a robot (``.urdf``) or a scene (``.toml``).
 
     Parameters
@@ -41,6 +41,8 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     without : what is left out: ``"limits"``, ``"friction"``, ``"damping"``, ``"motors"``, ``"contact"``
     packages : folders of ROS packages by name
     params : numbers by key path, as of :meth:`Model.with_params`
+    hold : True, and motors hold all joints that have none where a run starts; ``{"kp": 100, "kd": 5}`` gives them gains [N m/rad or N/m, N m s/rad or N s/m]
+    keyframe : the name of a keyframe of a model of MuJoCo to start with
 
     Raises
     ------
@@ -52,10 +54,11 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     pose = None if base_pose is None else _count(base_pose, 6, "base_pose")
     down = None if gravity is None else _count(gravity, 3, "gravity")
     given = dict(
-        base=base, base_pose=pose, gravity=down, floor=floor, contact=contact, without=without, packages=dict(packages or {}), params=_params(params or {})
-    )
+        base=base, base_pose=pose, gravity=down, floor=floor, contact=contact, without=without, packages=dict(packages or {}), params=_params(params or {}),
+        hold=hold, keyframe=keyframe,
+    )  # fmt: skip
     inner = _catena.Model(
-        os.fspath(path), base == "floating", pose, down, floor, contact, without, given["packages"], given["params"]
+        os.fspath(path), base == "floating", pose, down, floor, contact, without, given["packages"], given["params"], _gains(hold), keyframe
     )
     return Model(inner, given)
 
@@ -65,6 +68,21 @@ def _count(numbers, count, what):
     if len(array) != count:
         raise InputError(f"{what}: {count} numbers are wanted, not {len(array)}")
     return array.tolist()
+
+
+def _gains(hold):
+    """The gains of motors that hold joints; None for no motors."""
+    if hold is None or hold is False:
+        return None
+    if hold is True:
+        return (None, None)
+    try:
+        gains = {str(name): float(gain) for name, gain in dict(hold).items()}
+    except (TypeError, ValueError):
+        raise InputError(f"hold is {hold!r}: give True, or gains such as {{'kp': 100, 'kd': 5}}") from None
+    if unknown := set(gains) - {"kp", "kd"}:
+        raise InputError(f"hold has no gain {sorted(unknown)[0]!r}: give kp and kd")
+    return (gains.get("kp"), gains.get("kd"))
 
 
 def _params(params):

@@ -38,8 +38,16 @@ Examples:
   catena inspect arm7.mcap other.mcap         compare two logs link by link";
 
 pub const REPORT: &str = "\
-Example:
-  catena report arm7.mcap -o run.html         one file that any browser opens";
+Examples:
+  catena report arm7.mcap -o run.html         one file that any browser opens
+  catena report arm7.mcap other.mcap          two runs side by side, with the curves of both";
+
+pub const FILM: &str = "\
+Examples:
+  catena film arm7.mcap                       the whole run as arm7.gif
+  catena film arm7.mcap -o arm7.mp4 --speed 0.25    in slow motion, by ffmpeg
+  catena film arm7.mcap -o arm7.png --time 0,0.5,1  three instants side by side
+  catena film arm7.mcap --view top --size 800x800 --time 2,3    one second, seen from above";
 
 pub const REPLAY: &str = "\
 Example:

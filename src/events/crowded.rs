@@ -166,7 +166,7 @@ impl Eventful {
             response.accelerations(at, efforts, accelerations);
         };
         let scene = Scene { whole, elements, touching };
-        let constant = elements.motors.iter().all(|motor| motor.target.is_constant()) && !whole.forces.change();
+        let constant = elements.motors.iter().all(|motor| motor.target.is_constant()) && !whole.changes();
         let evenly = inputs.feedback.is_none() && constant;
         let rest = until - state.time;
         let step = if evenly && crowd.sleeps(state, &mut forces) { rest } else { length.min(rest) };

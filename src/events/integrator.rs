@@ -154,7 +154,7 @@ impl Eventful {
             self.model.replace(mechanism);
             self.workspaces.replace(mechanism);
             self.previous.reporting = RefCell::new(Reporting::new(mechanism));
-            self.trial.placed.forget();
+            self.trial.replace(&self.model);
         }
         if self.previous.left.is_none() {
             self.progress.began = state.time;

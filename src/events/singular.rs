@@ -101,8 +101,8 @@ impl Eventful {
         joint_efforts(
             &self.model.whole,
             self.trial.origin.time,
-            &state.position,
-            &self.trial.origin.velocity,
+            (&state.position, &self.trial.origin.velocity),
+            &bodies,
             &mut own,
         );
         for (freedom, armature) in self.model.whole.rotors() {

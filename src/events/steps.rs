@@ -243,7 +243,7 @@ impl Eventful {
         if !(passing || at_start) {
             self.progress.repeats.advance();
         }
-        let lasts = inputs.feedback.is_none() && !self.model.whole.forces.change();
+        let lasts = inputs.feedback.is_none() && !self.model.whole.changes();
         let quiet = triggers.is_empty() && !changed && lasts && self.is_quiet(state);
         self.progress.quiet = if quiet { self.progress.quiet + 1 } else { 0 };
         if matches!(ending, Ending::Ballistic(_)) {

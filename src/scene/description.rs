@@ -3,7 +3,7 @@
 use crate::scene::body::SceneBody;
 use crate::scene::contact_settings::ContactSettings;
 use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneSpring};
-use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
+use crate::scene::joint_settings::{SceneJoint, SceneMotion, SceneMotor, TableFile};
 use crate::scene::loads::{SceneDrag, SceneLoad};
 use crate::scene::robot::{Pose, Robot};
 use crate::scene::warning::Warning;
@@ -40,6 +40,8 @@ pub struct Scene {
     pub couplings: Vec<SceneCoupling>,
     /// The motors.
     pub motors: Vec<SceneMotor>,
+    /// The joints that are moved in time.
+    pub motions: Vec<SceneMotion>,
     /// Settings that replace the URDFs' limits, friction and damping of joints.
     pub joints: Vec<SceneJoint>,
     /// Obstacles, and which shapes may touch.
@@ -68,6 +70,7 @@ impl Scene {
             drags: Vec::new(),
             couplings: Vec::new(),
             motors: Vec::new(),
+            motions: Vec::new(),
             joints: Vec::new(),
             contact: ContactSettings::default(),
             tables: Vec::new(),

@@ -47,7 +47,7 @@ pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, Simulati
 pub use error::{Element, Problem, SceneError};
 pub(crate) use error::{listed, quoted};
 pub use input_reading::input::{Format, read_input};
-pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
+pub use joint_settings::{LimitChoice, SceneJoint, SceneMotion, SceneMotor, TableFile, TargetTable};
 pub use loads::{Factor, LoadKind, SceneDrag, SceneLoad};
 pub use parameters::Parameter;
 pub use robot::{

@@ -88,7 +88,7 @@ impl ResponseOnTree {
         if let Some(following) = following {
             following.follow(out);
         } else if let Some(closing) = closing {
-            closing.velocities(mechanism, out);
+            closing.changes(mechanism, out);
         }
     }
 

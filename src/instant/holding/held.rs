@@ -169,6 +169,8 @@ impl Held {
             })
             .collect();
         forces.joint_courses.retain_mut(|load| freedom(load.freedom).map(|own| load.freedom = own).is_some());
+        let holding = &mut forces.gravity_compensations;
+        holding.retain_mut(|holding| freedom(holding.freedom).map(|own| holding.freedom = own).is_some());
         let at = |body: usize, point: &Vector3<f64>| {
             let (body, frame) = into.frame(body, &Pose::from_parts(Translation3::from(*point), Rotation3::identity()));
             body.map(|body| (body, frame))
@@ -331,7 +333,7 @@ fn left_of(mimic: &Mimic, state: &State, coordinate: &impl Fn(Coordinate) -> Opt
     // One that is left alone follows itself no times.
     let (leader, multiplier) = ratios.next().unwrap_or((follower, 0.0));
     let (name, offset, more) = (mimic.name.clone(), offset / of_follower, ratios.collect());
-    Some(Mimic { name, follower, leader, multiplier, offset, more })
+    Some(Mimic { name, follower, leader, multiplier, offset, more, over_time: mimic.over_time.clone() })
 }
 
 /// The bodies that head groups, and the place of every body.

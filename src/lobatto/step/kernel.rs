@@ -55,6 +55,11 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) displaced: Vec<f64>,
     /// Energy that dry friction of contacts took from the finished step (J).
     pub(crate) friction: f64,
+    /// Work of the joints that are moved in time in the finished step (J).
+    pub(crate) moving: f64,
+    /// The time at the start of the step and its length (s), for motions in time.
+    pub(crate) time: f64,
+    pub(crate) length: f64,
     /// The motion carried beside the motion of the run.
     pub(crate) carried: Option<Box<Carried<V, W::Start>>>,
     /// The end of the finished step.
@@ -82,6 +87,9 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
             friction: 0.0,
+            moving: 0.0,
+            time: 0.0,
+            length: 0.0,
             carried: None,
             end: W::new_start(mechanism),
             workspace,
@@ -96,6 +104,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
     /// Solves the stage equations of a step of length `step` from the start and a guess.
     pub(crate) fn solve(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
         self.workspace.set_step(step);
+        self.length = step;
         self.workspace.begin_attempt(rule);
         self.refined = rule.increment < REFINED_BELOW;
         let attempt = iteration::attempt(self, mechanism, rule, guess);
@@ -217,10 +226,11 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         self.make_exact(mechanism);
-        let Kernel { workspace, newton: Some(newton), closing, .. } = self else {
+        let Kernel { workspace, newton: Some(newton), closing, time, .. } = self else {
             return Attempt::Failed { iterations: 0, freedom: 0, increment: f64::NAN };
         };
         workspace.begin_exactly();
+        newton.clock(*time);
         let StageUnknowns { plan, start, .. } = workspace.stage_unknowns();
         newton.begin(plan, start, closing.as_ref().map(Closing::known));
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))

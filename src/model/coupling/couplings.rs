@@ -24,6 +24,7 @@ impl Model {
         let mut warnings = Vec::new();
         let mut mimics = builder.urdf_mimics(&mut warnings)?;
         mimics.extend(builder.relations()?);
+        mimics.extend(builder.motions()?);
         let limits = builder.limits(&mut warnings);
         let rotors = builder.rotors(&mut warnings);
         self.mechanism.mimics = mimics;
@@ -75,6 +76,7 @@ impl Model {
         let mut unbounded = Vec::new();
         let (motors, at_start) = builder.motors(&mut unbounded)?;
         warnings.extend(Warning::of_kind(unbounded, "motor", "motors"));
+        forces.gravity_compensations = builder.gravity_compensations(&loops)?;
         let nonsmooth = Nonsmooth {
             limits: self.mechanism.nonsmooth.limits.clone(),
             friction: builder.friction(&mut warnings),

@@ -64,6 +64,11 @@ pub enum CouplingProblem {
     /// A joint that has no displacement of one number.
     #[error("joint {joint:?} {reason}; one that turns about or slides along its axis is needed")]
     NotScalar { joint: String, reason: &'static str },
+    /// A loop that leads around a joint whose weight is to be held.
+    #[error(
+        "loop {closing:?} leads around joint {joint:?}, so that the joint has no weight of its own; leave out gravity_compensation here"
+    )]
+    WeightInLoop { joint: String, closing: String },
     /// A collision shape without size.
     #[error("the {what} is {size} m; it must be greater than zero")]
     ShapeSize { what: &'static str, size: f64 },

@@ -50,6 +50,9 @@ pub enum ModelError {
     /// A quaternion without a direction.
     #[error("the position of joint {joint:?} is no rotation: its quaternion w, x, y, z has no length")]
     NoRotation { joint: String },
+    /// A start of a joint that is moved in time.
+    #[error("joint {0:?} starts where its [[motion]] puts it; leave out the position and the velocity that are given")]
+    Moved(String),
     /// An angle whose digits do not say where the joint is.
     #[error(
         "the position of joint {joint:?} is {angle:e} rad; above {largest:e} rad, double precision does not resolve the angle within a \

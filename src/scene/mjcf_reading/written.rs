@@ -135,8 +135,7 @@ impl Reader<'_> {
     fn masked(&self) -> (bool, Vec<(String, String)>) {
         let (mut itself, mut masked) = (false, Vec::new());
         for (index, tree) in self.trees.iter().enumerate() {
-            let touching: Vec<_> =
-                tree.links.iter().filter(|link| link.geoms.iter().any(|geom| geom.touches)).collect();
+            let touching: Vec<_> = tree.links.iter().filter(|link| link.geoms.iter().any(Geom::can_touch)).collect();
             for (place, one) in touching.iter().enumerate() {
                 for other in &touching[place + 1..] {
                     let meet = |[a, b]: [&Geom; 2]| (a.masks[0] & b.masks[1]) | (b.masks[0] & a.masks[1]) != 0;

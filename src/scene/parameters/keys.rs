@@ -1,6 +1,7 @@
 //! The key paths of all numbers of a scene.
 
 use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::formula::Formula;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::body::{SceneBody, Weight};
 use crate::scene::coupling::{JointReference, SpringPlace};
@@ -29,6 +30,7 @@ pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
         keys.urdf_loops(index, robot);
     }
     keys.drives(scene);
+    keys.motions(scene);
     keys.couplings(scene);
     keys.relations(scene);
     keys.loads(scene);
@@ -222,15 +224,44 @@ impl Keys {
             if one.frequency.is_none() && matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
                 put("kd", Range::NotNegative, MotorNumber::Kd);
             }
-            if one.table.is_none() && !one.at_start {
+            if one.table.is_none() && !one.at_start && one.target.as_formula().is_none() {
                 put("target", Range::Finite, MotorNumber::Target);
             }
             put("max_effort", Range::Bound, MotorNumber::MaxEffort);
             put("period", Range::NotNegative, MotorNumber::Period);
+            put("gravity_compensation", Range::NotNegative, MotorNumber::GravityCompensation);
+            let parameters = one.target.as_formula().map_or(&[][..], Formula::parameters);
+            for (index, (parameter, _)) in parameters.iter().enumerate() {
+                let key = format!("{}.target.{parameter}", one.on);
+                self.put("motor", &key, Range::Finite, Place::TargetParameter { motor, index });
+            }
             for entry in 0..one.table.as_ref().map_or(0, |table| table.points.len()) {
                 let called = |what: &str| format!("{}.target.{}.{what}", one.on, entry + 1);
                 self.put("motor", &called("time"), Range::Finite, Place::TargetTime { motor, entry });
                 self.put("motor", &called("value"), Range::Finite, Place::TargetValue { motor, entry });
+            }
+        }
+    }
+
+    /// Joints that are moved in time.
+    fn motions(&mut self, scene: &Scene) {
+        for (motion, one) in scene.motions.iter().enumerate() {
+            let mut put = |what: &str, place| {
+                self.put("motion", &format!("{}.position{what}", one.on), Range::Finite, place);
+            };
+            let entries = one.table.as_ref().map_or(0, |table| table.points.len());
+            for entry in 0..entries {
+                put(&format!(".{}.time", entry + 1), Place::MotionTime { motion, entry });
+                put(&format!(".{}.value", entry + 1), Place::MotionValue { motion, entry });
+            }
+            match one.position.as_formula() {
+                Some(formula) => {
+                    for (index, (parameter, _)) in formula.parameters().iter().enumerate() {
+                        put(&format!(".{parameter}"), Place::MotionParameter { motion, index });
+                    }
+                }
+                None if entries == 0 => put("", Place::MotionPosition(motion)),
+                None => {}
             }
         }
     }

@@ -22,6 +22,9 @@
 //! | `joint.NAME.mimic.multiplier`, `.mimic.offset`                        | of a joint that follows another                             |
 //! | `joint.NAME.limit.lower` (`upper`), `.restitution`, `.friction`, `.damping` | as `[[joint]]` of a scene file                        |
 //! | `motor.JOINT.kp`, `.kd`, `.target`, `.max_effort`, `.period`          | as `[[motor]]`; a target that is one number                 |
+//! | `motor.JOINT.target.NAME`, `load.NAME.factor.NAME`                    | a parameter of a formula                                    |
+//! | `motion.JOINT.position.1.time`, `.1.value`, `motion.JOINT.position.NAME` | an entry of a table, a parameter of a formula             |
+//! | `motor.JOINT.gravity_compensation`                                    | part of the weight that is held besides the law             |
 //! | `motor.JOINT.target.1.time`, `motor.JOINT.target.1.value`             | an entry of the table of a target, from 1 [s; rad, m, …]    |
 //! | `spring.NAME.stiffness`, `.damping`, `.rest_length`, `.rest`, `.a.position.x` | as `[[spring]]`                                     |
 //! | `loop.NAME.length`, `.a.position.x`, `.a.axis.x`                      | as `[[loop]]`                                               |

@@ -122,6 +122,27 @@ pub(crate) enum Place {
         motor: usize,
         entry: usize,
     },
+    /// The time of an entry of the table of a moved joint.
+    MotionTime {
+        motion: usize,
+        entry: usize,
+    },
+    MotionValue {
+        motion: usize,
+        entry: usize,
+    },
+    /// A parameter of the formula of a moved joint.
+    MotionParameter {
+        motion: usize,
+        index: usize,
+    },
+    /// The position of a joint that is moved to one place.
+    MotionPosition(usize),
+    /// A parameter of the formula of a motor's target.
+    TargetParameter {
+        motor: usize,
+        index: usize,
+    },
     Spring {
         spring: usize,
         what: SpringNumber,
@@ -173,6 +194,11 @@ pub(crate) enum Place {
     FactorValue {
         load: usize,
         entry: usize,
+    },
+    /// A parameter of the formula of the factor of a load.
+    FactorParameter {
+        load: usize,
+        index: usize,
     },
     CouplingTerm {
         coupling: usize,
@@ -246,6 +272,7 @@ pub(crate) enum MotorNumber {
     Target,
     MaxEffort,
     Period,
+    GravityCompensation,
 }
 
 /// The numbers of a load over time.

@@ -94,11 +94,27 @@ impl Place {
                     (MotorNumber::Target, _) => Slot::Target(&mut motor.target),
                     (MotorNumber::MaxEffort, _) => Optional(&mut motor.max_effort),
                     (MotorNumber::Period, _) => Number(&mut motor.period),
+                    (MotorNumber::GravityCompensation, _) => Number(&mut motor.gravity_compensation),
                     _ => return None,
                 }
             }
             Place::TargetTime { motor, entry } => Number(&mut entry_of(scene, *motor, *entry)?.0),
             Place::TargetValue { motor, entry } => Number(&mut entry_of(scene, *motor, *entry)?.1),
+            Place::MotionTime { motion, entry } => {
+                Number(&mut scene.motions.get_mut(*motion)?.table.as_mut()?.points.get_mut(*entry)?.0)
+            }
+            Place::MotionValue { motion, entry } => {
+                Number(&mut scene.motions.get_mut(*motion)?.table.as_mut()?.points.get_mut(*entry)?.1)
+            }
+            Place::MotionParameter { motion, index } => {
+                let formula = scene.motions.get_mut(*motion)?.position.as_formula_mut()?;
+                Number(&mut formula.parameters_mut().get_mut(*index)?.1)
+            }
+            Place::MotionPosition(motion) => Slot::Target(&mut scene.motions.get_mut(*motion)?.position),
+            Place::TargetParameter { motor, index } => {
+                let formula = scene.motors.get_mut(*motor)?.target.as_formula_mut()?;
+                Number(&mut formula.parameters_mut().get_mut(*index)?.1)
+            }
             Place::Spring { spring, what } => {
                 let spring = scene.springs.get_mut(*spring)?;
                 match (what, &mut spring.place) {
@@ -153,6 +169,10 @@ impl Place {
             }
             Place::FactorTime { load, entry } => Number(&mut factor_of(scene, *load, *entry)?.0),
             Place::FactorValue { load, entry } => Number(&mut factor_of(scene, *load, *entry)?.1),
+            Place::FactorParameter { load, index } => match &mut scene.loads.get_mut(*load)?.factor {
+                Factor::Formula(formula) => Number(&mut formula.parameters_mut().get_mut(*index)?.1),
+                _ => return None,
+            },
             Place::CouplingTerm { coupling, term } => {
                 Number(&mut scene.couplings.get_mut(*coupling)?.terms.get_mut(*term)?.1)
             }

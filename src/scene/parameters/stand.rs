@@ -52,7 +52,16 @@ impl Place {
                 let robot = &scene.robots[*robot];
                 here(robot.line, Element::Robot(robot.name.clone()))
             }
-            Place::Motor { motor, .. } | Place::TargetTime { motor, .. } | Place::TargetValue { motor, .. } => {
+            Place::MotionTime { motion, .. }
+            | Place::MotionValue { motion, .. }
+            | Place::MotionParameter { motion, .. }
+            | Place::MotionPosition(motion) => {
+                here(scene.motions[*motion].line, Element::Motion(scene.motions[*motion].on.clone()))
+            }
+            Place::Motor { motor, .. }
+            | Place::TargetTime { motor, .. }
+            | Place::TargetValue { motor, .. }
+            | Place::TargetParameter { motor, .. } => {
                 here(scene.motors[*motor].line, Element::Motor(scene.motors[*motor].on.clone()))
             }
             Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
@@ -79,6 +88,7 @@ impl Place {
             | Place::Load { load, .. }
             | Place::FactorTime { load, .. }
             | Place::FactorValue { load, .. }
+            | Place::FactorParameter { load, .. }
             | Place::LoadForce { load, .. }
             | Place::LoadTorque { load, .. }
             | Place::LoadPosition { load, .. } => {

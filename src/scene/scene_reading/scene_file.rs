@@ -8,7 +8,8 @@
 //! | `loop`       | `name`, `type`, `a` and `b` (each `link`, `position`, `axis` in the link frame), `length`       |
 //! | `spring`     | `name`, `stiffness`, `damping`; between points `a`, `b`, `rest_length`; in a `joint` `rest`      |
 //! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
-//! | `motor`      | `joint`, `kind`, `target`, `interpolation`, `kp`, `kd`, `max_effort`, `period`                |
+//! | `motor`      | `joint`, `kind`, `target`, `interpolation`, `kp`, `kd`, `max_effort`, `period`, `gravity_compensation` |
+//! | `motion`     | `joint`, `position`                                                                          |
 //! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
 //! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
 //! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
@@ -66,7 +67,8 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let loads = reader.loads(file.load, files, &mut tables)?;
     let drags = reader.drags(file.drag)?;
     let couplings = reader.relations(file.coupling)?;
-    let motors = reader.motors(file.motor, &loops, files, &mut tables)?;
+    let mut motors = reader.motors(file.motor, &loops, files, &mut tables)?;
+    let motions = reader.motions(file.motion, &loops, &mut motors, files, &mut tables)?;
     let joints = reader.joints(file.joint, &loops)?;
     let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
@@ -92,6 +94,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         drags,
         couplings,
         motors,
+        motions,
         joints,
         contact,
         tables,

@@ -4,7 +4,7 @@ use crate::mechanism::description::course::Wave;
 use crate::scene::robot::LoopType;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::contact_schema::{ContactTable, LinkTable, ObstacleTable};
-use crate::scene::scene_reading::joint_schema::{InterpolationKey, JointTable, MotorTable, TargetKey};
+use crate::scene::scene_reading::joint_schema::{InterpolationKey, JointTable, MotionTable, MotorTable, TargetKey};
 use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive, Quantity, VelocityTable};
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
@@ -32,6 +32,8 @@ pub(crate) struct FileTable {
     pub coupling: Vec<Spanned<CouplingTable>>,
     #[serde(default)]
     pub motor: Vec<Spanned<MotorTable>>,
+    #[serde(default)]
+    pub motion: Vec<Spanned<MotionTable>>,
     #[serde(default)]
     pub joint: Vec<Spanned<JointTable>>,
     #[serde(default)]
