@@ -9,6 +9,7 @@
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
 use crate::events::finding::detection::ONE_INSTANT;
+use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, MotorMode};
@@ -45,7 +46,7 @@ impl Eventful {
         self.trial.sample.copy_from(state);
         self.trial.evaluated = Evaluated::default();
         let time = state.time;
-        (0..self.trial.watched.len()).all(|index| {
+        (Watched::after_gaps(&self.trial.watched)..self.trial.watched.len()).all(|index| {
             let mut value = [0.0];
             if self.trial.watched[index].needs_efforts() {
                 self.evaluate_at_sample(inputs, time, time, &[index], &mut value);

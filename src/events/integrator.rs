@@ -17,6 +17,7 @@ use crate::events::parts::progress::Progress;
 use crate::events::parts::tally::Tally;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::{Workspaces, larger};
+use crate::events::trace::{Traced, TracedJump};
 use crate::instant::holding::held::Closures;
 use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -46,6 +47,8 @@ pub struct Eventful {
     pub(super) previous: PreviousStep,
     /// Targets of motors that were given since the last step.
     pub(super) commands: Commands,
+    /// The steps and jumps since it was taken last; `None` for a run without derivatives.
+    pub(super) trace: Option<Vec<Traced>>,
 }
 
 impl Eventful {
@@ -85,6 +88,7 @@ impl Eventful {
             tally: Tally::default(),
             previous: PreviousStep::new(mechanism),
             commands: Commands::Known,
+            trace: None,
             workspaces,
             mode,
             model,
@@ -151,7 +155,7 @@ impl Eventful {
             self.model.replace(mechanism);
             self.workspaces.replace(mechanism);
             self.previous.reporting = RefCell::new(Reporting::new(mechanism));
-            self.trial.placed.forget();
+            self.trial.replace(&self.model);
         }
         if self.previous.left.is_none() {
             self.progress.began = state.time;
@@ -224,6 +228,7 @@ impl Eventful {
 
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
         self.progress.asleep = false;
+        let before = self.trace.is_some().then(|| state.clone());
         let Eventful {
             model: HybridModel { elements, touching, whole, .. },
             workspaces: Workspaces { response, .. },
@@ -252,6 +257,10 @@ impl Eventful {
         if self.stays_at_rest(inputs, state) {
             self.progress.asleep = true;
             self.enter(state);
+        }
+        if let (Some(trace), Some(before)) = (&mut self.trace, before) {
+            let (meetings, contacts) = (done.meetings, done.contacts);
+            trace.push(Traced::Jump(Box::new(TracedJump { before, after: state.clone(), meetings, contacts })));
         }
         done.lost
     }

@@ -216,6 +216,7 @@ impl Eventful {
     ) {
         let (since, passing) = (attempt.since, attempt.passing);
         let at_start = ending.is_at_start();
+        self.trace_step(state, &ending);
         if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
             self.check_covers(inputs, since);

@@ -67,8 +67,9 @@ pub(crate) struct Candidate {
     pub settling: Vector3<f64>,
     /// How much faster the gap closes than its rate at the start says [m/s].
     pub curve: f64,
-    /// Whether it was closed where the step before began.
+    /// Whether it was closed where the step before began, and its gap there over the length of the step [m/s].
     pub was_closed: bool,
+    pub closing: f64,
 }
 
 /// All candidates at one instant, with their rows.
@@ -180,17 +181,10 @@ impl Contacts {
             if clearances.is_beyond(pair, of.bodies, of.reach, within) {
                 continue;
             }
-            if !clearances.near[pair] {
-                let distance = touching.distance_within(pair, bodies, within);
-                clearances.clear[pair] = distance;
-                if distance > within {
-                    continue;
-                }
-            }
-            let found = touching.near(pair, bodies, within);
+            let (found, apart) = touching.soon(pair, bodies, within, clearances.near[pair]);
             clearances.near[pair] = !found.is_empty();
-            clearances.clear[pair] = 0.0;
-            for (contact, _) in found {
+            clearances.clear[pair] = apart.max(0.0);
+            for contact in found {
                 self.list.push(Candidate::touch(contact, of.friction, of.restitution, bodies));
             }
         }
@@ -249,8 +243,8 @@ impl Contacts {
         }
     }
 
-    /// Takes impulses and curvatures from the candidates of the step before, for steps that are longer by a factor.
-    pub fn warm(&mut self, before: &Contacts, longer: f64, trees: &Trees) {
+    /// Takes impulses and curvatures from the candidates of the step before, which lasted this long (s), for steps that are longer by a factor.
+    pub fn warm(&mut self, before: &Contacts, step: f64, longer: f64, trees: &Trees) {
         let mut keys: Vec<(Key, usize)> =
             before.list.iter().enumerate().map(|(number, candidate)| (candidate.key, number)).collect();
         keys.sort_unstable();
@@ -260,6 +254,7 @@ impl Contacts {
             candidate.moving = candidate.in_frame(&old.in_world(&old.moving)) * longer;
             candidate.settling = candidate.in_frame(&old.in_world(&old.settling)) * longer;
             candidate.was_closed = old.is_closed();
+            candidate.closing = old.gap / step;
             candidate.curve = if candidate.keeps_curve(trees) { old.curve * longer } else { 0.0 };
         }
     }
@@ -306,6 +301,7 @@ impl Candidate {
             settling: Vector3::zeros(),
             curve: 0.0,
             was_closed: false,
+            closing: 0.0,
         }
     }
 }

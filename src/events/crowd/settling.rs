@@ -17,6 +17,9 @@ use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
+/// The impulses of an impact are guessed to be those of (A) times this factor at most.
+const FULL: f64 = 4.0;
+
 /// The displacement and the free rates of a step.
 pub(super) struct Settling<'s> {
     pub scene: Scene<'s>,
@@ -75,6 +78,8 @@ pub(super) fn settle(
         };
         let blocks = island.candidates.iter().map(block);
         let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
+        let mut impulses: Vec<Vector3<f64>> =
+            island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
         for (place, &number) in island.candidates.iter().enumerate() {
             let candidate = &contacts.list[number];
             if !candidate.closes() || candidate.was_closed {
@@ -84,13 +89,14 @@ pub(super) fn settle(
             if approach < -slow {
                 settled.closed += 1;
                 problem.blocks[place].bias.x = candidate.restitution * approach;
+                // (A) has taken only a part of the approach from it.
+                let taken = (approach + candidate.closing).min(approach / FULL);
+                impulses[place] = candidate.moving * ((1.0 + candidate.restitution) * approach / taken);
             }
         }
         problem.set_scale();
-        let mut impulses: Vec<Vector3<f64>> =
-            island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
         let mut v = Vec::new();
-        let residual = solve(&mut problem, &mut impulses, &mut v, room);
+        let residual = solve(&mut problem, &mut impulses, &mut v, TOLERANCE, room);
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
         freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);

@@ -115,6 +115,11 @@ impl Contacts {
         self.all.iter().any(|contact| contact.flat_end().is_some())
     }
 
+    /// Hands them over.
+    pub fn take(self) -> Vec<Contact> {
+        self.all
+    }
+
     /// How many there are.
     pub fn count(&self) -> usize {
         self.all.len()

@@ -94,7 +94,7 @@ pub(crate) fn transit(
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     for _ in 0..CALMING {
         let known = efforts(mode, state);
-        let (low, left) = too_low(scene, state, &meetings, &known, found.height);
+        let (low, left) = too_low(scene, state, &meetings, &rates, &known, found.height);
         if low.is_empty() {
             break;
         }
@@ -154,6 +154,8 @@ pub(crate) fn transit(
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
+    done.meetings = meetings;
+    done.contacts = contacts.take();
     done
 }
 
@@ -176,9 +178,20 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
 
 /// Meetings that leave too slowly to matter, with the sum of their heights (m or rad): `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
 /// while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that; any other leaves as well from
-/// rest. Elements that kick each other open without end come to rest in this way.
-fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> (Vec<usize>, f64) {
-    if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
+/// rest. Elements that kick each other open without end come to rest in this way. An element that parted before the impacts, by its rate `before`
+/// [m/s or rad/s], is no rebound: a corner that slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
+fn too_low(
+    scene: &mut Scene,
+    state: &State,
+    meetings: &[Meeting],
+    before: &[f64],
+    efforts: &[f64],
+    height: f64,
+) -> (Vec<usize>, f64) {
+    let is_rebound = |index: usize| before[index] <= meetings[index].rest;
+    let leaves =
+        |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
+    if !meetings.iter().enumerate().any(leaves) {
         return (Vec::new(), 0.0);
     }
     let mut free = vec![0.0; state.velocity.len()];
@@ -193,7 +206,7 @@ fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f6
     let (mut low, mut left) = (Vec::new(), 0.0);
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        if rate > 0.0 && rate * rate <= 2.0 * pull * height {
+        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height {
             low.push(index);
             left += rate * rate / (2.0 * pull);
         }

@@ -1,5 +1,6 @@
 //! Distances of two shapes with their certificates, and all places where they touch.
 
+pub(crate) mod axes;
 pub(crate) mod best;
 pub(crate) mod beyond;
 pub(crate) mod deepest;

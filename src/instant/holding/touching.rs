@@ -194,6 +194,14 @@ impl Touching {
         places.into_iter().map(|place| (place.gap, place)).map(|(gap, place)| (contact(pair, of, place), gap)).collect()
     }
 
+    /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
+    /// of the distance (m), if it is known. `likely` tells whether there were contacts a moment ago.
+    pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {
+        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, likely);
+        (places.into_iter().map(|place| contact(pair, of, place)).collect(), apart)
+    }
+
     /// The contact at the point of the same rim towards a direction in the world, if this contact is of a rim on a plane, or of a point of the rim.
     pub fn on_rim(&self, known: &Contact, towards: &Vector3<f64>, bodies: &[BodyState]) -> Option<Contact> {
         let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
@@ -210,7 +218,8 @@ impl Touching {
         Some((contact(known.pair, of, place), gap))
     }
 
-    /// How far from overlapping the rest of a pair is that is closed at these contacts (m), as far as `within`.
+    /// How far from overlapping the rest of a pair is that is closed at these contacts (m): as far as `within`, and on tangent planes as far as the pair is
+    /// large.
     pub fn beside(&self, closed: &[&Contact], within: f64, bodies: &[BodyState]) -> f64 {
         let Some(first) = closed.first() else { return within };
         let pair = first.pair;
@@ -220,11 +229,12 @@ impl Touching {
         if let Some(height) = geometry.lowest_beside(&features, &a, &b) {
             return height.min(within);
         }
-        let mut least = within;
+        let far = self.pairs[pair].size();
+        let mut least = far;
         for contact in closed {
             let TouchMotion { normal, point, .. } = touch_motion(&contact.joint, bodies);
             let normal = if contact.is_swapped() { -normal } else { normal };
-            match geometry.beyond(&contact.features, &features, [&normal, &point], &a, &b) {
+            match geometry.beyond(&contact.features, &features, [&normal, &point], [&a, &b], far) {
                 Some(height) => least = least.min(height),
                 None => {
                     let others = self.near(pair, bodies, within).into_iter();
