@@ -1,7 +1,7 @@
 //! The numbers of joints in a log, each with its quantity, its joint and its unit.
 
 use crate::model::Model;
-use crate::output::log::encoding::names::OF_GRAVITY;
+use crate::output::log::messages::motors::OF_GRAVITY;
 use crate::output::log::reading::decode::MultiDofStates;
 use crate::output::log::reading::frames::Frame;
 use crate::scene::UrdfJointKind;
