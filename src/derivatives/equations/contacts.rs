@@ -119,8 +119,9 @@ impl<T: Number> TouchFigures<T> {
     /// Where the bodies are.
     pub fn at(&self, placed: &[Placed<T>]) -> Touching<T> {
         let axis = |frame: &Frame<T>, which: usize| Triple(frame.axes.0[which].0.map(Plain));
-        let place = |frame: &Frame<T>| {
-            contact_geometry::Placed { origin: Triple(frame.origin.0.map(Plain)), axis: axis(frame, 2) }
+        let place = |frame: &Frame<T>| contact_geometry::Placed {
+            origin: Triple(frame.origin.0.map(Plain)),
+            axis: axis(frame, 2),
         };
         let [a, b] = [&self.a, &self.b].map(|end| end_frame(end, placed));
         let cores = Pairing { reach: 0.0, radius: 0.0, ..self.pairing };

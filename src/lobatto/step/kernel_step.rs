@@ -124,8 +124,9 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let active = self.active();
-        let Kernel { workspace, velocity, displaced, end, closing, newton, at_contacts, refined, moving, length, .. } =
-            self;
+        let Kernel {
+            workspace, velocity, displaced, end, closing, newton, at_contacts, refined, moving, length, ..
+        } = self;
         (*at_contacts, *moving) = (Exchange::default(), 0.0);
         // The end knows its time: joints may be moved in time.
         state.time += *length;

@@ -50,6 +50,9 @@ pub(crate) fn ball_about(collider: &Collider) -> Ball {
         Shape::Capsule { radius, half } => (Vector3::zeros(), radius + half),
         Shape::Cylinder { radius, half } => (Vector3::zeros(), radius.hypot(*half)),
         Shape::Box { half } => (Vector3::zeros(), half.norm()),
+        Shape::Ellipsoid { radii } => (Vector3::zeros(), radii.max()),
+        Shape::Hollow { .. } => (Vector3::zeros(), f64::INFINITY),
+        Shape::Point => (Vector3::zeros(), 0.0),
         Shape::Hull(points) => about(points),
         Shape::Mesh(surface) => about(&surface.vertices),
     };
@@ -246,7 +249,13 @@ mod tests {
     }
 
     fn ball(body: usize, radius: f64) -> Collider {
-        Collider { name: String::new(), body: Some(body), pose: at(0.5, 0.0, 0.0), shape: Shape::Sphere { radius } }
+        Collider {
+            name: String::new(),
+            body: Some(body),
+            pose: at(0.5, 0.0, 0.0),
+            shape: Shape::Sphere { radius },
+            surface_velocity: Vector3::zeros(),
+        }
     }
 
     fn never_meet(mechanism: &Mechanism, one: &Collider, other: &Collider) -> bool {
