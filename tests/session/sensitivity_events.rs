@@ -90,7 +90,7 @@ fn a_bouncing_ball_has_the_derivatives_of_its_closed_form() {
 #[test]
 fn a_ball_that_bounces_on_the_floor_has_the_derivatives_of_its_closed_form() {
     let model = Model::load(robot("ball_dropped.toml")).expect("a model");
-    let keys = ["start.q", "floor.restitution", "gravity.z", "collision.1.radius", "floor.pose.position.z"];
+    let keys = ["start.q", "floor.restitution", "gravity.z", "ball.collision.1.radius", "floor.pose.position.z"];
     let time = 1.9;
     let run = derivatives(&model, 9, 0.1, time, &keys);
     let z = run.keys.iter().position(|key| key.ends_with(".z") && key.starts_with("start")).expect("a height");
@@ -215,7 +215,7 @@ fn random_chain(seed: u64) -> PathBuf {
             "[[joint]]\nname = \"joint{index}\"\nlimit = [{}, {reach}]\nrestitution = {}\nfriction = {}\n",
             -reach,
             between(0.3, 0.9),
-            between(0.02, 0.4)
+            between(0.005, 0.1)
         );
     }
     urdf += "</robot>";
@@ -240,7 +240,7 @@ fn random_chains_with_limits_friction_and_a_bounded_motor_have_the_derivatives_o
     let keys = ["link1.mass", "joint1.friction", "joint0.restitution", "joint2.limit.upper", "positions.joint0"];
     let (mut compared, mut close, mut refused, mut events) = (0, 0, 0, 0);
     let mut worst = 0.0_f64;
-    for seed in 1..=20 {
+    for seed in 1..=12 {
         let model = Model::load(random_chain(seed)).expect("a model");
         let run = |model: &Model| Simulation::new(model).fixed(7, 0.02).duration(0.7).without_figures();
         let found = match run(&model).sensitivity(&keys) {
@@ -256,9 +256,9 @@ fn random_chains_with_limits_friction_and_a_bounded_motor_have_the_derivatives_o
         for (column, key) in keys.iter().enumerate() {
             let value = params.iter().find(|(own, _)| own.ends_with(&format!(".{key}"))).and_then(|(_, value)| *value);
             let value = value.unwrap_or_else(|| panic!("{key} has a value"));
-            // Within the size to which the derivative holds.
-            let width = (0.05 * found.valid_within[column]).min(2e-3);
-            if width < 1e-5 {
+            // Four widths are a twenty-fifth of the size to which the derivative holds: differences of order eight leave 1e-10.
+            let width = (0.01 * found.valid_within[column]).min(2e-4);
+            if width < 1e-6 {
                 close += 1;
                 continue;
             }
@@ -274,8 +274,14 @@ fn random_chains_with_limits_friction_and_a_bounded_motor_have_the_derivatives_o
                 let wanted = (pair(0) * 672.0 - pair(1) * 168.0 + pair(2) * 32.0 - pair(3) * 3.0) / (840.0 * width);
                 let off = (last(&found, freedom, column)[0] - wanted).abs() / scale;
                 compared += 1;
-                if off > 1e-6 {
-                    println!("{seed} {key} {freedom}: off by {off:e}, width {width:e}");
+                if off > 1e-7 {
+                    println!("{seed} {key} {freedom}: off by {off:e}, width {width:e}, {}", found.bounded_by[column]);
+                    for event in &found.events {
+                        println!(
+                            "    {:.6} s: {}, rate {:.3e}, dt {:.3e}",
+                            event.time, event.what, event.rate, event.by[column]
+                        );
+                    }
                 }
                 worst = worst.max(off);
             }
@@ -284,5 +290,7 @@ fn random_chains_with_limits_friction_and_a_bounded_motor_have_the_derivatives_o
     println!(
         "{compared} compared over {events} events, worst {worst:e}; {close} too close to another event, {refused} refused"
     );
-    assert!(worst < 1e-6, "{worst:e}");
+    // Runs are solved to some 1e-14, which impacts amplify; over 1e-6 of a number that leaves 1e-8.
+    assert!(worst < 1e-7, "{worst:e}");
+    assert!(compared > 100 && refused < 3, "{compared} compared, {refused} refused");
 }

@@ -208,7 +208,7 @@ impl Impact<'_> {
             let values = DVector::from_iterator(count, residual.iter().map(|row| row.value));
             let correction = factors.solve(&values)?;
             unknowns.iter_mut().zip(correction.iter()).for_each(|(unknown, by)| *unknown -= by);
-            let speed = unknowns[..n].iter().fold(f64::MIN_POSITIVE, |most, rate| most.max(rate.abs()));
+            let speed = before.iter().fold(f64::MIN_POSITIVE, |most, rate| most.max(rate.value.abs()));
             let size = correction.rows(0, n).amax() / speed;
             if !size.is_finite() {
                 return None;

@@ -2,7 +2,7 @@
 
 use crate::derivatives::events::impact::{Impact, Met};
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::walk::{Subject, Walk};
+use crate::derivatives::events::walk::{Subject, Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH};
 use crate::derivatives::forward::tangent::with;
@@ -15,14 +15,13 @@ use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 
-/// Velocities after an impact are those of the run to this part of the largest: laws of impact are solved to 1e-11, and rates at rest are removed.
+/// Velocities after an impact are those of the run to this part of the largest so far: laws of impact are solved to 1e-11, and rates at rest are removed.
 const SAME_IMPACT: f64 = 1e-7;
 
 impl Walk<'_> {
     /// Goes through what happens at an instant.
     pub(super) fn jump(&mut self, jump: &TracedJump) -> Result<(), SensitivityError> {
-        let fastest = |velocities: &[f64]| velocities.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
-        let most = fastest(&jump.before.velocity);
+        self.fastest = self.fastest.max(fastest(&jump.before.velocity));
         let lost = || SensitivityError::Impact { time: jump.before.time };
         let rounds = if jump.meetings.iter().any(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest) {
             self.rounds(jump).ok_or_else(lost)?
@@ -31,7 +30,7 @@ impl Walk<'_> {
         };
         let after = if rounds.is_empty() { self.state.velocity.clone() } else { self.impact(jump, &rounds)? };
         let off = after.iter().zip(&jump.after.velocity).map(|(own, of_run)| own - of_run).collect::<Vec<f64>>();
-        if fastest(&off) > SAME_IMPACT * most {
+        if fastest(&off) > SAME_IMPACT * self.fastest {
             return Err(lost());
         }
         self.state.velocity = after;

@@ -58,6 +58,8 @@ pub(crate) struct Walk<'w> {
     given: DMatrix<f64>,
     /// Whether a step was made.
     begun: bool,
+    /// The largest rate before a jump [rad/s or m/s].
+    pub(super) fastest: f64,
     /// Points of contacts that stick, with their derivatives for each [`WIDTH`] parameters.
     anchored: Vec<(LoopFigures<f64>, Vec<LoopFigures<Part>>)>,
     /// Events so far, and how far the derivatives hold.
@@ -87,6 +89,7 @@ impl<'w> Walk<'w> {
             },
             given: DMatrix::zeros(elements.motors.len(), p),
             begun: false,
+            fastest: fastest(&start.velocity),
             anchored: Vec::new(),
             events: Vec::new(),
             validity: Validity::new(p),
@@ -321,6 +324,7 @@ impl<'w> Walk<'w> {
             self.state = end;
         }
         self.state.time = time;
+        self.fastest = self.fastest.max(fastest(&self.state.velocity));
     }
 
     /// Notes limits that a joint has turned back from within a step.
@@ -340,6 +344,11 @@ impl<'w> Walk<'w> {
             }
         }
     }
+}
+
+/// The largest of some rates.
+pub(super) fn fastest(rates: &[f64]) -> f64 {
+    rates.iter().fold(0.0, |most, rate| most.max(rate.abs()))
 }
 
 /// Whether two anchors are the same one.

@@ -58,7 +58,8 @@ impl Varied {
                 part
             })
         };
-        Varied(slopes.chunks(WIDTH).map(of).collect())
+        // States and jumps are computed with the first ones, also without parameters.
+        Varied(if slopes.is_empty() { vec![of(&[])] } else { slopes.chunks(WIDTH).map(of).collect() })
     }
 
     /// The figures with their derivatives by [`WIDTH`] parameters each.
