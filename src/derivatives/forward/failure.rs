@@ -45,7 +45,7 @@ pub enum SensitivityError {
     )]
     FirstOrder { time: f64 },
     /// Parts of mechanisms that are not known here.
-    #[error("derivatives of runs are for trees of joints without {part}: {advice}")]
+    #[error("derivatives of runs do not know {part}: {advice}")]
     Unsupported { part: &'static str, advice: &'static str },
     /// A step was not solved again.
     #[error("the step at t = {time} s could not be solved to rounding again; take shorter steps")]
