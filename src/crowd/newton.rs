@@ -1,13 +1,14 @@
 //! Newton's method for the problem of an island in the rates of its trees.
 //!
 //! ```text
-//!     F_k + A_k H_k dv + (B_k + (ε/ρ_k) A_k) dr_k = 0          ε = clamp(residual, 1e-8, 0.1);   laws.rs gives dr_k = −f_k − S_k H_k dv
+//!     F_k + A_k H_k dv + (B_k + (ε/ρ_k) A_k) dr_k = 0          ε = clamp(k residual, 1e-8, 0.1);   laws.rs gives dr_k = −f_k − S_k H_k dv
 //!     (M̃ + Σ H_kᵀ S_k H_k) dv = −Σ H_kᵀ f_k                    one LU factorisation an iteration
 //! ```
 //!
 //! ε is a proximal part: without it contacts that stick at places that do not fit together have no bounded impulses. A step is halved until the sum of
-//! the squared natural maps falls; because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, the full
-//! step is taken, a few times at most. The best impulses of all iterations are the answer.
+//! the squared natural maps falls; because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is
+//! 30 times as large, twice, because redundant contacts pull against each other; then the full step is taken, a few times at most. The best impulses of all
+//! iterations are the answer.
 //!
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
 //! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity.
@@ -22,7 +23,10 @@ const PROXIMAL: [f64; 2] = [1e-8, 0.1];
 /// The merit has to fall to this part at a step that counts as a success.
 const FALLS: f64 = 0.9;
 const HALVINGS: usize = 5;
-/// Full steps without success are taken this often in a row, if the merit grows by this factor at most.
+/// k grows by this factor after a step without success, this often in a row, and falls by its root after a success.
+const FIRMER: f64 = 30.0;
+const FIRM: usize = 2;
+/// Then full steps without success are taken this often in a row, if the merit grows by this factor at most.
 const UNSUCCESSFUL: usize = 3;
 const GROWS: f64 = 100.0;
 
@@ -55,12 +59,12 @@ pub fn newton(
     let mut best = merit.residual;
     room.best.clear();
     room.best.extend_from_slice(impulses);
-    let mut unsuccessful = 0;
+    let (mut unsuccessful, mut firm) = (0, 1.0_f64);
     for _ in 0..most as usize {
         if merit.residual <= tolerance {
             break;
         }
-        direction(problem, impulses, merit.residual, room);
+        direction(problem, impulses, firm * merit.residual, room);
         let Workspace { rates, turned, changes, trial: [trial, moved], .. } = room;
         let (mut part, mut falls) = (1.0, false);
         let mut found = merit;
@@ -80,6 +84,12 @@ pub fn newton(
             }
             part *= 0.5;
         }
+        if falls {
+            firm = (firm / FIRMER.sqrt()).max(1.0);
+        } else if unsuccessful < FIRM {
+            (unsuccessful, firm) = (unsuccessful + 1, firm * FIRMER);
+            continue;
+        }
         if !found.value.is_finite() || (!falls && found.value > GROWS * merit.value) {
             break;
         }
@@ -92,7 +102,7 @@ pub fn newton(
             best = merit.residual;
             room.best.copy_from_slice(impulses);
         }
-        if unsuccessful >= UNSUCCESSFUL {
+        if unsuccessful >= FIRM + UNSUCCESSFUL {
             break;
         }
     }

@@ -196,7 +196,7 @@ impl Eventful {
             if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
                 cover.take([cover.until, end], gap.gap(end));
             }
-            // Of a closed pair it is the gap of other features.
+            // A closed pair has the gap of its other features.
             if let (None, Some(at_end)) = (found, gap.at_end)
                 && !self.is_closed(pair)
             {

@@ -221,7 +221,7 @@ impl Eventful {
             self.bound_overlap(since);
             self.check_covers(inputs, since);
         }
-        outcome.exchange.impacts += std::mem::take(&mut self.tally.lost_at_start);
+        outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         self.remember(state);
         self.trial.wear_off();
         let changed = self.meet_instants(inputs, state);
@@ -233,7 +233,7 @@ impl Eventful {
                 triggers = self.overlooked();
             }
             let mode = self.mode.clone();
-            outcome.exchange.impacts += self.pass(inputs, state, &triggers);
+            outcome.exchange += self.pass(inputs, state, &triggers);
             if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
                 self.progress.crowding.count_repeated(left);
             }

@@ -2,7 +2,7 @@
 
 use crate::scene::body::SceneBody;
 use crate::scene::contact_settings::ContactSettings;
-use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneSpring};
+use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneRope, SceneSpring};
 use crate::scene::joint_settings::{SceneJoint, SceneMotion, SceneMotor, TableFile};
 use crate::scene::loads::{SceneDrag, SceneLoad};
 use crate::scene::robot::{Pose, Robot};
@@ -32,6 +32,8 @@ pub struct Scene {
     pub loops: Vec<SceneLoop>,
     /// The springs.
     pub springs: Vec<SceneSpring>,
+    /// The ropes.
+    pub ropes: Vec<SceneRope>,
     /// The loads.
     pub loads: Vec<SceneLoad>,
     /// The drag of links.
@@ -66,6 +68,7 @@ impl Scene {
             gravity: None,
             loops: Vec::new(),
             springs: Vec::new(),
+            ropes: Vec::new(),
             loads: Vec::new(),
             drags: Vec::new(),
             couplings: Vec::new(),

@@ -20,6 +20,8 @@ pub enum Element {
     Coupling(String),
     /// A spring, by name.
     Spring(String),
+    /// A rope, by name.
+    Rope(String),
     /// A load, by the name of the loaded part.
     Load(String),
     /// The drag of a link, by the name of that.
@@ -44,6 +46,7 @@ impl fmt::Display for Element {
             Element::Loop(name) => write!(out, "loop {name:?}"),
             Element::Coupling(name) => write!(out, "coupling {name:?}"),
             Element::Spring(name) => write!(out, "spring {name:?}"),
+            Element::Rope(name) => write!(out, "rope {name:?}"),
             Element::Load(on) => write!(out, "load on {on:?}"),
             Element::Drag(on) => write!(out, "drag of {on:?}"),
             Element::Motor(on) => write!(out, "motor on {on:?}"),

@@ -42,7 +42,9 @@ pub use body::{SceneBody, Weight};
 pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
 };
-pub use coupling::{JointReference, LinkReference, LoopEnd, Point, SceneCoupling, SceneLoop, SceneSpring, SpringPlace};
+pub use coupling::{
+    JointReference, LinkReference, LoopEnd, Point, SceneCoupling, SceneLoop, SceneRope, SceneSpring, SpringPlace,
+};
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub use error::{Element, Problem, SceneError};
 pub(crate) use error::{listed, quoted};

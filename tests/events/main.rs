@@ -3,6 +3,7 @@
 #[path = "../shared/common/mod.rs"]
 mod common;
 
+mod belts;
 mod closed;
 mod contacts;
 mod contacts_bowl;
@@ -39,6 +40,7 @@ mod continuous_events;
 mod costs;
 mod couplings;
 mod crowds;
+mod ellipsoids;
 mod exact;
 mod laws;
 mod loads;
@@ -52,6 +54,7 @@ mod pendulum;
 mod reactions;
 mod robots;
 mod robots_on_floor;
+mod ropes;
 mod rotors;
 mod scene_files;
 mod self_contact;

@@ -321,3 +321,36 @@ fn loads_and_motors_follow_formulas_without_events() {
     let courses = &set.description().mechanism.forces.joint_courses;
     assert!((courses[0].course.value(0.0, 0.2) - (0.5 + 2.0 * 1.7_f64.sin())).abs() < 1e-15);
 }
+
+#[test]
+fn a_ball_on_a_plate_that_is_shaken_rides_hops_and_is_struck_with_its_energy_accounted() {
+    let folder = scratch("motions_plate");
+    let urdf = "<robot name='r'><link name='base'/><link name='plate'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' \
+                ixz='0' iyz='0'/></inertial><collision><geometry><box size='1 1 0.1'/></geometry></collision></link>\
+                <joint name='lift' type='prismatic'><parent link='base'/><child link='plate'/><axis xyz='0 0 1'/>\
+                <limit lower='-1' upper='1' effort='1' velocity='9'/></joint></robot>";
+    std::fs::write(folder.join("plate.urdf"), urdf).expect("a robot");
+    let scene = |frequency: f64| {
+        format!(
+            "[[robot]]\nurdf = \"plate.urdf\"\n[[body]]\nname = \"ball\"\nshape = {{ type = \"sphere\", radius = 0.1 }}\nmass = 2\n\
+             pose = {{ position = [0, 0, 0.15] }}\n[contact]\npairs = \"all\"\n\
+             [[motion]]\njoint = \"r/lift\"\nposition = {{ formula = \"a*sin(w*t)\", a = 0.02, w = {frequency} }}\n"
+        )
+    };
+    let file = folder.join("plate.toml");
+    // a w² = 4.5 m/s² < g: it rides, and the contact carries m (g + z̈).
+    std::fs::write(&file, scene(15.0)).expect("a scene");
+    let end = report(&file, &[], &[], Some(0.05), 1e-9);
+    let force = 2.0 * (GRAVITY - 4.5 * 0.75_f64.sin());
+    let points = &end.contact.points;
+    assert!((points[0].force[2].abs() - force).abs() < 1e-9, "{points:?} and {force}");
+    assert!(end.energy.max_relative_error < 1e-9, "{:?}", end.energy);
+    // a w² = 18 m/s² > g: it hops, and each blow takes energy from the drive.
+    std::fs::write(&file, scene(30.0)).expect("a scene");
+    let end = report(&file, &[], &[], Some(1.0), 1e-8);
+    let impacts = end.events.list.iter().filter(|event| event.kind == "contact_impact").count();
+    assert!(impacts > 3, "{:?}", end.events);
+    assert!(end.energy.max_relative_error < 1e-7, "{:?}", end.energy);
+    // The first blow, from rest onto a speed of 0.6 m/s, loses as much as it gives: ½ m u².
+    assert!(end.energy.impacts > 0.5 * 2.0 * 0.36, "{:?}", end.energy);
+}

@@ -118,12 +118,14 @@ impl<T: Number> TouchFigures<T> {
 
     /// Where the bodies are.
     pub fn at(&self, placed: &[Placed<T>]) -> Touching<T> {
-        let place = |end: &End<T>| {
-            let Frame { axes, origin } = end_frame(end, placed);
-            contact_geometry::Placed { origin: Triple(origin.0.map(Plain)), axis: Triple(axes.0[2].0.map(Plain)) }
+        let axis = |frame: &Frame<T>, which: usize| Triple(frame.axes.0[which].0.map(Plain));
+        let place = |frame: &Frame<T>| contact_geometry::Placed {
+            origin: Triple(frame.origin.0.map(Plain)),
+            axis: axis(frame, 2),
         };
+        let [a, b] = [&self.a, &self.b].map(|end| end_frame(end, placed));
         let cores = Pairing { reach: 0.0, radius: 0.0, ..self.pairing };
-        let found = contact(cores, self.side, place(&self.a), place(&self.b));
+        let found = contact(cores, self.side, place(&a), place(&b), || axis(&b, 0));
         let normal = Vector(found.normal.0.map(|entry| entry.0));
         let point = Vector(found.point.0.map(|entry| entry.0)) - normal.scaled(self.radius);
         Touching { gap: found.gap.0 - self.reach, normal, point }

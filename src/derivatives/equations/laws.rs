@@ -103,6 +103,8 @@ fn sizes(shape: &Shape) -> [f64; 3] {
         Shape::Sphere { radius } => [*radius, *radius, 0.0],
         Shape::Capsule { radius, half } | Shape::Cylinder { radius, half } => [*radius, *radius, *half],
         Shape::Box { half } => [half.x, half.y, half.z],
-        Shape::HalfSpace | Shape::Hull(_) | Shape::Mesh(_) => [0.0; 3],
+        Shape::Ellipsoid { radii } => [radii.x, radii.y, radii.z],
+        Shape::Hollow { radius } => [*radius; 3],
+        Shape::HalfSpace | Shape::Point | Shape::Hull(_) | Shape::Mesh(_) => [0.0; 3],
     }
 }

@@ -46,11 +46,6 @@ impl Energies {
         self.potential = potentials(mechanism, state, bodies, trees);
     }
 
-    /// Whether no tree has a debt.
-    pub fn owes_nothing(&self) -> bool {
-        self.debt.iter().all(|debt| *debt == 0.0)
-    }
-
     /// The kinetic energy of rates (J).
     pub fn kinetic_of(&self, trees: &Trees, velocity: &[f64]) -> f64 {
         kinetics(trees, velocity).iter().sum()

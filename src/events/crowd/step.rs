@@ -210,7 +210,7 @@ impl Crowd {
         made.jump = jumps.fold(0.0, f64::max);
         let slow = RESTS * whole.gravity.norm() * step;
         let rests = evenly && rates.iter().zip(&self.rates).all(|(a, b)| a.0.max(b.0) + a.1.max(b.1) <= slow);
-        self.still = if rests && self.energies.owes_nothing() { self.still + 1 } else { 0 };
+        self.still = if rests { self.still + 1 } else { 0 };
         if self.is_asleep() {
             state.velocity.fill(0.0);
             self.end = Some((state.clone(), step));

@@ -64,8 +64,9 @@ pub(crate) struct Found<'f> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Done {
     pub events: Vec<Event>,
-    /// Energy lost in impacts (J).
+    /// Energy lost in impacts, and the work of driven surfaces in them (J).
     pub lost: f64,
+    pub driven: f64,
     /// Number of rebounds that were left out, and the energy that they would have given back (J).
     pub cut: (usize, f64),
     /// The distance by which that can move bodies or joints if impacts accumulate (m or rad).

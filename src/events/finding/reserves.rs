@@ -6,10 +6,10 @@
 //!     a pair that was asked has r(t₀) − V h at the end of the step, or is looked at
 //! ```
 //!
-//! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the speed
-//! of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at. Bodies
-//! that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in proportion to
-//! the bodies. Reserves last over events, because those move no body far.
+//! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the
+//! speed of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at.
+//! Bodies that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in
+//! proportion to the bodies. Reserves last over events, because those move no body far.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (a heap of times before which no pair can collide).
 
@@ -228,20 +228,5 @@ mod tests {
         // 10 s at 1.25 m/s use up 1 cm 1250 times, and are asked a few times for each; the other one is asked each time that M has fallen by 1 cm.
         assert!((1_250..7_500).contains(&asked[0]) && asked[1] <= 2_500, "{asked:?}");
         assert!((reserves.at_end(1) - 1e-2).abs() < 1e-14);
-    }
-
-    #[test]
-    fn a_step_whose_speeds_are_not_numbers_asks_all_pairs() {
-        let mut reserves = reserves(&[[Some(0), None], [Some(1), None]]);
-        step(&mut reserves, 0.0, 0.1);
-        (0..2).for_each(|pair| reserves.note(pair, 1.0));
-        let mut speeds = Speeds::default();
-        speeds.reset(2);
-        let lost = BodyState { velocity: Vector3::repeat(f64::NAN), ..WORLD };
-        speeds.take(0, &[lost; 2]);
-        speeds.take(SAMPLES, &[lost; 2]);
-        reserves.begin(&speeds, 0.1);
-        assert_eq!(reserves.asked(), [0, 1]);
-        assert_eq!(reserves.lasts(0, 0.0), None);
     }
 }

@@ -129,7 +129,9 @@ impl Held {
         nonsmooth.speeds.retain_mut(|speed| coordinate(&mut speed.coordinate));
         for collider in &mut nonsmooth.colliders {
             if let Some(body) = collider.body {
+                let surface = collider.pose.rotation.inverse() * collider.surface_velocity;
                 (collider.body, collider.pose) = into.frame(body, &collider.pose);
+                collider.surface_velocity = collider.pose.rotation * surface;
             }
         }
         let colliders = &nonsmooth.colliders;

@@ -7,6 +7,7 @@ use crate::coupled::projection::Projection;
 use crate::coupled::system::{Geometry, One};
 use crate::equations::braking::Lean;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
@@ -53,13 +54,13 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.lean(leans);
     }
 
-    /// Projects the velocities at the end of a step, which `start` has taken; returns the energy that friction dissipates there (J). Does not
-    /// allocate.
-    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> f64 {
+    /// Projects the velocities at the end of a step, which `start` has taken; returns the energy that friction dissipates there, and the work
+    /// of driven surfaces (J). Does not allocate.
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Exchange {
         self.projection.velocities(mechanism, start, velocity);
-        let braked = self.projection.braked();
+        let exchanged = self.projection.exchanged();
         self.projection.lean(&[]);
-        braked
+        exchanged
     }
 
     /// Number of equations that the others imply, or nearly imply, at the end that was projected last, if that had to be solved for.

@@ -18,6 +18,7 @@ use crate::stages::coefficients::row_stage;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::closure::Mimic;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 
 /// An iteration in which friction has not the direction of the slips is not the last, however small its increments are.
 const LAGS: f64 = 1e-9;
@@ -73,10 +74,17 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         self.geometry.touching().filter(|touching| !touching.leans().is_empty())
     }
 
-    /// Energy that friction dissipated in the rows of a solved step (J), after the bodies are placed.
-    pub fn braked(&self) -> f64 {
+    /// Whether contacts exchange energy with what is no body.
+    pub fn exchanges(&self) -> bool {
+        self.geometry.touching().is_some_and(Touching::exchanges)
+    }
+
+    /// Energy that friction dissipated in the rows of a solved step, and the work of driven surfaces (J), after the bodies are placed.
+    pub fn exchanged(&self) -> Exchange {
         let Coupled { multipliers, .. } = &self.coupled;
-        self.rubbing().map_or(0.0, |touching| touching.braked(self.coupled.rows_of_touches(touching), multipliers))
+        let touching = self.geometry.touching();
+        let of = |touching: &Touching<V>| touching.exchanged(self.coupled.rows_of_touches(touching), multipliers);
+        touching.map_or(Exchange::default(), of)
     }
 
     /// Takes the time at the start of the next step (s).

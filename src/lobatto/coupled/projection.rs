@@ -17,6 +17,7 @@ use crate::numbers::lanes::Lanes;
 use crate::plan::tree::Plan;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::rows::{Row, circuit};
 use nalgebra::Vector3;
@@ -140,6 +141,12 @@ impl<G: Geometry<One>> Projection<G> {
             let rate = velocity[mimic.follower.freedom] - mimic.multiplier * velocity[mimic.leader.freedom];
             let rate = mimic.more.iter().fold(rate, |rate, (own, ratio)| rate - ratio * velocity[own.freedom]);
             self.coupled.gaps[row] = One::splat(if self.moving { rate - moved } else { rate });
+        }
+        if let Some(touching) = self.geometry.touching().filter(|touching| touching.exchanges()) {
+            let Coupled { gaps, rows_of_loop, loops, .. } = &mut self.coupled;
+            for (first, carried) in touching.carried(&rows_of_loop[*loops - touching.len()..*loops]) {
+                carried.into_iter().enumerate().for_each(|(axis, rate)| gaps[first + axis] = gaps[first + axis] + rate);
+            }
         }
     }
 
@@ -349,11 +356,20 @@ impl<G: Geometry<One>> Projection<G> {
         }
     }
 
-    /// Energy that the friction at the end of a step dissipated in the latest projection of velocities (J).
-    pub(crate) fn braked(&self) -> f64 {
-        let Some(touching) = self.geometry.touching() else { return 0.0 };
-        let leans = touching.leaning().iter().zip(self.coupled.rows_of_touches(touching));
-        leans.filter(|(_, rows)| !rows.is_empty()).map(|(lean, rows)| lean.slip * self.impulses[rows.start]).sum()
+    /// Energy that the friction at the end of a step dissipated in the latest projection of velocities, and the work of driven surfaces (J).
+    pub(crate) fn exchanged(&self) -> Exchange {
+        let mut exchange = Exchange::default();
+        let Some(touching) = self.geometry.touching() else { return exchange };
+        let touches = self.coupled.rows_of_touches(touching);
+        for (lean, rows) in touching.leaning().iter().zip(touches).filter(|(_, rows)| !rows.is_empty()) {
+            exchange.friction += lean.slip * self.impulses[rows.start];
+            exchange.work += lean.belt * self.impulses[rows.start];
+        }
+        for (first, carried) in touching.carried(touches) {
+            let [along, across] = carried.map(one);
+            exchange.work -= along * self.impulses[first] + across * self.impulses[first + 1];
+        }
+        exchange
     }
 
     /// Takes over the flags from kinematics, but for the equations that are empty, which every solve finds itself.

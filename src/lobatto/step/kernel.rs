@@ -31,6 +31,7 @@ use crate::step::carried::Carried;
 use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 
 /// [`Step`](crate::step::interface::Step) with the lanes of `V`, over the equations of `W`.
@@ -53,8 +54,8 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
-    /// Energy that dry friction of contacts took from the finished step (J).
-    pub(crate) friction: f64,
+    /// Energy that dry friction of contacts took from the finished step, and the work of driven surfaces (J).
+    pub(crate) at_contacts: Exchange,
     /// Work of the joints that are moved in time in the finished step (J).
     pub(crate) moving: f64,
     /// The time at the start of the step and its length (s), for motions in time.
@@ -86,7 +87,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             refined: false,
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
-            friction: 0.0,
+            at_contacts: Exchange::default(),
             moving: 0.0,
             time: 0.0,
             length: 0.0,

@@ -109,6 +109,6 @@ fn course_of(load: &SceneLoad) -> Option<Course> {
 }
 
 /// A frame at a point, parallel to what the point is given in.
-fn frame_at(point: &Vector3<f64>) -> Pose {
+pub(crate) fn frame_at(point: &Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(*point), Rotation3::identity())
 }

@@ -13,4 +13,5 @@ pub(crate) mod motions;
 pub(crate) mod motors;
 pub(crate) mod overlaps;
 pub(crate) mod relations;
+pub(crate) mod ropes;
 pub(crate) mod rotors;

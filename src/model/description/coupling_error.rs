@@ -58,6 +58,9 @@ pub enum CouplingProblem {
     /// A spring between two points of one body.
     #[error("links {a:?} and {b:?} are fixed to each other, so the spring does nothing; leave it out")]
     IdleSpring { a: String, b: String },
+    /// A rope between two points of one body.
+    #[error("its points are on {a:?} and {b:?}, which do not move against each other; leave it out")]
+    IdleRope { a: String, b: String },
     /// A load on a fixed link.
     #[error("link {0:?} is fixed in the world, so the load does nothing; leave it out")]
     IdleLoad(String),

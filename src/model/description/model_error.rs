@@ -77,6 +77,12 @@ pub enum ModelError {
          direction; start it elsewhere, or give it no rest length"
     )]
     UndirectedSpring { spring: String, rest_length: f64 },
+    /// An ellipsoid and a shape with which its contact is not simulated.
+    #[error(
+        "{a:?} and {b:?} may touch, but contact of an ellipsoid with a {other} is not simulated, only with half spaces; leave the pair out: \
+         [[contact.pair]] with a = {a:?}, b = {b:?}, ignore = true"
+    )]
+    EllipsoidTouches { a: String, b: String, other: &'static str },
     /// An obstacle that reports could not tell from a link.
     #[error("obstacle {0:?} has the name of a link; give it another")]
     ObstacleNamedAsLink(String),

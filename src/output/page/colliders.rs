@@ -39,6 +39,9 @@ pub(in crate::output) fn colliders(model: &Model, looks: &mut Looks, with_meshes
     let (mut left_out, mut drawn) = ([0; 2], [Vec::new(), Vec::new()]);
     for (collider, owner) in model.mechanism.nonsmooth.colliders.iter().zip(&model.contact.owners) {
         let of_link = usize::from(matches!(owner, Owner::Robot(_)));
+        if matches!(owner, Owner::Rope(_) | Owner::RopeEnd(_)) {
+            continue;
+        }
         match drawn_collider(collider, looks, with_meshes) {
             Some(one) => drawn[of_link].push(one),
             None => left_out[of_link] += 1,
@@ -70,6 +73,8 @@ fn drawn_collider(collider: &Collider, looks: &mut Looks, with_meshes: bool) -> 
         Shape::Capsule { radius, half } => ("capsule", vec![*radius, 2.0 * half]),
         Shape::Cylinder { radius, half } => ("cylinder", vec![*radius, 2.0 * half]),
         Shape::Box { half } => ("box", half.iter().map(|half| 2.0 * half).collect()),
+        Shape::Hollow { .. } | Shape::Point => return None,
+        Shape::Ellipsoid { radii } => ("ellipsoid", radii.iter().copied().collect()),
         Shape::Mesh(surface) => add(surface)?,
         // Points without a hull touch no other shape.
         Shape::Hull(points) => add(&hull_surface(points).unwrap_or_default())?,

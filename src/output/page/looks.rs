@@ -131,6 +131,7 @@ fn primitive(link: usize, visual: &Shape) -> DrawnShape {
         Geometry::Sphere { radius } => ("sphere", &[*radius]),
         Geometry::Cylinder { radius, length } => ("cylinder", &[*radius, *length]),
         Geometry::Capsule { radius, length } => ("capsule", &[*radius, *length]),
+        Geometry::Ellipsoid { radii } => ("ellipsoid", radii.as_slice()),
         Geometry::Mesh(mesh) => ("mesh", mesh.scale.as_slice()),
     };
     shape(link, kind, size, &visual.origin, visual.color)

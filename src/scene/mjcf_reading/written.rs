@@ -206,6 +206,7 @@ fn shape_of(geom: &Geom) -> Option<String> {
         Form::Solid(Geometry::Capsule { radius, length }) => {
             format!("{{ type = \"capsule\", radius = {radius:?}, length = {length:?} }}")
         }
+        Form::Solid(Geometry::Ellipsoid { radii }) => format!("{{ type = \"ellipsoid\", radii = {} }}", list(radii)),
         Form::Solid(Geometry::Mesh(mesh)) => {
             format!("{{ type = \"mesh\", file = {}, scale = {} }}", quoted(&mesh.path), list(&mesh.scale))
         }
@@ -228,6 +229,7 @@ fn write_link(link: &Link, text: &mut String) {
             Geometry::Sphere { radius } => format!("<sphere radius=\"{radius}\"/>"),
             Geometry::Cylinder { radius, length } => format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>"),
             Geometry::Capsule { radius, length } => format!("<capsule radius=\"{radius}\" length=\"{length}\"/>"),
+            Geometry::Ellipsoid { radii } => format!("<ellipsoid radii=\"{}\"/>", spaced(radii)),
             Geometry::Mesh(mesh) => {
                 format!("<mesh filename=\"{}\" scale=\"{}\"/>", escaped(&mesh.path), spaced(&mesh.scale))
             }

@@ -76,6 +76,11 @@ impl Keys {
         }
     }
 
+    /// The semi-axes of an ellipsoid.
+    fn radii(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
+        self.vector(head, &format!("{rest}.radii"), Range::Positive, |axis| place(ShapeNumber::Radii(axis)));
+    }
+
     /// The edges of a box.
     fn sizes(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
         self.vector(head, &format!("{rest}.size"), Range::Positive, |axis| place(ShapeNumber::Size(axis)));
@@ -123,6 +128,8 @@ impl Keys {
         let place = |what| Place::Body { robot, what };
         self.put(head, &called("friction"), Range::Friction, Place::LinkFriction { robot, link: 0 });
         self.put(head, &called("restitution"), Range::Fraction, Place::LinkRestitution { robot, link: 0 });
+        let place_of_velocity = |axis| Place::LinkSurface { robot, link: 0, axis };
+        self.vector(head, &called("surface_velocity"), Range::Finite, place_of_velocity);
         let weight = if let Weight::Density(_) = body.weight { "density" } else { "mass" };
         self.put(head, &called(weight), Range::Positive, place(BodyNumber::Weight));
         let of_shape = |what| place(BodyNumber::Shape(what));
@@ -130,6 +137,7 @@ impl Keys {
             Geometry::Sphere { .. } => self.round(head, shape, false, of_shape),
             Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round(head, shape, true, of_shape),
             Geometry::Box { .. } => self.sizes(head, shape, of_shape),
+            Geometry::Ellipsoid { .. } => self.radii(head, shape, of_shape),
             Geometry::Mesh(_) => {}
         }
     }
@@ -143,6 +151,8 @@ impl Keys {
                 self.put("link", &format!("{name}.friction"), Range::Friction, friction);
                 let restitution = Place::LinkRestitution { robot, link };
                 self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
+                let velocity = |axis| Place::LinkSurface { robot, link, axis };
+                self.vector("link", &format!("{name}.surface_velocity"), Range::Finite, velocity);
             }
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
@@ -158,6 +168,7 @@ impl Keys {
                     Geometry::Sphere { .. } => self.round("link", &head, false, place),
                     Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round("link", &head, true, place),
                     Geometry::Box { .. } => self.sizes("link", &head, place),
+                    Geometry::Ellipsoid { .. } => self.radii("link", &head, place),
                     Geometry::Mesh(_) => self.scales("link", &head, place),
                 }
                 let origin = format!("{head}.origin");
@@ -283,6 +294,14 @@ impl Keys {
                 self.vector("spring", &rest, Range::Finite, |axis| Place::SpringEnd { spring, b, axis });
             }
         }
+        for (rope, one) in scene.ropes.iter().enumerate() {
+            self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
+            self.put("rope", &format!("{}.restitution", one.name), Range::Fraction, Place::RopeRestitution(rope));
+            for end in 0..one.ends.len() {
+                let rest = format!("{}.points.{}.position", one.name, end + 1);
+                self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
+            }
+        }
         for (of, one) in scene.loops.iter().enumerate() {
             if one.kind == LoopType::Distance {
                 self.put("loop", &format!("{}.length", one.name), Range::Positive, Place::LoopLength(of));
@@ -303,6 +322,8 @@ impl Keys {
             let called = |what: &str| format!("{}.{what}", one.name);
             self.put("obstacle", &called("friction"), Range::Friction, Place::ObstacleFriction(obstacle));
             self.put("obstacle", &called("restitution"), Range::Fraction, Place::ObstacleRestitution(obstacle));
+            let velocity = |axis| Place::ObstacleSurface { obstacle, axis };
+            self.vector("obstacle", &called("surface_velocity"), Range::Finite, velocity);
             let place = |axis| Place::ObstaclePosition { obstacle, axis };
             self.vector("obstacle", &called("pose.position"), Range::Finite, place);
             self.angles("obstacle", &called("pose.rpy"), |angle| Place::ObstacleTurn { obstacle, angle });
@@ -311,6 +332,7 @@ impl Keys {
                 Shape::Sphere { .. } => self.round("obstacle", &head, false, place),
                 Shape::Capsule { .. } | Shape::Cylinder { .. } => self.round("obstacle", &head, true, place),
                 Shape::Box { .. } => self.sizes("obstacle", &head, place),
+                Shape::Ellipsoid { .. } => self.radii("obstacle", &head, place),
                 Shape::Mesh(_) => self.scales("obstacle", &head, place),
                 Shape::HalfSpace => {
                     let place = |axis| Place::ObstacleNormal { obstacle, axis };

@@ -48,6 +48,12 @@ pub(crate) enum Place {
         robot: usize,
         link: usize,
     },
+    /// Velocity of the surface of a link along an axis.
+    LinkSurface {
+        robot: usize,
+        link: usize,
+        axis: usize,
+    },
     CenterOfMass {
         robot: usize,
         link: usize,
@@ -152,6 +158,13 @@ pub(crate) enum Place {
         b: bool,
         axis: usize,
     },
+    RopeLength(usize),
+    RopeRestitution(usize),
+    RopeEnd {
+        rope: usize,
+        end: usize,
+        axis: usize,
+    },
     LoopLength(usize),
     LoopEnd {
         of: usize,
@@ -227,6 +240,10 @@ pub(crate) enum Place {
     },
     ObstacleFriction(usize),
     ObstacleRestitution(usize),
+    ObstacleSurface {
+        obstacle: usize,
+        axis: usize,
+    },
     ObstaclePosition {
         obstacle: usize,
         axis: usize,
@@ -300,6 +317,8 @@ pub(crate) enum SpringNumber {
 pub(crate) enum ShapeNumber {
     Radius,
     Length,
+    /// Of an ellipsoid, along an axis.
+    Radii(usize),
     /// Along an axis.
     Size(usize),
     /// Scale of a mesh, along an axis.

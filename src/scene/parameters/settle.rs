@@ -30,7 +30,10 @@ impl Place {
                 let robot = &mut scene.robots[robot];
                 robot.pose.rotation = turn(robot.rpy);
             }
-            Place::Body { robot, .. } | Place::LinkFriction { robot, .. } | Place::LinkRestitution { robot, .. } => {
+            Place::Body { robot, .. }
+            | Place::LinkFriction { robot, .. }
+            | Place::LinkRestitution { robot, .. }
+            | Place::LinkSurface { robot, .. } => {
                 let placed = &mut scene.robots[robot];
                 if let Some(body) = &placed.body {
                     let made = body.robot(&placed.name, &scene.path, placed.line);

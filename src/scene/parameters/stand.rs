@@ -15,6 +15,7 @@ impl Place {
             | Place::InertiaTurn { robot, link, .. }
             | Place::LinkFriction { robot, link }
             | Place::LinkRestitution { robot, link }
+            | Place::LinkSurface { robot, link, .. }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
                 let link = &robot.links[*link];
@@ -67,6 +68,9 @@ impl Place {
             Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
                 here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
             }
+            Place::RopeLength(rope) | Place::RopeRestitution(rope) | Place::RopeEnd { rope, .. } => {
+                here(scene.ropes[*rope].line, Element::Rope(scene.ropes[*rope].name.clone()))
+            }
             Place::LoopLength(of) | Place::LoopEnd { of, .. } | Place::LoopAxis { of, .. } => {
                 here(scene.loops[*of].line, Element::Loop(scene.loops[*of].name.clone()))
             }
@@ -96,6 +100,7 @@ impl Place {
             }
             Place::ObstacleFriction(obstacle)
             | Place::ObstacleRestitution(obstacle)
+            | Place::ObstacleSurface { obstacle, .. }
             | Place::ObstaclePosition { obstacle, .. }
             | Place::ObstacleTurn { obstacle, .. }
             | Place::ObstacleShape { obstacle, .. }

@@ -27,6 +27,8 @@ pub(crate) mod no_scene_file;
 #[cfg(feature = "scene")]
 pub(crate) mod relation_reader;
 #[cfg(feature = "scene")]
+pub(crate) mod rope_reader;
+#[cfg(feature = "scene")]
 pub(crate) mod scene_file;
 pub(crate) mod scene_files;
 #[cfg_attr(

@@ -63,6 +63,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
+    let ropes = reader.ropes(file.rope)?;
     let mut tables = Vec::new();
     let loads = reader.loads(file.load, files, &mut tables)?;
     let drags = reader.drags(file.drag)?;
@@ -77,6 +78,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
             let surface = &mut robots[robot].robot.links[link].surface;
             surface.friction = said.surface.friction.or(surface.friction);
             surface.restitution = said.surface.restitution.or(surface.restitution);
+            surface.velocity = said.surface.velocity.or(surface.velocity);
         }
     }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
@@ -90,6 +92,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         robots,
         loops,
         springs,
+        ropes,
         loads,
         drags,
         couplings,

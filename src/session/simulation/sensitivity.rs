@@ -13,6 +13,7 @@ use crate::derivatives::forward::failure::SensitivityError;
 use crate::events::trace::{TraceError, TracedRun};
 use crate::instant::holding::elements::Elements;
 use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
@@ -21,7 +22,7 @@ use crate::session::error::Error;
 use crate::session::linear::freedom_name;
 use crate::session::simulation::Simulation;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 use std::sync::{Arc, Mutex};
 
 mod parameters;
@@ -194,8 +195,23 @@ impl Simulation {
 /// Refuses parts of mechanisms that the equations do not know.
 fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
     let refuse = |part, advice| Err(SensitivityError::Unsupported { part, advice });
-    if !mechanism.forces.link_loads.is_empty() || !mechanism.forces.drags.is_empty() {
-        return refuse("drag and loads on links over time", "leave them out, or compare runs with other numbers");
+    const INSTEAD: &str = "leave them out, or compare runs with other numbers";
+    let forces = &mechanism.forces;
+    if !(forces.link_loads.is_empty() && forces.drags.is_empty() && forces.joint_courses.is_empty()) {
+        return refuse("drag and loads over time", INSTEAD);
+    }
+    if !forces.gravity_compensations.is_empty() {
+        return refuse("motors that hold weights", INSTEAD);
+    }
+    if mechanism.moves_joints() {
+        return refuse("joints that are moved in time", INSTEAD);
+    }
+    let colliders = &mechanism.nonsmooth.colliders;
+    if colliders.iter().any(|collider| collider.surface_velocity != Vector3::zeros()) {
+        return refuse("surfaces that move over what carries them", INSTEAD);
+    }
+    if colliders.iter().any(|collider| matches!(collider.shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. })) {
+        return refuse("ellipsoids and ropes", INSTEAD);
     }
     if !mechanism.forces.gravity_compensations.is_empty() {
         return refuse("gravity compensation", "leave it out, or compare runs with other numbers");

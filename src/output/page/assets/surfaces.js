@@ -134,6 +134,7 @@ function primitiveGeometry(shape) {
   switch (shape.kind) {
     case "box": return new THREE.BoxGeometry(a, b, c);
     case "sphere": return new THREE.SphereGeometry(a, 40, 24);
+    case "ellipsoid": return new THREE.SphereGeometry(1, 40, 24).scale(a, b, c);
     case "cylinder": return upright(new THREE.CylinderGeometry(a, a, b, 48));
     case "capsule": return upright(new THREE.CapsuleGeometry(a, b, 12, 40));
     default: return new THREE.BufferGeometry();
