@@ -1,81 +1,13 @@
-//! LU factors of a matrix of blocks over a graph: one node a tree, one edge for trees that touch each other.
+//! LU factors of a matrix of blocks over a graph, whose order and places are in `elimination.rs`.
 //!
 //! ```text
 //!     A_ij  (n_i × n_j)     for i = j and for the edges {i, j}, and the edges that elimination adds
-//!     least degree first:   A_ab ← A_ab − A_ai A_ii⁻¹ A_ib       for the neighbours a, b of i that are left
+//!     A_ab ← A_ab − A_ai A_ii⁻¹ A_ib       for the neighbours a, b of i that are left
 //! ```
 //!
 //! Pivots are exchanged within blocks alone. A single block is factored as a whole.
 
-/// The order of elimination and the places of the blocks.
-#[derive(Clone, Default)]
-pub struct Pattern {
-    /// Sizes of the blocks, and where their unknowns begin.
-    pub sizes: Vec<usize>,
-    pub offsets: Vec<usize>,
-    order: Vec<usize>,
-    /// The nodes after each that it is joined with.
-    later: Vec<Vec<usize>>,
-    /// The first entries of the blocks of pairs of nodes, for pairs that are joined.
-    places: Vec<usize>,
-    total: usize,
-}
-
-impl Pattern {
-    /// For blocks of these sizes, joined by edges.
-    pub fn new(sizes: Vec<usize>, edges: &[(usize, usize)]) -> Self {
-        let count = sizes.len();
-        let mut offsets = Vec::with_capacity(count);
-        let mut unknowns = 0;
-        for &size in &sizes {
-            offsets.push(unknowns);
-            unknowns += size;
-        }
-        let words = count.div_ceil(64);
-        let mut joined = vec![0_u64; count * words];
-        for &(one, other) in edges.iter().filter(|(one, other)| one != other) {
-            joined[one * words + other / 64] |= 1 << (other % 64);
-            joined[other * words + one / 64] |= 1 << (one % 64);
-        }
-        let degree = |joined: &[u64], node: usize| -> u32 {
-            joined[node * words..(node + 1) * words].iter().map(|word| word.count_ones()).sum()
-        };
-        let mut degrees: Vec<u32> = (0..count).map(|node| degree(&joined, node)).collect();
-        let mut left: Vec<usize> = (0..count).collect();
-        let (mut order, mut later) = (Vec::with_capacity(count), vec![Vec::new(); count]);
-        while let Some(place) = (0..left.len()).min_by_key(|&place| (degrees[left[place]], left[place])) {
-            let node = left.swap_remove(place);
-            order.push(node);
-            let row: Vec<u64> = joined[node * words..(node + 1) * words].to_vec();
-            let others: Vec<usize> = (0..count).filter(|other| row[other / 64] >> (other % 64) & 1 == 1).collect();
-            for &other in &others {
-                for (word, more) in joined[other * words..(other + 1) * words].iter_mut().zip(&row) {
-                    *word |= more;
-                }
-                joined[other * words + other / 64] &= !(1 << (other % 64));
-                joined[other * words + node / 64] &= !(1 << (node % 64));
-                degrees[other] = degree(&joined, other);
-            }
-            later[node] = others;
-        }
-        let (mut places, mut total) = (vec![usize::MAX; count * count], 0);
-        for node in 0..count {
-            places[node * count + node] = total;
-            total += sizes[node] * sizes[node];
-            for &other in &later[node] {
-                places[node * count + other] = total;
-                total += sizes[node] * sizes[other];
-                places[other * count + node] = total;
-                total += sizes[node] * sizes[other];
-            }
-        }
-        Pattern { sizes, offsets, order, later, places, total }
-    }
-
-    fn place(&self, row: usize, column: usize) -> usize {
-        self.places[row * self.sizes.len() + column]
-    }
-}
+use crate::elimination::Pattern;
 
 /// The blocks, and their factors after [`Factors::factor`].
 #[derive(Clone, Default)]
@@ -113,22 +45,25 @@ impl Factors {
             total += size * size;
         }
         self.inverses.resize(total, 0.0);
+        let mut targets = pattern.targets.iter();
         for &node in &pattern.order {
-            let (size, own) = (pattern.sizes[node], pattern.place(node, node));
+            let (size, own) = (pattern.sizes[node], pattern.diagonal[node]);
             let inverse = self.inverse_places[node]..self.inverse_places[node] + size * size;
             invert(&self.data[own..own + size * size], size, &mut self.inverses[inverse.clone()], &mut self.room);
             let later = &pattern.later[node];
-            for &row in later {
-                let (height, left) = (pattern.sizes[row], pattern.place(row, node));
+            for row in later {
+                let (height, left) = (pattern.sizes[row.node], row.below);
                 self.scaled.clear();
                 self.scaled.resize(height * size, 0.0);
-                let block = &self.data[left..left + height * size];
+                let block = &mut self.data[left..left + height * size];
                 subtract_product(&mut self.scaled, block, &self.inverses[inverse.clone()], size, size);
-                self.scaled.iter_mut().for_each(|entry| *entry = -*entry);
-                self.data[left..left + height * size].copy_from_slice(&self.scaled);
-                for &column in later {
-                    let width = pattern.sizes[column];
-                    let (upper, target) = (pattern.place(node, column), pattern.place(row, column));
+                block.iter_mut().zip(&mut self.scaled).for_each(|(entry, scaled)| {
+                    *scaled = -*scaled;
+                    *entry = *scaled;
+                });
+                for (column, &target) in later.iter().zip(&mut targets) {
+                    let width = pattern.sizes[column.node];
+                    let upper = column.right;
                     let (low, high) = (upper.min(target), upper.max(target));
                     let (before, after) = self.data.split_at_mut(high);
                     let (upper, target) = if upper < target {
@@ -147,29 +82,28 @@ impl Factors {
         if let [size] = pattern.sizes[..] {
             return self.solve_whole(size, b);
         }
-        let multiply = |matrix: &[f64], from: &[f64], row: usize| -> f64 {
-            let entries = &matrix[row * from.len()..(row + 1) * from.len()];
-            entries.iter().zip(from).map(|(entry, x)| entry * x).sum()
-        };
         let mut own = [0.0; MOST];
         let mut large = Vec::new();
         for &node in &pattern.order {
             let (size, offset) = (pattern.sizes[node], pattern.offsets[node]);
-            for &row in &pattern.later[node] {
-                let factors = &self.data[pattern.place(row, node)..];
-                for entry in 0..pattern.sizes[row] {
-                    let sum = multiply(factors, &b[offset..offset + size], entry);
-                    b[pattern.offsets[row] + entry] -= sum;
+            for row in &pattern.later[node] {
+                let height = pattern.sizes[row.node];
+                let factors = &self.data[row.below..row.below + height * size];
+                let from = pattern.offsets[row.node];
+                for (entry, factors) in factors.chunks_exact(size.max(1)).enumerate() {
+                    let sum = dot(factors, &b[offset..offset + size]);
+                    b[from + entry] -= sum;
                 }
             }
         }
         for &node in pattern.order.iter().rev() {
             let (size, offset) = (pattern.sizes[node], pattern.offsets[node]);
-            for &column in &pattern.later[node] {
-                let factors = &self.data[pattern.place(node, column)..];
-                let range = pattern.offsets[column]..pattern.offsets[column] + pattern.sizes[column];
-                for entry in 0..size {
-                    let sum = multiply(factors, &b[range.clone()], entry);
+            for column in &pattern.later[node] {
+                let width = pattern.sizes[column.node];
+                let factors = &self.data[column.right..column.right + size * width];
+                let from = pattern.offsets[column.node];
+                for (entry, factors) in factors.chunks_exact(width.max(1)).enumerate() {
+                    let sum = dot(factors, &b[from..from + width]);
                     b[offset + entry] -= sum;
                 }
             }
@@ -180,8 +114,8 @@ impl Factors {
                 large.resize(size, 0.0);
                 &mut large[..size]
             };
-            for (entry, sum) in room.iter_mut().enumerate() {
-                *sum = multiply(inverse, &b[offset..offset + size], entry);
+            for (sum, row) in room.iter_mut().zip(inverse.chunks_exact(size.max(1))) {
+                *sum = dot(row, &b[offset..offset + size]);
             }
             b[offset..offset + size].copy_from_slice(room);
         }
@@ -230,6 +164,13 @@ impl Factors {
 /// Blocks up to this size need no room of their own.
 const MOST: usize = 64;
 
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if let (Ok(a), Ok(b)) = (<&[f64; 6]>::try_from(a), <&[f64; 6]>::try_from(b)) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+    }
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// c (m × n) ← c − a (m × k) b (k × n).
 fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], inner: usize, width: usize) {
     if let (6, 6, Ok(c)) = (inner, width, <&mut [f64; 36]>::try_from(&mut *c))
@@ -256,6 +197,9 @@ fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], inner: usize, width: us
 
 /// The inverse of a matrix, by elimination with exchanges of rows.
 fn invert(matrix: &[f64], size: usize, inverse: &mut [f64], room: &mut Vec<f64>) {
+    if let (Ok(matrix), Ok(inverse)) = (<&[f64; 36]>::try_from(matrix), <&mut [f64; 36]>::try_from(&mut *inverse)) {
+        return invert_six(matrix, inverse);
+    }
     let width = 2 * size;
     room.clear();
     room.resize(size * width, 0.0);
@@ -284,5 +228,39 @@ fn invert(matrix: &[f64], size: usize, inverse: &mut [f64], room: &mut Vec<f64>)
     }
     for row in 0..size {
         inverse[row * size..(row + 1) * size].copy_from_slice(&room[row * width + size..(row + 1) * width]);
+    }
+}
+
+/// The same of a free body: in place, column by column.
+fn invert_six(matrix: &[f64; 36], inverse: &mut [f64; 36]) {
+    let mut rows = [[0.0; 6]; 6];
+    for (row, entries) in rows.iter_mut().zip(matrix.chunks_exact(6)) {
+        row.copy_from_slice(entries);
+    }
+    let mut swaps = [0; 6];
+    for column in 0..6 {
+        let mut pivot = column;
+        for row in column + 1..6 {
+            if rows[row][column].abs() > rows[pivot][column].abs() {
+                pivot = row;
+            }
+        }
+        swaps[column] = pivot;
+        rows.swap(column, pivot);
+        let factor = 1.0 / rows[column][column];
+        rows[column][column] = 1.0;
+        rows[column].iter_mut().for_each(|entry| *entry *= factor);
+        let own = rows[column];
+        for row in (0..6).filter(|&row| row != column) {
+            let factor = rows[row][column];
+            rows[row][column] = 0.0;
+            (0..6).for_each(|entry| rows[row][entry] -= factor * own[entry]);
+        }
+    }
+    for column in (0..6).rev().filter(|&column| swaps[column] != column) {
+        rows.iter_mut().for_each(|row| row.swap(column, swaps[column]));
+    }
+    for (entries, row) in inverse.chunks_exact_mut(6).zip(&rows) {
+        entries.copy_from_slice(row);
     }
 }

@@ -16,8 +16,10 @@ use nalgebra::Vector3;
 /// The residual at which an island counts as solved, and the one at which the last rounds stop.
 pub const TOLERANCE: f64 = 5e-9;
 const ENOUGH: f64 = 1e-7;
+/// The residual of a coarse solution.
+pub const COARSE: f64 = 1e-3;
 /// Blocks are added this often at most.
-const WIDENED: usize = 8;
+const WIDENED: usize = 10;
 /// Iterations of Newton's method at first, after a round, and of one convex problem.
 const NEWTON: f64 = 30.0;
 const AFTER: f64 = 8.0;
@@ -32,19 +34,26 @@ const SEARCHES: usize = 12;
 /// A convex problem is solved when the decrement of Newton's method is this part of the first.
 const SOLVED: f64 = 1e-4;
 
-/// Solves the problem of an island from these impulses; returns its residual. Blocks that exert no impulse and do not close are left out, until
-/// the others make them close: hundreds of points of a hull are near a floor, and few of them press.
-pub fn solve(problem: &mut Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>, room: &mut Workspace) -> f64 {
+/// Solves the problem of an island from these impulses until its residual is below `tolerance`; returns the residual. Blocks that exert no impulse and do
+/// not close are left out, until the others make them close: hundreds of points of a hull are near a floor, and few of them press. Which of them take
+/// part is found out with a coarse solution.
+pub fn solve(
+    problem: &mut Problem,
+    impulses: &mut [Vector3<f64>],
+    v: &mut Vec<f64>,
+    tolerance: f64,
+    room: &mut Workspace,
+) -> f64 {
     let all = std::mem::take(&mut problem.blocks);
     let mut part: Vec<usize> = (0..all.len())
         .filter(|&number| impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free))
         .collect();
-    let mut residual = 0.0;
+    let (mut residual, mut within) = (0.0, tolerance.max(COARSE));
     for _ in 0..WIDENED {
         problem.blocks.clear();
         problem.blocks.extend(part.iter().map(|&number| all[number]));
         let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
-        residual = solve_all(problem, &mut own, v, room);
+        residual = solve_all(problem, &mut own, v, within, room);
         part.iter().zip(own).for_each(|(&number, impulse)| impulses[number] = impulse);
         let before = part.len();
         let mut inside = part.iter().copied().peekable();
@@ -53,7 +62,10 @@ pub fn solve(problem: &mut Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f
         part.extend(more);
         part.sort_unstable();
         if part.len() == before {
-            break;
+            if residual <= tolerance || within <= tolerance {
+                break;
+            }
+            within = tolerance;
         }
     }
     problem.blocks = all;
@@ -61,9 +73,15 @@ pub fn solve(problem: &mut Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f
 }
 
 /// The same with all blocks.
-fn solve_all(problem: &Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>, room: &mut Workspace) -> f64 {
-    let mut residual = newton(problem, impulses, v, [TOLERANCE, NEWTON], room);
-    if residual <= TOLERANCE || impulses.is_empty() {
+fn solve_all(
+    problem: &Problem,
+    impulses: &mut [Vector3<f64>],
+    v: &mut Vec<f64>,
+    tolerance: f64,
+    room: &mut Workspace,
+) -> f64 {
+    let mut residual = newton(problem, impulses, v, [tolerance, NEWTON], room);
+    if residual <= tolerance || impulses.is_empty() {
         return residual;
     }
     let (mut best, mut rates) = (impulses.to_vec(), Vec::new());
@@ -77,11 +95,11 @@ fn solve_all(problem: &Problem, impulses: &mut [Vector3<f64>], v: &mut Vec<f64>,
             *before = if round > ROUNDS / 2 { 0.5 * (*before + now) } else { now };
         }
         let mut tried = own.clone();
-        let found = newton(problem, &mut tried, &mut rates, [TOLERANCE, AFTER], room);
+        let found = newton(problem, &mut tried, &mut rates, [tolerance, AFTER], room);
         if found < residual {
             (residual, best) = (found, tried);
         }
-        if residual <= TOLERANCE || (round + 1 >= ROUNDS / 2 && residual <= ENOUGH) {
+        if residual <= tolerance || (round + 1 >= ROUNDS / 2 && residual <= ENOUGH) {
             break;
         }
     }
@@ -94,7 +112,7 @@ fn shift(problem: &Problem, number: usize, v: &[f64]) -> f64 {
     problem.blocks[number].law.shift(&problem.rate(number, v, &Vector3::zeros()))
 }
 
-/// The penalty of a convex problem.
+/// A convex problem: the start of its impulses r₀, its shifts s and its proximal part ε.
 struct Penalty<'p> {
     problem: &'p Problem<'p>,
     start: Vec<Vector3<f64>>,
@@ -109,26 +127,18 @@ impl Penalty<'_> {
         if block.compliance > 0.0 { 1.0 / block.compliance } else { block.rho / self.proximal }
     }
 
-    /// The argument of the projection.
-    fn argument(&self, number: usize, v: &[f64]) -> Vector3<f64> {
+    /// The argument of the projection, with rates H v.
+    fn argument(&self, number: usize, moved: &Vector3<f64>) -> Vector3<f64> {
         let block = &self.problem.blocks[number];
-        let mut rate = self.problem.moved(number, v) + block.bias;
+        let mut rate = moved + block.bias;
         rate.x += self.shifts[number];
         let start = if block.compliance > 0.0 { Vector3::zeros() } else { self.start[number] };
         start - rate * self.stiffness(number)
     }
 
-    /// Impulses at these rates, and the gradient of the function.
-    fn evaluate(&self, v: &[f64], impulses: &mut [Vector3<f64>], gradient: &mut Vec<f64>) {
-        gradient.clear();
-        gradient.resize(v.len(), 0.0);
-        for (number, impulse) in impulses.iter_mut().enumerate() {
-            *impulse = self.problem.blocks[number].law.project(&self.argument(number, v));
-            if *impulse != Vector3::zeros() {
-                self.problem.spread(number, &-*impulse, gradient);
-            }
-        }
-        self.problem.add_inertia(v, gradient);
+    /// The impulse of a block with rates H v.
+    fn impulse(&self, number: usize, moved: &Vector3<f64>) -> Vector3<f64> {
+        self.problem.blocks[number].law.project(&self.argument(number, moved))
     }
 }
 
@@ -143,35 +153,62 @@ fn convex(
 ) {
     let penalty = Penalty { problem, start: impulses.to_vec(), shifts, proximal };
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let (mut gradient, mut trial) = (Vec::new(), v.clone());
+    let Workspace { factors, iterations, direction, rates, turned, .. } = room;
+    let (mut gradient, mut inertia) = (Vec::new(), Vec::new());
     let mut first = 0.0;
-    for iteration in 0..CONVEX {
-        penalty.evaluate(v, impulses, &mut gradient);
-        room.iterations += 1;
-        problem.begin_matrix(&mut room.factors);
-        for number in 0..impulses.len() {
-            if let Some(slope) = problem.blocks[number].law.projection_slope(&penalty.argument(number, v)) {
-                problem.add_to_matrix(number, &(slope * penalty.stiffness(number)), &mut room.factors);
+    for iteration in 0..=CONVEX {
+        rates.clear();
+        rates.extend((0..impulses.len()).map(|number| problem.moved(number, v)));
+        gradient.clear();
+        gradient.resize(v.len(), 0.0);
+        problem.add_inertia(v, &mut gradient);
+        for (number, (impulse, moved)) in impulses.iter_mut().zip(&*rates).enumerate() {
+            *impulse = penalty.impulse(number, moved);
+            if *impulse != Vector3::zeros() {
+                problem.spread(number, &-*impulse, &mut gradient);
             }
         }
-        room.factors.factor(&problem.pattern);
-        let mut direction: Vec<f64> = gradient.iter().map(|entry| -entry).collect();
-        room.factors.solve(&problem.pattern, &mut direction);
-        let slope = dot(&gradient, &direction);
+        if iteration == CONVEX {
+            break;
+        }
+        *iterations += 1;
+        problem.begin_matrix(factors);
+        for (number, moved) in rates.iter().enumerate() {
+            if let Some(slope) = problem.blocks[number].law.projection_slope(&penalty.argument(number, moved)) {
+                let stiffness = penalty.stiffness(number);
+                problem.add_to_matrix(number, &slope.map(|row| row.map(|entry| entry * stiffness)), factors);
+            }
+        }
+        factors.factor(&problem.pattern);
+        direction.clear();
+        direction.extend(gradient.iter().map(|entry| -entry));
+        factors.solve(&problem.pattern, direction);
+        let slope = dot(&gradient, direction);
         if iteration == 0 {
             first = slope.abs();
         }
         if slope >= 0.0 || slope.is_nan() || slope.abs() <= SOLVED * first {
             break;
         }
-        // The root of the slope along the direction, which never falls.
+        // The slope along the direction d: d·M̃(v − v_f) + part d·M̃ d − Σ (H d)·r, which never falls. Its root.
+        turned.clear();
+        turned.extend((0..impulses.len()).map(|number| problem.moved(number, direction)));
+        let against: f64 = impulses.iter().zip(&*turned).map(|(impulse, turn)| impulse.dot(turn)).sum();
+        inertia.clear();
+        inertia.resize(v.len(), 0.0);
+        problem.multiply_inertia(direction, &mut inertia);
+        let (rest, bend) = (slope + against, dot(direction, &inertia));
+        let slope_at = |part: f64| {
+            let pushed = rates.iter().zip(&*turned).enumerate();
+            let along = |(number, (rate, turn)): (usize, (&Vector3<f64>, &Vector3<f64>))| {
+                penalty.impulse(number, &(rate + turn * part)).dot(turn)
+            };
+            rest + part * bend - pushed.map(along).sum::<f64>()
+        };
         let (mut low, mut high) = ((0.0, slope), (1.0, 0.0));
         let mut part = 1.0;
         for evaluation in 0..SEARCHES {
-            trial.clear();
-            trial.extend(v.iter().zip(&direction).map(|(v, d)| v + part * d));
-            penalty.evaluate(&trial, impulses, &mut gradient);
-            let here = dot(&gradient, &direction);
+            let here = slope_at(part);
             if (here <= 0.0 && evaluation == 0) || here.abs() <= FLAT * slope.abs() {
                 break;
             }
@@ -186,7 +223,6 @@ fn convex(
                 low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)
             };
         }
-        std::mem::swap(v, &mut trial);
+        v.iter_mut().zip(&*direction).for_each(|(v, d)| *v += part * d);
     }
-    penalty.evaluate(v, impulses, &mut gradient);
 }

@@ -3,7 +3,7 @@
 //! ```text
 //!     cone of friction μ:  F = r − Π_{C(y_N)}(y),   y = r − ρ u,    C: r_N ≥ 0, |r_T| ≤ μ max(0, y_N)
 //!     interval:            F = r − clamp(y, lower, upper)
-//!     F + A du + B dr = 0                          one step of Newton's method
+//!     F + A du + (B + εA/ρ) dr = 0                 one step of Newton's method, ε: a proximal part
 //! ```
 //!
 //! `u` are rates with their bias [m/s], `r` impulses (N s), both along normal and two tangents; `ρ` is the mass at the row (kg). An interval
@@ -12,7 +12,7 @@
 //! Source: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods, Computer Methods in
 //! Applied Mechanics and Engineering 92 (1991); G. De Saxcé, Z.-Q. Feng, The bipotential method (1998).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// The law of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,11 +23,13 @@ pub enum Law {
     Interval(f64, f64),
 }
 
-/// F, A and B.
-pub struct Linear {
-    pub value: Vector3<f64>,
-    pub by_rate: Matrix3<f64>,
-    pub by_impulse: Matrix3<f64>,
+/// The change of an impulse with the change of its rate: `dr = −shift − slope du`.
+#[derive(Clone, Copy)]
+pub struct Response {
+    /// (B + εA/ρ)⁻¹ F (N s).
+    pub shift: Vector3<f64>,
+    /// (B + εA/ρ)⁻¹ A [N s/(m/s)], by rows; `None` where it is zero.
+    pub slope: Option<[[f64; 3]; 3]>,
 }
 
 impl Law {
@@ -66,30 +68,30 @@ impl Law {
         }
     }
 
-    /// The derivative of the projection; `None` where it is zero.
-    pub fn projection_slope(self, y: &Vector3<f64>) -> Option<Matrix3<f64>> {
+    /// The derivative of the projection, by rows; `None` where it is zero.
+    pub fn projection_slope(self, y: &Vector3<f64>) -> Option<[[f64; 3]; 3]> {
         match self {
             Law::Interval(lower, upper) => {
-                (lower < y.x && y.x < upper).then(|| Matrix3::from_diagonal(&Vector3::new(1.0, 0.0, 0.0)))
+                (lower < y.x && y.x < upper).then_some([[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]])
             }
             Law::Cone(friction) => {
                 let across = norm(y.y, y.z);
                 if y.x >= 0.0 && across <= friction * y.x {
-                    return Some(Matrix3::identity());
+                    return Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
                 }
                 if friction * across <= -y.x {
                     return None;
                 }
                 let part = 1.0 / (1.0 + friction * friction);
-                let along = Vector3::new(0.0, y.y / across, y.z / across);
+                let t = [y.y / across, y.z / across];
                 let normal = (y.x + friction * across) * part;
-                let outward = Vector3::new(1.0, friction * along.y, friction * along.z);
-                let mut slope = part * outward * outward.transpose();
+                let outward = [1.0, friction * t[0], friction * t[1]];
+                let mut slope = outward.map(|row| outward.map(|column| part * row * column));
                 let turning = friction * normal / across;
-                for row in 1..3 {
-                    for column in 1..3 {
+                for row in 0..2 {
+                    for column in 0..2 {
                         let same = if row == column { 1.0 } else { 0.0 };
-                        slope[(row, column)] += turning * (same - along[row] * along[column]);
+                        slope[1 + row][1 + column] += turning * (same - t[row] * t[column]);
                     }
                 }
                 Some(slope)
@@ -104,48 +106,48 @@ impl Law {
         impulse - self.project(&(impulse - rate * rho))
     }
 
-    /// The equation and its derivatives.
-    pub fn linearise(self, r: &Vector3<f64>, u: &Vector3<f64>, rho: f64) -> Linear {
-        let one = Matrix3::identity();
+    /// The step of Newton's method of a block with rates u, mass ρ, compliance c [m/s/(N s)] and a proximal part ε, in closed form.
+    ///
+    /// ```text
+    ///     open:    F = r,   A = 0                stick:  F = ρ u,   A = ρ 1,   B = 0
+    ///     slip:    F = (ρ u_N, r_T − μ y_N t),   A = ρ ((1, 0), (μ t, k P)),   B = ((0, 0), (−μ t, 1 − k P))
+    ///              t = y_T/|y_T|,   P = 1 − t tᵀ,   k = μ y_N/|y_T| < 1
+    /// ```
+    pub fn respond(self, r: &Vector3<f64>, u: &Vector3<f64>, [rho, compliance, proximal]: [f64; 3]) -> Response {
         let y = r - u * rho;
+        let stiff = rho / proximal;
         match self {
-            Law::Interval(lower, upper) => {
-                if lower < y.x && y.x < upper {
-                    let mut by_impulse = one;
-                    by_impulse[(0, 0)] = 0.0;
-                    let by_rate = Matrix3::from_diagonal(&Vector3::new(rho, 0.0, 0.0));
-                    Linear { value: Vector3::new(rho * u.x, 0.0, 0.0), by_rate, by_impulse }
-                } else {
-                    let bound = y.x.max(lower).min(upper);
-                    let value = Vector3::new(r.x - bound, 0.0, 0.0);
-                    Linear { value, by_rate: Matrix3::zeros(), by_impulse: one }
-                }
+            Law::Interval(lower, upper) if lower < y.x && y.x < upper => {
+                let stiff = rho / (proximal + rho * compliance);
+                let slope = [[stiff, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+                Response { shift: Vector3::new(stiff * u.x, 0.0, 0.0), slope: Some(slope) }
             }
+            Law::Interval(lower, upper) => {
+                Response { shift: Vector3::new(r.x - y.x.max(lower).min(upper), 0.0, 0.0), slope: None }
+            }
+            Law::Cone(_) if y.x <= 0.0 => Response { shift: *r, slope: None },
             Law::Cone(friction) => {
                 let across = norm(y.y, y.z);
-                if y.x <= 0.0 {
-                    return Linear { value: *r, by_rate: Matrix3::zeros(), by_impulse: one };
-                }
-                if across <= friction * y.x {
-                    return Linear { value: u * rho, by_rate: one * rho, by_impulse: Matrix3::zeros() };
-                }
-                let along = [y.y / across, y.z / across];
                 let most = friction * y.x;
-                let value = Vector3::new(rho * u.x, r.y - most * along[0], r.z - most * along[1]);
-                let (mut by_rate, mut by_impulse) = (Matrix3::zeros(), Matrix3::zeros());
-                by_rate[(0, 0)] = rho;
-                for row in 0..2 {
-                    let slope = friction * along[row];
-                    by_rate[(1 + row, 0)] = rho * slope;
-                    by_impulse[(1 + row, 0)] = -slope;
-                    for column in 0..2 {
-                        let same = if row == column { 1.0 } else { 0.0 };
-                        let turn = most / across * (same - along[row] * along[column]);
-                        by_rate[(1 + row, 1 + column)] = rho * turn;
-                        by_impulse[(1 + row, 1 + column)] = same - turn;
-                    }
+                if across <= most {
+                    let slope = [[stiff, 0.0, 0.0], [0.0, stiff, 0.0], [0.0, 0.0, stiff]];
+                    return Response { shift: u * stiff, slope: Some(slope) };
                 }
-                Linear { value, by_rate, by_impulse }
+                let (t, part) = ([y.y / across, y.z / across], most / across);
+                // (1 − (1 − ε) k P)⁻¹ = t tᵀ + turned P
+                let turned = 1.0 / (1.0 - (1.0 - proximal) * part);
+                let off = [r.y - most * t[0], r.z - most * t[1]];
+                let along = t[0] * off[0] + t[1] * off[1];
+                let normal = stiff * u.x;
+                let pushed = along + (1.0 - proximal) * friction * normal;
+                let shift = |row: usize| turned * (off[row] - along * t[row]) + pushed * t[row];
+                let turning = rho * part * turned;
+                let slope = [
+                    [stiff, 0.0, 0.0],
+                    [friction * t[0] * stiff, turning * (1.0 - t[0] * t[0]), -turning * t[0] * t[1]],
+                    [friction * t[1] * stiff, -turning * t[0] * t[1], turning * (1.0 - t[1] * t[1])],
+                ];
+                Response { shift: Vector3::new(normal, shift(0), shift(1)), slope: Some(slope) }
             }
         }
     }

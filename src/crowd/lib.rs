@@ -3,12 +3,13 @@
 //! - [`trees`]: mass matrices in joint rates;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
 //! - [`laws`], [`problem`]: the equations;
-//! - `block_factors`, [`newton`], [`convex`]: the solvers.
+//! - `elimination`, `block_factors`, [`newton`], [`convex`]: the solvers.
 
 #![deny(unsafe_code)]
 
 mod block_factors;
 pub mod convex;
+mod elimination;
 pub mod islands;
 pub mod laws;
 pub mod newton;

@@ -1,26 +1,32 @@
 //! Newton's method for the problem of an island in the rates of its trees.
 //!
 //! ```text
-//!     F_k + A_k H_k dv + B_k dr_k = 0,   B_k ← B_k + (ε/ρ_k) A_k          ε = clamp(residual, 1e-8, 0.1)
-//!     (M̃ + Σ H_kᵀ B_k⁻¹ A_k H_k) dv = −Σ H_kᵀ B_k⁻¹ F_k                    one LU factorisation an iteration
+//!     F_k + A_k H_k dv + (B_k + (ε/ρ_k) A_k) dr_k = 0          ε = clamp(k residual, 1e-8, 0.1);   laws.rs gives dr_k = −f_k − S_k H_k dv
+//!     (M̃ + Σ H_kᵀ S_k H_k) dv = −Σ H_kᵀ f_k                    one LU factorisation an iteration
 //! ```
 //!
 //! ε is a proximal part: without it contacts that stick at places that do not fit together have no bounded impulses. A step is halved until the sum of
-//! the squared natural maps falls. If five halvings do not help, the full step is taken, a few times at most. The best impulses of all iterations are the answer.
+//! the squared natural maps falls; because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is
+//! 30 times as large, twice, because redundant contacts pull against each other; then the full step is taken, a few times at most. The best impulses of all
+//! iterations are the answer.
 //!
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
 //! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity.
 
 use crate::block_factors::Factors;
+use crate::laws::Response;
 use crate::problem::Problem;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// The proximal part lies between these.
 const PROXIMAL: [f64; 2] = [1e-8, 0.1];
 /// The merit has to fall to this part at a step that counts as a success.
 const FALLS: f64 = 0.9;
 const HALVINGS: usize = 5;
-/// Full steps without success are taken this often in a row, if the merit grows by this factor at most.
+/// k grows by this factor after a step without success, this often in a row, and falls by its root after a success.
+const FIRMER: f64 = 30.0;
+const FIRM: usize = 2;
+/// Then full steps without success are taken this often in a row, if the merit grows by this factor at most.
 const UNSUCCESSFUL: usize = 3;
 const GROWS: f64 = 100.0;
 
@@ -29,11 +35,14 @@ const GROWS: f64 = 100.0;
 pub struct Workspace {
     pub factors: Factors,
     pub iterations: usize,
-    direction: Vec<f64>,
-    parts: Vec<(Vector3<f64>, Matrix3<f64>)>,
-    trial: Vec<Vector3<f64>>,
+    pub(crate) direction: Vec<f64>,
+    /// u, and the changes of u and r of a whole step.
+    pub(crate) rates: Vec<Vector3<f64>>,
+    pub(crate) turned: Vec<Vector3<f64>>,
+    changes: Vec<Vector3<f64>>,
+    responses: Vec<Response>,
+    trial: [Vec<Vector3<f64>>; 2],
     best: Vec<Vector3<f64>>,
-    moved: Vec<f64>,
 }
 
 /// Iterates on impulses and rates until the residual is below `tolerance`, with a largest number of iterations; returns the residual at the end.
@@ -45,53 +54,55 @@ pub fn newton(
     room: &mut Workspace,
 ) -> f64 {
     problem.velocity(impulses, v);
-    let mut merit = problem.merit(impulses, v);
+    problem.rates(v, impulses, &mut room.rates);
+    let mut merit = problem.merit(impulses, &room.rates);
     let mut best = merit.residual;
     room.best.clear();
     room.best.extend_from_slice(impulses);
-    let mut unsuccessful = 0;
+    let (mut unsuccessful, mut firm) = (0, 1.0_f64);
     for _ in 0..most as usize {
         if merit.residual <= tolerance {
             break;
         }
-        direction(problem, impulses, v, merit.residual, room);
+        direction(problem, impulses, firm * merit.residual, room);
+        let Workspace { rates, turned, changes, trial: [trial, moved], .. } = room;
         let (mut part, mut falls) = (1.0, false);
-        let Workspace { parts, direction, trial, moved, .. } = room;
-        let change = |number: usize| {
-            let (shift, slope) = &parts[number];
-            -shift - slope * problem.moved(number, direction)
-        };
-        let changes: Vec<Vector3<f64>> = (0..impulses.len()).map(change).collect();
         let mut found = merit;
-        for _ in 0..HALVINGS {
-            trial.clear();
-            trial.extend(impulses.iter().zip(&changes).map(|(impulse, change)| impulse + change * part));
-            problem.velocity(trial, moved);
+        for halving in 0..=HALVINGS {
+            // After all halvings the whole step.
+            part = if halving == HALVINGS { 1.0 } else { part };
+            let along = |from: &[Vector3<f64>], change: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>| {
+                to.clear();
+                to.extend(from.iter().zip(change).map(|(from, change)| from + change * part));
+            };
+            along(impulses, changes, trial);
+            along(rates, turned, moved);
             found = problem.merit(trial, moved);
-            if found.value.is_finite() && found.value < FALLS * merit.value {
-                falls = true;
+            falls = found.value.is_finite() && found.value < FALLS * merit.value;
+            if falls {
                 break;
             }
             part *= 0.5;
         }
-        if !falls {
-            trial.clear();
-            trial.extend(impulses.iter().zip(&changes).map(|(impulse, change)| impulse + change));
-            problem.velocity(trial, moved);
-            found = problem.merit(trial, moved);
+        if falls {
+            firm = (firm / FIRMER.sqrt()).max(1.0);
+        } else if unsuccessful < FIRM {
+            (unsuccessful, firm) = (unsuccessful + 1, firm * FIRMER);
+            continue;
         }
         if !found.value.is_finite() || (!falls && found.value > GROWS * merit.value) {
             break;
         }
         unsuccessful = if falls { 0 } else { unsuccessful + 1 };
         impulses.copy_from_slice(trial);
-        std::mem::swap(v, moved);
-        merit = found;
+        problem.velocity(impulses, v);
+        problem.rates(v, impulses, &mut room.rates);
+        merit = problem.merit(impulses, &room.rates);
         if merit.residual < best {
             best = merit.residual;
             room.best.copy_from_slice(impulses);
         }
-        if unsuccessful >= UNSUCCESSFUL {
+        if unsuccessful >= FIRM + UNSUCCESSFUL {
             break;
         }
     }
@@ -102,37 +113,38 @@ pub fn newton(
     best
 }
 
-/// The direction dv, and B⁻¹F and B⁻¹A of each block.
-fn direction(problem: &Problem, impulses: &[Vector3<f64>], v: &[f64], residual: f64, room: &mut Workspace) {
-    let Workspace { factors, direction, parts, iterations, .. } = room;
+/// The changes of rates and impulses of a whole step.
+fn direction(problem: &Problem, impulses: &[Vector3<f64>], residual: f64, room: &mut Workspace) {
+    let Workspace { factors, direction, rates, turned, changes, responses, iterations, .. } = room;
     *iterations += 1;
     direction.clear();
-    direction.resize(v.len(), 0.0);
-    parts.clear();
+    direction.resize(problem.free.len(), 0.0);
+    responses.clear();
     problem.begin_matrix(factors);
-    for (number, block) in problem.blocks.iter().enumerate() {
-        let rate = problem.rate(number, v, &impulses[number]);
-        let mut linear = block.law.linearise(&impulses[number], &rate, block.rho);
-        let proximal = residual.clamp(PROXIMAL[0], PROXIMAL[1]) / block.rho;
-        let along = linear.by_rate * Vector3::new(block.compliance, 0.0, 0.0);
-        linear.by_impulse += linear.by_rate * proximal;
-        for row in 0..3 {
-            linear.by_impulse[(row, 0)] += along[row];
+    let proximal = residual.clamp(PROXIMAL[0], PROXIMAL[1]);
+    for (number, (block, (impulse, rate))) in problem.blocks.iter().zip(impulses.iter().zip(&*rates)).enumerate() {
+        let response = block.law.respond(impulse, rate, [block.rho, block.compliance, proximal]);
+        if response.shift != Vector3::zeros() {
+            problem.spread(number, &-response.shift, direction);
         }
-        let (shift, slope) = if block.law.rows() == 1 {
-            let by_impulse = linear.by_impulse[(0, 0)];
-            let shift = Vector3::new(linear.value.x / by_impulse, 0.0, 0.0);
-            (shift, Matrix3::from_diagonal(&Vector3::new(linear.by_rate[(0, 0)] / by_impulse, 0.0, 0.0)))
-        } else {
-            let inverse = linear.by_impulse.try_inverse().unwrap_or_else(Matrix3::identity);
-            (inverse * linear.value, inverse * linear.by_rate)
-        };
-        problem.spread(number, &-shift, direction);
-        if slope != Matrix3::zeros() {
-            problem.add_to_matrix(number, &slope, factors);
+        if let Some(slope) = &response.slope {
+            problem.add_to_matrix(number, slope, factors);
         }
-        parts.push((shift, slope));
+        responses.push(response);
     }
     factors.factor(&problem.pattern);
     factors.solve(&problem.pattern, direction);
+    (turned.clear(), changes.clear());
+    for (number, (block, Response { shift, slope })) in problem.blocks.iter().zip(&*responses).enumerate() {
+        let mut turn = problem.moved(number, direction);
+        let mut change = -shift;
+        if let Some(slope) = slope {
+            for (entry, row) in change.iter_mut().zip(slope) {
+                *entry -= row[0] * turn.x + row[1] * turn.y + row[2] * turn.z;
+            }
+        }
+        turn.x += block.compliance * change.x;
+        turned.push(turn);
+        changes.push(change);
+    }
 }

@@ -7,11 +7,12 @@
 //! `v` (n) are the rates of the trees, `H_k` (3 × n or 1 × n) the rows of a block, `b_k` its bias [m/s or rad/s], `c_k` a compliance [m/s/(N s)] of a
 //! motor. A block has entries for the freedoms on the way to its bodies alone. Blocks of one tree and the world stay in the diagonal block of the tree.
 
-use crate::block_factors::{Factors, Pattern};
+use crate::block_factors::Factors;
+use crate::elimination::Pattern;
 use crate::laws::Law;
 use crate::rows::{Rows, Side};
 use crate::trees::Trees;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// One block of an island.
 #[derive(Clone, Copy)]
@@ -127,14 +128,16 @@ impl<'p> Problem<'p> {
         let mut rate = Vector3::zeros();
         for side in block.sides.iter().flatten() {
             let v = self.part(side, v);
-            for row in 0..block.law.rows() {
-                let (columns, entries) = self.rows.row(side, row);
-                // The way to a body that is all of its tree has all freedoms in their order.
-                rate[row] += if columns.len() == v.len() {
-                    v.iter().zip(entries).map(|(v, entry)| entry * v).sum::<f64>()
-                } else {
-                    columns.iter().zip(entries).map(|(&column, entry)| entry * v[column]).sum::<f64>()
-                };
+            let (columns, entries) = self.rows.rows(side);
+            if let (Ok(v), true) = (<&[f64; 6]>::try_from(v), side.free) {
+                for (row, entries) in entries.chunks_exact(6).take(block.law.rows()).enumerate() {
+                    let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|place| entries[place] * v[place]);
+                    rate[row] += (a + b) + (c + d) + (e + f);
+                }
+                continue;
+            }
+            for (row, entries) in entries.chunks_exact(side.count.max(1)).take(block.law.rows()).enumerate() {
+                rate[row] += columns.iter().zip(entries).map(|(&column, entry)| entry * v[column]).sum::<f64>();
             }
         }
         rate
@@ -170,14 +173,16 @@ impl<'p> Problem<'p> {
             let place = self.places[side.tree];
             let from = self.pattern.offsets[place];
             let efforts = &mut efforts[from..from + self.pattern.sizes[place]];
-            for row in 0..block.law.rows() {
-                let (columns, entries) = self.rows.row(side, row);
-                let impulse = impulse[row];
-                if columns.len() == efforts.len() {
-                    efforts.iter_mut().zip(entries).for_each(|(effort, entry)| *effort += entry * impulse);
-                } else {
-                    columns.iter().zip(entries).for_each(|(&column, entry)| efforts[column] += entry * impulse);
+            let (columns, entries) = self.rows.rows(side);
+            let rows = entries.chunks_exact(side.count.max(1)).take(block.law.rows()).zip(impulse);
+            if let (Ok(efforts), true) = (<&mut [f64; 6]>::try_from(&mut *efforts), side.free) {
+                for (entries, impulse) in rows {
+                    (0..6).for_each(|place| efforts[place] += entries[place] * impulse);
                 }
+                continue;
+            }
+            for (entries, impulse) in rows {
+                columns.iter().zip(entries).for_each(|(&column, entry)| efforts[column] += entry * impulse);
             }
         }
     }
@@ -198,12 +203,17 @@ impl<'p> Problem<'p> {
         v.iter_mut().zip(&self.free).for_each(|(rate, free)| *rate += free);
     }
 
-    /// How well impulses and the rates that they make solve the problem.
-    pub fn merit(&self, impulses: &[Vector3<f64>], v: &[f64]) -> Merit {
+    /// u of all blocks.
+    pub fn rates(&self, v: &[f64], impulses: &[Vector3<f64>], rates: &mut Vec<Vector3<f64>>) {
+        rates.clear();
+        rates.extend(impulses.iter().enumerate().map(|(number, impulse)| self.rate(number, v, impulse)));
+    }
+
+    /// How well impulses and the rates u that they make solve the problem.
+    pub fn merit(&self, impulses: &[Vector3<f64>], rates: &[Vector3<f64>]) -> Merit {
         let (mut value, mut largest, mut scale) = (0.0, 0.0_f64, 0.0_f64);
-        for (number, impulse) in impulses.iter().enumerate() {
-            let block = &self.blocks[number];
-            let defect = block.law.defect(impulse, &self.rate(number, v, impulse), block.rho).norm_squared();
+        for ((block, impulse), rate) in self.blocks.iter().zip(impulses).zip(rates) {
+            let defect = block.law.defect(impulse, rate, block.rho).norm_squared();
             value += defect / block.rho;
             largest = if defect.is_nan() { f64::NAN } else { largest.max(defect) };
             scale = scale.max(impulse.norm_squared());
@@ -223,57 +233,67 @@ impl<'p> Problem<'p> {
     /// Adds M̃ (v − v_f) to efforts.
     pub fn add_inertia(&self, v: &[f64], efforts: &mut [f64]) {
         let change: Vec<f64> = v.iter().zip(&self.free).map(|(v, free)| v - free).collect();
+        self.multiply_inertia(&change, efforts);
+    }
+
+    /// Adds M̃ x to efforts.
+    pub fn multiply_inertia(&self, change: &[f64], efforts: &mut [f64]) {
         for (place, &tree) in self.members.iter().enumerate() {
             let range = self.pattern.offsets[place]..self.pattern.offsets[place] + self.pattern.sizes[place];
             self.trees.trees[tree].add_softened(&change[range.clone()], &mut efforts[range]);
         }
     }
 
-    /// Adds Hᵀ S H of a block to the matrix.
-    pub fn add_to_matrix(&self, number: usize, stiffness: &Matrix3<f64>, factors: &mut Factors) {
+    /// Adds Hᵀ S H of a block to the matrix, S by rows.
+    pub fn add_to_matrix(&self, number: usize, stiffness: &[[f64; 3]; 3], factors: &mut Factors) {
         let block = &self.blocks[number];
         let rows = block.law.rows();
         for one in block.sides.iter().flatten() {
+            let left = self.rows.rows(one);
             for other in block.sides.iter().flatten() {
                 let (row, column) = (self.places[one.tree], self.places[other.tree]);
                 let width = self.pattern.sizes[column];
                 let target = factors.block(&self.pattern, row, column);
+                let right = self.rows.rows(other);
+                let (high, wide) = (one.count, other.count);
                 if rows == 1 {
-                    let ((columns, left), (others, right)) = (self.rows.row(one, 0), self.rows.row(other, 0));
-                    for (&i, x) in columns.iter().zip(left) {
-                        let factor = x * stiffness[(0, 0)];
-                        others.iter().zip(right).for_each(|(&j, y)| target[i * width + j] += factor * y);
+                    for (&i, x) in left.0.iter().zip(left.1) {
+                        let factor = x * stiffness[0][0];
+                        let target = &mut target[i * width..(i + 1) * width];
+                        right.0.iter().zip(right.1).for_each(|(&j, y)| target[j] += factor * y);
                     }
                     continue;
                 }
-                let (left, right) = (self.rows.rows(one), self.rows.rows(other));
-                let (high, wide) = (one.count, other.count);
-                if high == 6 && wide == 6 && width == 6 && target.len() == 36 {
-                    let mut pulled = [[0.0; 6]; 3];
-                    for (row, sums) in pulled.iter_mut().enumerate() {
-                        for inner in 0..3 {
-                            let factor = stiffness[(row, inner)];
-                            sums.iter_mut().zip(&right.1[6 * inner..]).for_each(|(sum, y)| *sum += factor * y);
-                        }
-                    }
-                    for (i, entries) in target.chunks_exact_mut(6).enumerate() {
-                        let [x, y, z] = [left.1[i], left.1[6 + i], left.1[12 + i]];
-                        for (j, entry) in entries.iter_mut().enumerate() {
-                            *entry += x * pulled[0][j] + y * pulled[1][j] + z * pulled[2][j];
-                        }
-                    }
+                if let (true, true, Ok(target)) = (one.free, other.free, <&mut [f64; 36]>::try_from(&mut *target))
+                    && let (Some(left), Some(right)) = (left.1.first_chunk::<18>(), right.1.first_chunk::<18>())
+                {
+                    add_six(target, left, stiffness, right);
                     continue;
                 }
                 for (place, &j) in right.0.iter().enumerate() {
-                    let along = Vector3::new(right.1[place], right.1[wide + place], right.1[2 * wide + place]);
-                    let pulled = stiffness * along;
+                    let along = [0, 1, 2].map(|row| right.1[row * wide + place]);
+                    let pulled = stiffness.map(|row| row[0] * along[0] + row[1] * along[1] + row[2] * along[2]);
                     for (place, &i) in left.0.iter().enumerate() {
-                        target[i * width + j] += left.1[place] * pulled.x
-                            + left.1[high + place] * pulled.y
-                            + left.1[2 * high + place] * pulled.z;
+                        target[i * width + j] += left.1[place] * pulled[0]
+                            + left.1[high + place] * pulled[1]
+                            + left.1[2 * high + place] * pulled[2];
                     }
                 }
             }
         }
+    }
+}
+
+/// Adds Lᵀ S R of two free bodies, each with three rows.
+fn add_six(target: &mut [f64; 36], left: &[f64; 18], stiffness: &[[f64; 3]; 3], right: &[f64; 18]) {
+    let mut pulled = [[0.0; 6]; 3];
+    for (sums, factors) in pulled.iter_mut().zip(stiffness) {
+        for (inner, factor) in factors.iter().enumerate() {
+            (0..6).for_each(|place| sums[place] += factor * right[6 * inner + place]);
+        }
+    }
+    for i in 0..6 {
+        let [x, y, z] = [left[i], left[6 + i], left[12 + i]];
+        (0..6).for_each(|j| target[6 * i + j] += x * pulled[0][j] + y * pulled[1][j] + z * pulled[2][j]);
     }
 }

@@ -13,6 +13,8 @@ pub struct Side {
     pub tree: usize,
     /// Number of freedoms.
     pub count: usize,
+    /// Whether they are all six of a free body, in their order.
+    pub free: bool,
     columns: usize,
     entries: usize,
 }
@@ -45,7 +47,7 @@ impl Rows {
     /// The row of one freedom of the mechanism.
     pub fn of_freedom(&mut self, freedom: usize, sign: f64, trees: &Trees) -> Side {
         let (tree, column) = trees.of_freedom[freedom];
-        let side = Side { tree, count: 1, columns: self.columns.len(), entries: self.entries.len() };
+        let side = Side { tree, count: 1, free: false, columns: self.columns.len(), entries: self.entries.len() };
         self.columns.push(column);
         self.entries.push(sign);
         side
@@ -68,12 +70,21 @@ impl Rows {
         };
         let together = bodies[1].is_some() && tree_of(bodies[0]) == tree_of(bodies[1]);
         let mut sides = [None, None];
-        let mut begin = Side { tree: 0, count: 0, columns: self.columns.len(), entries: self.entries.len() };
+        let nothing = |rows: &Self| Side {
+            tree: 0,
+            count: 0,
+            free: false,
+            columns: rows.columns.len(),
+            entries: rows.entries.len(),
+        };
+        let mut begin = nothing(self);
         for (number, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
             let path = &trees.paths[body][shared..];
             self.columns.extend_from_slice(path);
-            begin = Side { tree: trees.of_body[body], count: begin.count + path.len(), ..begin };
+            let tree = trees.of_body[body];
+            let free = !together && path.len() == 6 && trees.trees[tree].freedoms.len() == 6;
+            begin = Side { tree, count: begin.count + path.len(), free, ..begin };
             if together && number == 0 {
                 continue;
             }
@@ -88,7 +99,7 @@ impl Rows {
                 }
             }
             sides[number] = Some(begin);
-            begin = Side { tree: 0, count: 0, columns: self.columns.len(), entries: self.entries.len() };
+            begin = nothing(self);
         }
         sides
     }

@@ -43,6 +43,10 @@ pub struct Tree {
     pub mass: Vec<f64>,
     pub softened: Vec<f64>,
     factor: Vec<f64>,
+    /// The inverses of the diagonal entries of L.
+    reciprocals: Vec<f64>,
+    /// M̃⁻¹ of a free body, which is asked for more often than those of others.
+    inverse: Option<[[f64; 6]; 6]>,
 }
 
 /// Mass, first moment and inertia of a body with all beyond it.
@@ -83,6 +87,7 @@ impl Trees {
         for tree in &mut own.trees {
             let size = tree.freedoms.len().pow(2);
             (tree.mass, tree.softened, tree.factor) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+            tree.reciprocals = vec![0.0; tree.freedoms.len()];
         }
         own
     }
@@ -185,8 +190,9 @@ impl Tree {
                 let other = if column == row { left } else { &upper[column * count..column * count + column] };
                 let sum = left.iter().zip(other).fold(self.softened[row * count + column], |sum, (a, b)| sum - a * b);
                 let entry = if column < row {
-                    sum / self.factor[column * count + column]
+                    sum * self.reciprocals[column]
                 } else if sum > 0.0 {
+                    self.reciprocals[row] = 1.0 / sum.sqrt();
                     sum.sqrt()
                 } else {
                     return false;
@@ -194,15 +200,33 @@ impl Tree {
                 self.factor[row * count + column] = entry;
             }
         }
+        self.inverse = None;
+        if self.freedoms.len() == 6 && self.bodies.len() == 1 {
+            let mut inverse = [[0.0; 6]; 6];
+            for (row, entries) in inverse.iter_mut().enumerate() {
+                entries[row] = 1.0;
+                self.solve(entries);
+            }
+            self.inverse = Some(inverse);
+        }
         true
     }
 
     /// x ← M̃⁻¹ x.
     pub fn solve(&self, x: &mut [f64]) {
+        if let (Some(inverse), Ok(x)) = (&self.inverse, <&mut [f64; 6]>::try_from(&mut *x)) {
+            // It is symmetric: rows are columns.
+            let mut sums = [0.0; 6];
+            for (row, entry) in inverse.iter().zip(x.iter()) {
+                (0..6).for_each(|column| sums[column] += row[column] * entry);
+            }
+            *x = sums;
+            return;
+        }
         self.solve_lower(x);
         let count = self.freedoms.len();
         for row in (0..count).rev() {
-            let value = x[row] / self.factor[row * count + row];
+            let value = x[row] * self.reciprocals[row];
             x[row] = value;
             let (before, own) = (&mut x[..row], &self.factor[row * count..row * count + row]);
             before.iter_mut().zip(own).for_each(|(entry, factor)| *entry -= factor * value);
@@ -215,7 +239,7 @@ impl Tree {
         for row in 0..count {
             let own = &self.factor[row * count..row * count + row];
             let sum = own.iter().zip(&x[..row]).fold(x[row], |sum, (factor, entry)| sum - factor * entry);
-            x[row] = sum / self.factor[row * count + row];
+            x[row] = sum * self.reciprocals[row];
         }
     }
 

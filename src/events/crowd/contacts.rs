@@ -19,7 +19,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::Side as End;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::{tangents, touch_motion};
+use crate::mechanism::motion::touches::{belt, tangents, touch_motion};
 use nalgebra::Vector3;
 
 /// Contacts and limits with a smaller gap are closed (m or rad).
@@ -61,14 +61,17 @@ pub(crate) struct Candidate {
     pub gap: f64,
     /// Normal and tangents.
     pub frame: [Vector3<f64>; 3],
+    /// The velocity of belts in the frame, along the tangents of a contact with friction [m/s].
+    pub belt: Vector3<f64>,
     pub sides: [Option<Side>; 2],
     /// Impulses that move it to the end of a step, and that make its rates there, in the frame (N s).
     pub moving: Vector3<f64>,
     pub settling: Vector3<f64>,
     /// How much faster the gap closes than its rate at the start says [m/s].
     pub curve: f64,
-    /// Whether it was closed where the step before began.
+    /// Whether it was closed where the step before began, and its gap there over the length of the step [m/s].
     pub was_closed: bool,
+    pub closing: f64,
 }
 
 /// All candidates at one instant, with their rows.
@@ -180,17 +183,10 @@ impl Contacts {
             if clearances.is_beyond(pair, of.bodies, of.reach, within) {
                 continue;
             }
-            if !clearances.near[pair] {
-                let distance = touching.distance_within(pair, bodies, within);
-                clearances.clear[pair] = distance;
-                if distance > within {
-                    continue;
-                }
-            }
-            let found = touching.near(pair, bodies, within);
+            let (found, apart) = touching.soon(pair, bodies, within, clearances.near[pair]);
             clearances.near[pair] = !found.is_empty();
-            clearances.clear[pair] = 0.0;
-            for (contact, _) in found {
+            clearances.clear[pair] = apart.max(0.0);
+            for contact in found {
                 self.list.push(Candidate::touch(contact, of.friction, of.restitution, bodies));
             }
         }
@@ -249,8 +245,8 @@ impl Contacts {
         }
     }
 
-    /// Takes impulses and curvatures from the candidates of the step before, for steps that are longer by a factor.
-    pub fn warm(&mut self, before: &Contacts, longer: f64, trees: &Trees) {
+    /// Takes impulses and curvatures from the candidates of the step before, which lasted this long (s), for steps that are longer by a factor.
+    pub fn warm(&mut self, before: &Contacts, step: f64, longer: f64, trees: &Trees) {
         let mut keys: Vec<(Key, usize)> =
             before.list.iter().enumerate().map(|(number, candidate)| (candidate.key, number)).collect();
         keys.sort_unstable();
@@ -260,6 +256,7 @@ impl Contacts {
             candidate.moving = candidate.in_frame(&old.in_world(&old.moving)) * longer;
             candidate.settling = candidate.in_frame(&old.in_world(&old.settling)) * longer;
             candidate.was_closed = old.is_closed();
+            candidate.closing = old.gap / step;
             candidate.curve = if candidate.keeps_curve(trees) { old.curve * longer } else { 0.0 };
         }
     }
@@ -270,8 +267,15 @@ impl Candidate {
     pub fn touch(contact: Contact, friction: f64, restitution: f64, bodies: &[BodyState]) -> Self {
         let touch = touch_motion(&contact.joint, bodies);
         let [first, second] = tangents(&touch.normal);
+        let carried = if friction > 0.0 && contact.joint.is_belt() {
+            let belt = belt(&contact.joint, bodies, &touch.normal);
+            Vector3::new(0.0, belt.dot(&first), belt.dot(&second))
+        } else {
+            Vector3::zeros()
+        };
         Candidate {
             frame: [touch.normal, first, second],
+            belt: carried,
             gap: touch.gap,
             friction,
             key: Key::Touch(contact.pair, contact.features),
@@ -301,11 +305,13 @@ impl Candidate {
             restitution,
             gap,
             frame: [Vector3::x(), Vector3::y(), Vector3::z()],
+            belt: Vector3::zeros(),
             sides: [None, None],
             moving: Vector3::zeros(),
             settling: Vector3::zeros(),
             curve: 0.0,
             was_closed: false,
+            closing: 0.0,
         }
     }
 }

@@ -33,7 +33,8 @@ pub(super) struct Energies {
 impl Energies {
     pub fn new(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
-        let in_joints = forces.joint_loads.is_empty() && forces.joint_courses.is_empty();
+        let in_joints =
+            forces.joint_loads.is_empty() && forces.joint_courses.is_empty() && forces.gravity_compensations.is_empty();
         let on_links = forces.wrenches.is_empty() && forces.link_loads.is_empty() && forces.drags.is_empty();
         let together = !(in_joints && on_links && forces.point_springs.is_empty());
         Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new() }
@@ -43,11 +44,6 @@ impl Energies {
     pub fn place(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], trees: &Trees) {
         self.debt.resize(trees.trees.len(), 0.0);
         self.potential = potentials(mechanism, state, bodies, trees);
-    }
-
-    /// Whether no tree has a debt.
-    pub fn owes_nothing(&self) -> bool {
-        self.debt.iter().all(|debt| *debt == 0.0)
     }
 
     /// The kinetic energy of rates (J).

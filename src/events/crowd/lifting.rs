@@ -6,7 +6,7 @@
 //!
 //! It is a jump of position beside the mechanics. The report tells the largest one, and the energy that it adds is taken from the motion.
 
-use crate::crowd::convex::solve;
+use crate::crowd::convex::{TOLERANCE, solve};
 use crate::crowd::islands::islands;
 use crate::crowd::laws::Law;
 use crate::crowd::problem::{Given, Problem};
@@ -55,7 +55,7 @@ impl Crowd {
                 let mut problem = Problem::new(trees, &next.rows, [&island.trees, &places], &nothing, blocks);
                 let mut impulses = vec![Vector3::zeros(); island.candidates.len()];
                 let mut v = Vec::new();
-                solve(&mut problem, &mut impulses, &mut v, room);
+                solve(&mut problem, &mut impulses, &mut v, TOLERANCE, room);
                 let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
                 freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
             }

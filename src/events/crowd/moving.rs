@@ -1,13 +1,14 @@
 //! (A): the displacement of a step, after which no gap is negative.
 //!
 //! ```text
-//!     M̃ (w − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H w + (φ/h + c) n,     q̄ = q ⊕ h w
+//!     M̃ (w − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H w + (φ/h + c) n + s,     q̄ = q ⊕ h w
 //!     c ← (φ̄ − φ)/h − H_N w         until |φ̄| ≤ 3e-10 where r_N > 0, and φ̄ ≥ −3e-10 elsewhere
 //! ```
 //!
-//! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions.
+//! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions. It is first taken
+//! from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
-use crate::crowd::convex::{TOLERANCE, solve};
+use crate::crowd::convex::{COARSE, TOLERANCE, solve};
 use crate::crowd::islands::islands;
 use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
@@ -21,7 +22,7 @@ use nalgebra::Vector3;
 
 /// A gap that counts as closed (m or rad), and the rounds for it.
 const MEETS: f64 = 3e-10;
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 5;
 
 /// The start of a step.
 pub(super) struct Moving<'m> {
@@ -76,7 +77,12 @@ pub(super) fn move_on(
                     _ => (candidate.gap / step + candidate.curve, 0.0),
                 };
                 let law = candidate.law(scene.elements, 0.5 * step);
-                Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
+                Given {
+                    sides: candidate.sides,
+                    law,
+                    bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z),
+                    compliance,
+                }
             };
             let blocks = island.candidates.iter().map(block);
             let problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
@@ -97,7 +103,8 @@ pub(super) fn move_on(
             if !own.open {
                 continue;
             }
-            own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, room);
+            let tolerance = if round == 0 { COARSE } else { TOLERANCE };
+            own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, tolerance, room);
             let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
             freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
         }
@@ -121,7 +128,7 @@ pub(super) fn move_on(
                 own.curves[place] = (gap - linear) / step;
                 off = off.max(if own.impulses[place].x > 0.0 { gap.abs() } else { -gap });
             }
-            own.open = off > MEETS;
+            own.open = off > MEETS || own.residual > TOLERANCE && round == 0;
             if own.open {
                 for (place, &number) in candidates.iter().enumerate() {
                     let candidate = &contacts.list[number];

@@ -1,11 +1,11 @@
 //! (B): the rates at the end of a step, with all contacts and limits that are closed there.
 //!
 //! ```text
-//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n
+//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n + s
 //! ```
 //!
 //! H and M are at the end of the step, v at its start; e is the restitution of a contact that has closed in this step. An approach that is slower than a
-//! fall of two steps has no rebound. There is no gap in it.
+//! fall of two steps has no rebound. There is no gap in it. Belts with the velocity s along the tangents do the work `−s · r`.
 
 use crate::crowd::convex::{TOLERANCE, solve};
 use crate::crowd::islands::islands;
@@ -16,6 +16,9 @@ use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
+
+/// The impulses of an impact are guessed to be those of (A) times this factor at most.
+const FULL: f64 = 4.0;
 
 /// The displacement and the free rates of a step.
 pub(super) struct Settling<'s> {
@@ -36,7 +39,7 @@ pub(super) struct Settled {
     pub unsolved: usize,
     /// Contacts and limits that have closed with an impact.
     pub closed: usize,
-    /// Work of motors along the freedoms, and what friction of joints took (J).
+    /// Work of motors along the freedoms, and of belts at the first freedom of a tree, and what friction of joints took (J).
     pub work: Vec<f64>,
     pub friction: f64,
 }
@@ -71,10 +74,17 @@ pub(super) fn settle(
                 Key::Motor(motor) => brake(scene, settling, motor, law),
                 _ => (law, 0.0, 0.0),
             };
-            Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
+            Given {
+                sides: candidate.sides,
+                law,
+                bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z),
+                compliance,
+            }
         };
         let blocks = island.candidates.iter().map(block);
         let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
+        let mut impulses: Vec<Vector3<f64>> =
+            island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
         for (place, &number) in island.candidates.iter().enumerate() {
             let candidate = &contacts.list[number];
             if !candidate.closes() || candidate.was_closed {
@@ -84,13 +94,14 @@ pub(super) fn settle(
             if approach < -slow {
                 settled.closed += 1;
                 problem.blocks[place].bias.x = candidate.restitution * approach;
+                // (A) has taken only a part of the approach from it.
+                let taken = (approach + candidate.closing).min(approach / FULL);
+                impulses[place] = candidate.moving * ((1.0 + candidate.restitution) * approach / taken);
             }
         }
         problem.set_scale();
-        let mut impulses: Vec<Vector3<f64>> =
-            island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
         let mut v = Vec::new();
-        let residual = solve(&mut problem, &mut impulses, &mut v, room);
+        let residual = solve(&mut problem, &mut impulses, &mut v, TOLERANCE, room);
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
         freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
@@ -109,6 +120,12 @@ pub(super) fn settle(
             Key::Friction(joint) => {
                 let freedom = scene.elements.joints[joint].coordinate.freedom;
                 settled.friction -= impulse.x * displacement[freedom];
+            }
+            Key::Touch(..) if next.list[number].belt != Vector3::zeros() => {
+                let tree = next.list[number].sides.iter().flatten().next().map(|side| &trees.trees[side.tree]);
+                if let Some(&freedom) = tree.and_then(|tree| tree.freedoms.first()) {
+                    settled.work[freedom] -= impulse.dot(&next.list[number].belt);
+                }
             }
             Key::Touch(..) | Key::Limit(..) => {}
         }

@@ -174,7 +174,7 @@ impl Crowd {
         self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
         let (lifted, overlap) = self.lift(scene, state, step)?;
         (made.lifted, made.overlap) = (lifted, overlap);
-        self.next.warm(&self.now, 1.0, &self.trees);
+        self.next.warm(&self.now, step, 1.0, &self.trees);
         state.time = start.time + step;
         self.free_to_settle(&start, &displacement, step, forces)?;
         let settling = Settling { scene, start: &start, displacement: &displacement, step, free: &self.free };
@@ -210,7 +210,7 @@ impl Crowd {
         made.jump = jumps.fold(0.0, f64::max);
         let slow = RESTS * whole.gravity.norm() * step;
         let rests = evenly && rates.iter().zip(&self.rates).all(|(a, b)| a.0.max(b.0) + a.1.max(b.1) <= slow);
-        self.still = if rests && self.energies.owes_nothing() { self.still + 1 } else { 0 };
+        self.still = if rests { self.still + 1 } else { 0 };
         if self.is_asleep() {
             state.velocity.fill(0.0);
             self.end = Some((state.clone(), step));
@@ -310,7 +310,7 @@ impl Crowd {
         found.find(scene, start, &self.bodies, &self.rates, step, &mut self.clearances);
         self.trees.place(scene.whole, &self.bodies);
         found.fill_rows(scene, &self.trees, &self.bodies, 0);
-        found.warm(&self.now, longer, &self.trees);
+        found.warm(&self.now, step, longer, &self.trees);
         self.now = found;
         self.energies.place(scene.whole, start, &self.bodies, &self.trees);
         Some(())
@@ -333,7 +333,7 @@ impl Crowd {
             let mut found = Contacts::default();
             found.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
             found.fill_rows(scene, &self.trees, &self.bodies, 0);
-            found.warm(&self.now, 1.0, &self.trees);
+            found.warm(&self.now, step, 1.0, &self.trees);
             self.now = found;
         }
     }

@@ -23,7 +23,7 @@ use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::holding::blocks::{Of, Rows};
+use crate::instant::holding::blocks::{Of, Row, Rows};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -89,7 +89,7 @@ pub(crate) fn transit(
     });
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
-    done.lost = settled + lifted + impulses.lost;
+    (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     for _ in 0..CALMING {
@@ -103,7 +103,7 @@ pub(crate) fn transit(
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
         let Ok(more) = collide(scene, state, &plastic) else { break };
-        done.lost += more.lost;
+        (done.lost, done.driven) = (done.lost + more.lost, done.driven + more.driven);
         for (sum, impulse) in impulses.normal.iter_mut().zip(more.normal) {
             *sum += impulse;
         }
@@ -140,7 +140,7 @@ pub(crate) fn transit(
                 break;
             }
             Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
-                Some(lost) => done.lost += lost,
+                Some([lost, driven]) => (done.lost, done.driven) = (done.lost + lost, done.driven + driven),
                 None => break,
             },
             Err(Undecided::Unsolved) => break,
@@ -154,6 +154,8 @@ pub(crate) fn transit(
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
+    done.meetings = meetings;
+    done.contacts = contacts.take();
     done
 }
 
@@ -195,7 +197,7 @@ fn too_low(
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
     let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
-    let normals: Vec<Vec<f64>> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    let normals: Vec<Row> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
     if !normals.is_empty() {
         let rows = Rows::new(scene.response, state, normals);
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
@@ -245,7 +247,7 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
             break;
         }
     }
-    Impulses { normal: vec![0.0; meetings.len()], lost, cut: 0.0, rounding: 0.0 }
+    Impulses { normal: vec![0.0; meetings.len()], lost, driven: 0.0, cut: 0.0, rounding: 0.0 }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

@@ -19,7 +19,7 @@ use crate::shapes::plane::{across, corners};
 use nalgebra::{Matrix3, Vector3};
 
 /// Places that are nearer than this to each other are one, relative to the size.
-const SAME: f64 = 1e-7;
+pub const SAME: f64 = 1e-7;
 
 /// The places of two convex shapes whose gap is below a bound (m).
 pub fn manifold(both: &Both, near: f64) -> Vec<Candidate> {

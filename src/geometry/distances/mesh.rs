@@ -306,7 +306,7 @@ impl Mesh {
         let number = triangle.edges[edge];
         let start = match &triangle.shape.core {
             Core::Polytope(polytope) => triangle.corners[polytope.edges[edge].ends[0]],
-            Core::Cylinder(_) => triangle.corners[0],
+            Core::Cylinder(_) | Core::Ellipsoid(_) => triangle.corners[0],
         };
         let part = if self.parts.edges[number].ends[0] == start { part } else { 1.0 - part };
         FeatureId::EdgePoint { edge: number as u32, part: part.to_bits() }

@@ -1,9 +1,11 @@
 //! Distances of two shapes with their certificates, and all places where they touch.
 
+pub(crate) mod axes;
 pub(crate) mod best;
 pub(crate) mod beyond;
 pub(crate) mod deepest;
 pub(crate) mod half_space;
+pub(crate) mod hollow;
 pub(crate) mod manifold;
 pub(crate) mod mesh;
 pub(crate) mod nearest;

@@ -137,7 +137,7 @@ fn try_normals(best: &mut Best, both: &Both) {
     let towards = both.centres();
     let radial = |core: &Core, towards: Vector3<f64>| match core {
         Core::Cylinder(Cylinder { axis, .. }) => (towards - axis * axis.dot(&towards)).try_normalize(1e-9),
-        Core::Polytope(_) => None,
+        Core::Polytope(_) | Core::Ellipsoid(_) => None,
     };
     let of_a = normals(&both.a.core).chain(radial(&both.a.core, towards));
     let of_b = normals(&both.b.core).chain(radial(&both.b.core, -both.rotation.tr_mul(&towards)));
@@ -197,7 +197,7 @@ pub fn spans_plane(a: &Part, b: &Part) -> bool {
         Part::Point(_) => 0,
         Part::Line(_, radius) if *radius == 0.0 => 1,
         Part::Circle(..) => 1,
-        Part::Line(..) | Part::Plane(..) => 2,
+        Part::Line(..) | Part::Plane(..) | Part::Ellipsoid(_) | Part::Hollow(..) => 2,
     };
     sharp(a) + sharp(b) >= 2
 }
@@ -220,6 +220,7 @@ fn supports(both: &Both, (separation, normal): (f64, Vector3<f64>)) -> Candidate
     let feature = |core: &Core, direction: &Vector3<f64>| match core {
         Core::Polytope(polytope) => FeatureId::Vertex(polytope.support_vertex(direction) as u32),
         Core::Cylinder(cylinder) => FeatureId::Rim(u32::from(cylinder.axis.dot(direction) >= 0.0)),
+        Core::Ellipsoid(_) => FeatureId::Side,
     };
     let (a, b) = (&both.a.core, &both.b.core);
     let points = [a.support_point(&normal), both.of_b(&b.support_point(&own))];

@@ -37,12 +37,25 @@ pub struct Polytope {
     pub faces: Vec<Face>,
     /// The neighbours of its vertices, of one with many.
     pub neighbours: Neighbours,
+    /// Unit vectors along its edges, one for edges that are parallel; none of a polytope with more than [`FEW`] vertices, and none without faces.
+    pub directions: Vec<Vector3<f64>>,
 }
+
+/// Polytopes with more vertices have no list of directions.
+const FEW: usize = 12;
+/// Edges with a smaller sine between them are parallel: their axes differ by less than roundings of lengths.
+const PARALLEL: f64 = 1e-12;
 
 impl Polytope {
     /// One point (m).
     pub fn point(at: Vector3<f64>) -> Self {
-        Polytope { vertices: vec![at], edges: Vec::new(), faces: Vec::new(), neighbours: Neighbours::default() }
+        Polytope {
+            vertices: vec![at],
+            edges: Vec::new(),
+            faces: Vec::new(),
+            neighbours: Neighbours::default(),
+            directions: Vec::new(),
+        }
     }
 
     /// The segment between two points (m).
@@ -52,6 +65,7 @@ impl Polytope {
             edges: vec![Edge { ends: [0, 1], faces: None, open: true }],
             faces: Vec::new(),
             neighbours: Neighbours::default(),
+            directions: Vec::new(),
         }
     }
 
@@ -71,7 +85,8 @@ impl Polytope {
         };
         let edges: Vec<Edge> = found.into_iter().map(edge).collect();
         let neighbours = Neighbours::new(&vertices, edges.iter().map(|edge| edge.ends));
-        Polytope { vertices, edges, faces, neighbours }
+        let directions = if vertices.len() <= FEW { directions(&vertices, &edges) } else { Vec::new() };
+        Polytope { vertices, edges, faces, neighbours, directions }
     }
 
     /// The triangle with these corners (m), with a face on either side: face 0 is the one that they go round counterclockwise.
@@ -114,4 +129,16 @@ impl Polytope {
         };
         (0..corners.len()).map(side).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Unit vectors along edges between vertices (m), one for those that are parallel.
+fn directions(vertices: &[Vector3<f64>], edges: &[Edge]) -> Vec<Vector3<f64>> {
+    let mut found: Vec<Vector3<f64>> = Vec::new();
+    for edge in edges {
+        let along = (vertices[edge.ends[1]] - vertices[edge.ends[0]]).normalize();
+        if found.iter().all(|other| other.cross(&along).norm() > PARALLEL) {
+            found.push(along);
+        }
+    }
+    found
 }

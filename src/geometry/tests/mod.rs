@@ -1,5 +1,6 @@
 //! Tests of distances, places and borders of features.
 
+mod axes;
 mod beyond;
 mod certificates;
 mod extents;

@@ -7,8 +7,9 @@
 //! `problem.rs` defines the problem, `scaled.rs` makes it dimensionless. `laws.rs` has the equations of the laws and `newton.rs` solves them. The
 //! first guess comes from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` (with `jordan.rs`, products in cones) or, last, `oracle.rs`
 //! (clarabel). `cascade.rs` has their order and `settling.rs` the resulting states. Based on these: `least_compliance.rs` (which forces are
-//! reported), `margin.rs` (whether all contacts can stay closed) and `impact.rs` (restitution).
+//! reported), `margin.rs` (whether all contacts can stay closed) and `impact.rs` (restitution). `apart.rs` splits what falls apart.
 
+pub(crate) mod apart;
 pub(crate) mod bounded;
 mod cascade;
 pub(crate) mod impact;

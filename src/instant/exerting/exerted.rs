@@ -14,6 +14,7 @@
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
+use crate::instant::cone::apart::forces_apart;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::instant::cone::{least_compliance, solve};
 use crate::instant::dynamics::response::Response;
@@ -179,16 +180,16 @@ impl Exerted {
             second_rates(mechanism, elements, bodies, state, free, blocks, |contact| &contacts[contact].0.joint);
         let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
         let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
-        let forces = match solve(&problem, None) {
+        let forces = forces_apart(&problem, |part| match solve(part, None) {
             Ok(answer) if contacts.is_empty() => answer.forces,
-            Ok(answer) => least_compliance(&problem, &answer),
+            Ok(answer) => least_compliance(part, &answer),
             Err(Unsolved::Stopped { best }) => best.forces,
-            Err(_) => vec![0.0; offset.len()],
-        };
+            Err(_) => vec![0.0; part.free.len()],
+        });
         let mut first = 0;
         for block in &*blocks {
             for (row, force) in block.rows.iter().zip(&forces[first..]) {
-                efforts.iter_mut().zip(row).for_each(|(effort, row)| *effort += row * force);
+                efforts.iter_mut().zip(row.iter()).for_each(|(effort, row)| *effort += row * force);
             }
             if let Of::Joint(index) = block.of {
                 in_joints[elements.joints[index].coordinate.freedom] += forces[first];

@@ -13,6 +13,4 @@ pub(super) struct CurveName {
     pub unit: &'static str,
     /// Whether it is drawn on a logarithmic axis.
     pub logarithmic: bool,
-    /// Whether it is of steps, which have times of their own, and not of samples.
-    pub of_steps: bool,
 }

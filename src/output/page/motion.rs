@@ -1,6 +1,6 @@
 //! The motion of a log as columns of numbers: times, poses of bodies, curves, contacts, events.
 //!
-//! Figures of steps have times of their own ([`crate::output::page::steps`]).
+//! Figures of steps have times of their own (`step_figures.rs`).
 //!
 //! The poses of bodies follow from the poses of links, `T_body = T_link L⁻¹` with the link frame L in its body. If a log has more than
 //! [`MOST_SAMPLES`] samples, every second, third, … one is taken, and the last.
@@ -12,7 +12,7 @@ use crate::output::log::reading::decode::{LinkPose, LoggedEvent};
 use crate::output::log::reading::frames::{Figures, Frame, Visitor};
 use crate::output::page::contacts::Contacts;
 use crate::output::page::curve_name::CurveName;
-use crate::output::page::steps::StepCurves;
+use crate::output::page::step_figures::StepFigures;
 use crate::output::page::tree::pose_numbers;
 use crate::output::report::EventEntry;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -26,7 +26,7 @@ pub(super) const MOST_SAMPLES: u64 = 7200;
 const MOST_EVENTS: usize = 20_000;
 
 /// Collects the motion of a log.
-pub(super) struct Motion<'m> {
+pub(in crate::output) struct Motion<'m> {
     kinds: JointKinds,
     /// Every so-manieth sample is taken.
     stride: u64,
@@ -40,12 +40,12 @@ pub(super) struct Motion<'m> {
     /// Poses of the bodies at all times: x, y, z, w, x, y, z of each.
     pub poses: Vec<Vec<[f32; 7]>>,
     /// The names of the curves, and their values at all times.
-    pub curves: Vec<CurveName>,
+    pub(super) curves: Vec<CurveName>,
     pub values: Vec<Vec<f32>>,
     /// The figures of steps.
-    pub steps: StepCurves,
+    pub(super) steps: StepFigures,
     /// The closed contacts at all times.
-    pub contacts: Contacts,
+    pub(super) contacts: Contacts,
     /// Events, the first [`MOST_EVENTS`].
     pub events: Vec<EventEntry>,
     /// The sample that is not of this model, or not of the same joints as those before it (s).
@@ -72,7 +72,7 @@ impl<'m> Motion<'m> {
             poses: bodies.map(|_| Vec::new()).collect(),
             curves: Vec::new(),
             values: Vec::new(),
-            steps: StepCurves::default(),
+            steps: StepFigures::default(),
             contacts: Contacts::default(),
             events: Vec::new(),
             misfit: None,
@@ -85,12 +85,12 @@ impl<'m> Motion<'m> {
         self.stride
     }
 
-    /// Takes the last sample, if it was passed over.
+    /// Takes the last sample, if it was passed over, and leaves out figures of steps that are too many.
     pub(super) fn finish(&mut self) {
         if let Some(frame) = self.last.take() {
             self.take(&frame);
         }
-        self.steps.finish();
+        self.steps.thin();
     }
 
     fn take(&mut self, frame: &Frame) {
@@ -127,9 +127,8 @@ impl<'m> Motion<'m> {
                 pose
             });
         }
-        self.steps.sample();
-        for (values, number) in self.values.iter_mut().zip(values) {
-            values.push(number.value as f32);
+        for (values, value) in self.values.iter_mut().zip(&values) {
+            values.push(value.value as f32);
         }
         Some(())
     }
@@ -148,7 +147,7 @@ impl Visitor for Motion<'_> {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        self.steps.see(figures);
+        self.steps.take(figures);
     }
 
     fn event(&mut self, event: LoggedEvent) {
@@ -163,13 +162,7 @@ fn of_joint(value: &JointValue) -> CurveName {
     let quantity = value.quantity;
     // The effort along the axis is a part of the reaction, and not of its components in the world.
     let group = if value.name.ends_with(".effort") { Quantity::Effort.title() } else { quantity.title() };
-    CurveName {
-        name: value.name.clone(),
-        group,
-        unit: quantity.unit(),
-        logarithmic: quantity.is_logarithmic(),
-        of_steps: false,
-    }
+    CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic() }
 }
 
 fn pose(link: &LinkPose) -> Pose {

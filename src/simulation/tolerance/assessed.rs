@@ -50,6 +50,8 @@ const LATER: f64 = 1.25;
 const STRIDE: usize = 4;
 /// A run whose steps fail with a coarse stop restarts with a stop smaller by this factor.
 const AFTER_FAILURE: f64 = 1e-3;
+/// A run that steps over events for this part of its time does not restart.
+const STEPPED_OVER: f64 = 1.0 / 8.0;
 /// In this first part of the run stability may change the stages: stiffness shows from the start, and a later restart is expensive.
 const EARLY: f64 = 1.0 / 16.0;
 
@@ -257,7 +259,7 @@ impl<'a> Assessed<'a> {
         if self.may_begin_again
             && self.stop > FINEST
             && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error, ringing)
-            && self.gains_by_finer_steps()
+            && self.gains_by_finer_steps(state)
         {
             let stop = self.forecast.finer(predicted, self.begun > 1);
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
@@ -269,8 +271,13 @@ impl<'a> Assessed<'a> {
         }
     }
 
-    /// Whether finer steps may carry the run on, as far as is known; it does not restart any more if they do not.
-    fn gains_by_finer_steps(&mut self) -> bool {
+    /// Whether finer steps may carry the run on to a state, as far as is known; it does not restart any more if they do not. Steps over events have the
+    /// length that the tolerance gives them, whatever the stop: where they are an eighth of the run so far, a finer stop has nothing to make better.
+    fn gains_by_finer_steps(&mut self, state: &State) -> bool {
+        if self.run.description().first_order_time >= STEPPED_OVER * (state.time - self.terms.start) {
+            self.may_begin_again = false;
+            return false;
+        }
         let Some(differ) = self.difference() else { return true };
         self.may_begin_again = self.horizon.is_worth(differ, self.stop, self.terms.end - self.terms.start);
         self.may_begin_again

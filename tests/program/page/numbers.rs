@@ -56,35 +56,42 @@ fn curves_poses_and_events_of_a_page_are_those_of_the_log() {
     let samples = times.len();
     assert_eq!((samples, header["samples"].as_u64()), (121, Some(121)));
     let values = floats(&bytes, &header["values"]);
-    let curves = header["curves"].as_array().expect("curves");
     for name in ["hinge.position", "hinge.velocity", "hinge.reaction_force.z"] {
+        let curves = header["curves"].as_array().expect("curves");
         let place = curves.iter().position(|curve| curve["name"] == name).expect(name);
-        let found = &values[place * samples..][..samples];
-        for (sample, (found, expected)) in found.iter().zip(column(name)).enumerate() {
+        for (sample, (found, expected)) in values[place * samples..].iter().zip(column(name)).enumerate() {
             assert_eq!(*found, expected as f32, "{name} of sample {sample}");
         }
     }
-    // Energies are those of the ends of steps, with a value on either side of each event.
-    let step_times: Vec<f64> = words(&bytes, &header["step_times"]).into_iter().map(f64::from_bits).collect();
-    let step_values = floats(&bytes, &header["step_values"]);
-    let first = curves.iter().position(|curve| curve["of_steps"] == true).expect("curves of steps");
-    let of_steps = |name: &str| {
-        let place = curves.iter().position(|curve| curve["name"] == name).expect(name) - first;
-        &step_values[place * step_times.len()..][..step_times.len()]
-    };
-    let (kinetic, impacts) = (of_steps("energy.kinetic"), of_steps("energy.impacts"));
-    for (time, expected) in column("step_end").into_iter().zip(column("energy.kinetic")) {
-        let place = step_times.iter().position(|known| *known == time).expect("the end of a step");
-        assert_eq!(kinetic[place], expected as f32, "at {time} s");
+    // Figures of steps are in the page once for each step, and on both sides of each event.
+    let steps = &header["steps"];
+    let ends: Vec<f64> = words(&bytes, &steps["times"]).into_iter().map(f64::from_bits).collect();
+    let curves = steps["curves"].as_array().expect("curves of steps");
+    let place = curves.iter().position(|curve| curve["name"] == "energy.kinetic").expect("an energy");
+    let energies = &floats(&bytes, &steps["values"])[place * ends.len()..][..ends.len()];
+    for (end, expected) in column("step_end").into_iter().zip(column("energy.kinetic")) {
+        let found = ends.iter().position(|time| *time == end).unwrap_or_else(|| panic!("no step ends at {end} s"));
+        assert_eq!(energies[found], expected as f32, "the kinetic energy at {end} s");
     }
-    let hits = step_times.windows(2).enumerate().filter(|(_, pair)| pair[1] - pair[0] < 2e-9);
-    let lost: Vec<(f32, f32)> = hits
-        .map(|(k, _)| (kinetic[k] - kinetic[k + 1], impacts[k + 1] - impacts[k]))
-        .filter(|lost| lost.0 > 0.0)
-        .collect();
-    assert!(!lost.is_empty(), "it runs into its limit");
-    // Joules in single precision.
-    assert!(lost.iter().all(|(kinetic, impacts)| (kinetic - impacts).abs() < 1e-6), "{lost:?}");
+    let events: Value =
+        serde_json::from_str(&done(&folder, &["inspect", "red.mcap", "--events", "--json"])).expect("JSON");
+    assert_eq!(header["events"], events["list"]);
+    let impacts: Vec<&Value> =
+        events["list"].as_array().expect("events").iter().filter(|event| event["kind"] == "limit_impact").collect();
+    assert!(!impacts.is_empty(), "it runs into its limit");
+    let of_steps = |name: &str| {
+        let place = curves.iter().position(|curve| curve["name"] == name).expect(name);
+        floats(&bytes, &steps["values"])[place * ends.len()..][..ends.len()].to_vec()
+    };
+    let (kinetic, lost) = (of_steps("energy.kinetic"), of_steps("energy.impacts"));
+    for impact in impacts {
+        let time = impact["time"].as_f64().expect("a time");
+        let before = ends.windows(2).position(|pair| (pair[0] - time).abs() < 2e-9 && pair[1] - pair[0] < 2e-9);
+        let before = before.unwrap_or_else(|| panic!("no figures on both sides of {time} s"));
+        let (taken, told) = (kinetic[before] - kinetic[before + 1], lost[before + 1] - lost[before]);
+        // Joules in single precision.
+        assert!(taken > 0.0 && (taken - told).abs() < 1e-6, "{taken} J and {told} J at {time} s");
+    }
     // The origin of the link from the pose of its body, as the page places it: p_body + R(q) arm.
     let poses = floats(&bytes, &header["poses"]);
     let link = &header["tree"]["links"][1];
@@ -99,10 +106,6 @@ fn curves_poses_and_events_of_a_page_are_those_of_the_log() {
         // Half a metre in single precision.
         assert!((origin - expected).norm() < 2e-7, "sample {sample}");
     }
-    let events: Value =
-        serde_json::from_str(&done(&folder, &["inspect", "red.mcap", "--events", "--json"])).expect("JSON");
-    assert_eq!(header["events"], events["list"]);
-    assert!(events["list"].as_array().is_some_and(|list| !list.is_empty()), "it runs into its limit");
 }
 
 #[test]
@@ -126,8 +129,8 @@ fn energies_of_two_balls_that_bounce_apart_from_each_other_are_level_on_both_sid
     done(&folder, &["simulate", "balls.toml", "--report", "balls.html", "--quiet"]);
     let page = std::fs::read_to_string(folder.join("balls.html")).expect("a page");
     let (header, bytes) = (header(&page), bytes(&page));
-    let times: Vec<f64> = words(&bytes, &header["step_times"]).into_iter().map(f64::from_bits).collect();
-    let values = floats(&bytes, &header["step_values"]);
+    let times: Vec<f64> = words(&bytes, &header["steps"]["times"]).into_iter().map(f64::from_bits).collect();
+    let values = floats(&bytes, &header["steps"]["values"]);
     let column = |number: usize| &values[number * times.len()..][..times.len()];
     let (kinetic, total) = (column(0), column(2));
     // Single precision of 7.4 J.
@@ -143,6 +146,31 @@ fn energies_of_two_balls_that_bounce_apart_from_each_other_are_level_on_both_sid
         let least = 9.80 * if event["what"].as_str().is_some_and(|what| what.contains("one")) { 0.5 } else { 0.25 };
         assert!(own.iter().all(|energy| f64::from(*energy) >= least), "{own:?} at {at} s");
     }
+}
+
+#[test]
+fn the_page_of_two_logs_has_both_motions() {
+    let folder = with_log("two");
+    let other = ["simulate", "red.urdf", "--duration", "1", "--position", "hinge=0.5", "-o", "other.mcap", "--quiet"];
+    done(&folder, &other);
+    let said = done(&folder, &["report", "red.mcap", "other.mcap", "-o", "two.html"]);
+    assert_eq!(said, "two.html: 2 s of red.mcap beside other.mcap\n");
+    let page = std::fs::read_to_string(folder.join("two.html")).expect("a page");
+    let (header, bytes) = (header(&page), bytes(&page));
+    let angle = |run: &Value| {
+        let samples = run["samples"].as_u64().expect("a number") as usize;
+        let place =
+            run["curves"].as_array().expect("curves").iter().position(|curve| curve["name"] == "hinge.position");
+        floats(&bytes, &run["values"])[place.expect("a curve") * samples..][..samples].to_vec()
+    };
+    let (first, second) = (angle(&header), angle(&header["second"]));
+    // 60 samples a second and the start; both begin at rest where they were put.
+    assert_eq!((first.len(), first[0], second.len(), second[0]), (121, 1.0, 61, 0.5));
+    assert_eq!((&header["source"], &header["second"]["source"]), (&"red.mcap".into(), &"other.mcap".into()));
+    let Some(chromium) = super::browser::chromium() else { return };
+    let dom = super::browser::open(chromium, &folder.join("two.html"), "t=0.5", "--dump-dom");
+    let dom = crate::common::command::text(&dom);
+    assert!(dom.contains("data-state=\"ready\"") && dom.contains("hinge.position (second run)"), "{}", &dom[..300]);
 }
 
 #[test]
