@@ -44,7 +44,8 @@
 //!
 //! | feature | what it adds | by default |
 //! |---|---|---|
-//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook; enables the next three features | yes |
+//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook; enables the next four features | yes |
+//! | `film` | films of logs as GIF, MP4 and PNG, with gif, png; enables `log` | yes |
 //! | `log` | logs in MCAP and pages, with mcap, zstd | yes |
 //! | `plot` | figures as SVG and PNG, charts and stability maps, with plotters | yes |
 //! | `scene` | scene files and sweeps, with toml | yes |

@@ -12,6 +12,7 @@ Lengths in m, angles in rad, times in s, masses in kg; quaternions w, x, y, z fr
 
 from ._catena import __version__
 from ._errors import CatenaError, InputError, RunError
+from ._fit import Fit, fit
 from ._model import Linear, Model, Sensitivity, load
 from ._named import NamedArray
 from ._result import Result
@@ -22,6 +23,7 @@ from ._sweep import Swept, sweep
 
 __all__ = [
     "CatenaError",
+    "Fit",
     "InputError",
     "Linear",
     "Model",
@@ -36,6 +38,7 @@ __all__ = [
     "State",
     "Swept",
     "__version__",
+    "fit",
     "load",
     "rollout",
     "sweep",

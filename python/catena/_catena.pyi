@@ -1,6 +1,6 @@
 """What the Rust side gives; programs use the names of ``catena``."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import Any
 
@@ -31,7 +31,10 @@ class Model:
         without: list[str],
         packages: dict[str, Path],
         params: dict[str, float],
+        hold: tuple[float | None, float | None] | None,
+        keyframe: str | None,
     ) -> None: ...
+    def logged(self, log: Path, time: float | None) -> tuple[Numbers, Numbers]: ...
     def contact_pairs(self) -> list[str]: ...
     def q_places(self) -> list[tuple[str, int, int]]: ...
     def v_places(self) -> list[tuple[str, int, int]]: ...
@@ -79,6 +82,7 @@ class Run:
         log: Path | None,
         record: bool,
         figures: bool,
+        estimate: bool,
     ) -> None: ...
     def look(self, q: Numbers, v: Numbers) -> None: ...
     def is_at(self, time: float, q: Numbers, v: Numbers) -> bool: ...
@@ -126,7 +130,19 @@ class Recorded:
     @staticmethod
     def of_parts(model: Model, parts: tuple[Any, ...]) -> Recorded: ...
     def save_log(self, path: Path) -> None: ...
+    def page(self, mesh_limit: int) -> str: ...
     def save_page(self, path: Path, mesh_limit: int) -> None: ...
+    def save_film(
+        self,
+        path: Path,
+        size: tuple[int, int] | None,
+        rate: float,
+        speed: float,
+        times: Sequence[float],
+        view: str,
+        browser: bool,
+        mesh_limit: int,
+    ) -> int: ...
 
 class Sweep:
     name: str
@@ -169,4 +185,5 @@ def rollout(
     params: list[tuple[str, list[float]]],
     contacts: bool,
     energies: bool,
+    estimate: bool,
 ) -> Rolled: ...

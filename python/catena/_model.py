@@ -27,7 +27,7 @@ def flat(numbers, what):
     return as_array(numbers, what, 1, "of one axis")
 
 
-def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contact=None, without=(), packages=None, params=None):
+def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contact=None, without=(), packages=None, params=None, hold=None, keyframe=None):
     """Reads a robot (``.urdf``) or a scene (``.toml``).
 
     Parameters
@@ -41,6 +41,8 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     without : what is left out: ``"limits"``, ``"friction"``, ``"damping"``, ``"motors"``, ``"contact"``
     packages : folders of ROS packages by name
     params : numbers by key path, as of :meth:`Model.with_params`
+    hold : True, and motors hold all joints that have none where a run starts; ``{"kp": 100, "kd": 5}`` gives them gains [N m/rad or N/m, N m s/rad or N s/m]
+    keyframe : the name of a keyframe of a model of MuJoCo to start with
 
     Raises
     ------
@@ -52,10 +54,11 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     pose = None if base_pose is None else _count(base_pose, 6, "base_pose")
     down = None if gravity is None else _count(gravity, 3, "gravity")
     given = dict(
-        base=base, base_pose=pose, gravity=down, floor=floor, contact=contact, without=without, packages=dict(packages or {}), params=_params(params or {})
-    )
+        base=base, base_pose=pose, gravity=down, floor=floor, contact=contact, without=without, packages=dict(packages or {}), params=_params(params or {}),
+        hold=hold, keyframe=keyframe,
+    )  # fmt: skip
     inner = _catena.Model(
-        os.fspath(path), base == "floating", pose, down, floor, contact, without, given["packages"], given["params"]
+        os.fspath(path), base == "floating", pose, down, floor, contact, without, given["packages"], given["params"], _gains(hold), keyframe
     )
     return Model(inner, given)
 
@@ -67,6 +70,21 @@ def _count(numbers, count, what):
     return array.tolist()
 
 
+def _gains(hold):
+    """The gains of motors that hold joints; None for no motors."""
+    if hold is None or hold is False:
+        return None
+    if hold is True:
+        return (None, None)
+    try:
+        gains = {str(name): float(gain) for name, gain in dict(hold).items()}
+    except (TypeError, ValueError):
+        raise InputError(f"hold is {hold!r}: give True, or gains such as {{'kp': 100, 'kd': 5}}") from None
+    if unknown := set(gains) - {"kp", "kd"}:
+        raise InputError(f"hold has no gain {sorted(unknown)[0]!r}: give kp and kd")
+    return (gains.get("kp"), gains.get("kd"))
+
+
 def _params(params):
     try:
         return {str(key): float(number) for key, number in dict(params).items()}
@@ -76,7 +94,7 @@ def _params(params):
 
 @dataclass(repr=False)
 class Sensitivity:
-    """A run and its derivatives at its start and at the end of every step.
+    """A run and its derivatives at its start and at the end of every step to a given instant.
 
     Attributes
     ----------
@@ -84,6 +102,9 @@ class Sensitivity:
     q, v : (steps, n) as of a run
     dq, dv : derivatives (steps, n, p) along ``freedoms`` by ``keys``; ball joints turn about the axes of their child
     keys, freedoms : names
+    events : of the run, each with its time ``t`` [s], ``what`` it is, the derivatives ``dt`` (p) of its time, and the ``rate`` of its function
+    valid_within : how far each parameter may change before an event is missed, added, or comes in another order (p), to first order
+    bounded_by : the event that bounds it, in words (p)
     """
 
     t: np.ndarray
@@ -93,6 +114,9 @@ class Sensitivity:
     dv: np.ndarray
     keys: list[str]
     freedoms: list[str]
+    events: list[dict]
+    valid_within: np.ndarray
+    bounded_by: list[str]
 
     def __repr__(self):
         return f"<catena.Sensitivity: {len(self.t) - 1} steps to {self.t[-1]:.9g} s, by {', '.join(self.keys)}>"
@@ -222,7 +246,8 @@ class Model:
     def sensitivity(self, keys, q=None, v=None, *, duration=1.0, tolerance=None, stages=None, step=None):
         """A run and its derivatives by its start and its numbers: a :class:`Sensitivity`.
 
-        The derivatives go through the steps of the run and are exact for them.
+        The derivatives go through the steps of the run and are exact for them, also through its events: limits, dry friction, motors at their bounds
+        and impacts of contacts.
 
         Parameters
         ----------
@@ -233,7 +258,7 @@ class Model:
 
         Raises
         ------
-        InputError : unknown keys, and runs without derivatives: with events, closed loops or contacts
+        InputError : unknown keys, and runs without derivatives: with closed loops, contacts that slide or roll on, and many events in one instant
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
         if (stages is None) != (step is None):

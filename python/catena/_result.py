@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
+import sys
 import tempfile
+import webbrowser
 from collections.abc import Mapping
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -154,6 +158,47 @@ class Result:
         """Writes a page that shows the run in 3-D with its curves and its report, in one HTML file that any browser opens."""
         self._inner.save_page(os.fspath(path), mesh_limit)
 
+    def film(self, path, *, size=None, fps=25.0, speed=1.0, time=None, view="corner", browser=False, mesh_limit=200_000):
+        """Writes a film of the run, ``.gif`` or ``.mp4`` (by ffmpeg), or a picture of some instants, ``.png``; returns the number of pictures.
+
+        Parameters
+        ----------
+        size : width and height [pixels]; 640 x 360 of a GIF, else 960 x 540
+        fps : pictures in a second of the film
+        speed : seconds of the run in a second of the film
+        time : first and last instant of a film [s]; the instants of a PNG, which are side by side. The whole run, or its end
+        view : ``"corner"``, ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, or the direction to the camera (x, y, z)
+        browser : Chromium draws the pictures from the page, with arrows of contact forces, and takes ten times as long
+        mesh_limit : most triangles of all meshes together
+        """
+        times = [] if time is None else np.atleast_1d(np.asarray(time, dtype=float)).tolist()
+        side = view if isinstance(view, str) else ",".join(repr(float(number)) for number in view)
+        return self._inner.save_film(os.fspath(path), size and tuple(size), fps, speed, times, side, browser, mesh_limit)
+
+    def show(self, *, mesh_limit=200_000):
+        """Shows the page of the run: in a notebook below the cell, else in a browser from a temporary file, whose path is returned."""
+        if _in_notebook():
+            display = _import("IPython.display", "show in a notebook")
+            display.display(display.HTML(self._frame(mesh_limit)))
+            return None
+        handle, path = tempfile.mkstemp(prefix="catena-", suffix=".html")
+        os.close(handle)
+        self.report(path, mesh_limit=mesh_limit)
+        webbrowser.open(Path(path).as_uri())
+        return path
+
+    def _frame(self, mesh_limit):
+        """The page as a part of another page."""
+        page = html.escape(self._inner.page(mesh_limit), quote=True)
+        return f'<iframe srcdoc="{page}" sandbox="allow-scripts" style="width: 100%; height: 600px; border: 1px solid #8884"></iframe>'
+
+    def _repr_html_(self):
+        """The page, for notebooks. A run that was pickled has no log to make it of, and is shown as text."""
+        try:
+            return self._frame(200_000)
+        except InputError:
+            return None
+
     def plot(self, joints=None, axes=None):
         """Draws positions and velocities over time with matplotlib; returns the axes."""
         pyplot = _import("matplotlib.pyplot", "plot")
@@ -179,6 +224,13 @@ class Result:
 
 def _result(model, parts):
     return Result(model, _catena.Recorded.of_parts(model._inner, parts))
+
+
+def _in_notebook():
+    """Whether a kernel of Jupyter runs this program."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    return shell is not None and hasattr(shell, "kernel")
 
 
 def _import(module, what):

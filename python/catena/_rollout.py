@@ -62,6 +62,7 @@ def rollout(
     warnings=False,
     contacts=False,
     energies=False,
+    estimate=True,
 ) -> Rollouts:
     """Runs a model from many starts, on several threads, while other threads of Python go on.
 
@@ -84,6 +85,7 @@ def rollout(
     params : numbers of a run of its own by key path, arrays (runs,), as of :meth:`Model.with_params`
     warnings : whether a moved start is a ``RuntimeWarning`` of Python, too
     contacts, energies : whether these are wanted
+    estimate : whether runs with a tolerance estimate their error; without it they take about half of the time
     """
     places, motors = model._inner.v_places(), len(model.motor_names)
     params = {str(key): as_array(numbers, f"params {key}", 1, "(runs,)") for key, numbers in dict(params or {}).items()}
@@ -111,7 +113,7 @@ def rollout(
     numbers = [(key, list(numbers)) for key, numbers in params.items()]
     done = _catena.rollout(
         model._inner, q0, v0, duration, tolerance, stages, step, rate, threads,
-        period, efforts, aims, gain, about, numbers, contacts, energies,
+        period, efforts, aims, gain, about, numbers, contacts, energies, estimate,
     )  # fmt: skip
     told = {run: lines for run, lines in enumerate(done.warnings) if lines}
     if warnings:

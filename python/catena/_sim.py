@@ -58,13 +58,14 @@ class Sim:
     tolerance : wanted accuracy of positions [m]; 1e-6 if neither this nor the file says otherwise
     stages, step : instead of a tolerance, the stages of the scheme and its fixed step [s]
     keep : rules that are switched off (``catena model`` lists them)
+    estimate : whether :meth:`run` with a tolerance estimates its error; without it a run takes about half of the time
     """
 
-    def __init__(self, model, *, tolerance=None, stages=None, step=None, keep=()):
+    def __init__(self, model, *, tolerance=None, stages=None, step=None, keep=(), estimate=True):
         if (stages is None) != (step is None) or (tolerance is not None and step is not None):
             raise InputError("give a tolerance, or stages and step")
         self.model = model
-        self._how = (tolerance, stages, step)
+        self._how = (tolerance, stages, step, bool(estimate))
         self._keep = [keep] if isinstance(keep, str) else list(keep)
         self._controller = None
         self._efforts = None
@@ -79,6 +80,14 @@ class Sim:
     def reset(self):
         """Back to the start that the file gives, at time 0, with its targets of motors."""
         self._q[:], self._v[:] = self._start
+        self._time = 0.0
+        self._targets = {}
+        self._moved = True
+
+    def start_from(self, log, time=None):
+        """Puts q and v where another run was: in the sample of its log that is nearest to a time [s], or in the last one, as ``--from LOG@T``. The
+        simulation is at time 0 then, with the targets of motors that the file gives."""
+        self._q[:], self._v[:] = self.model._inner.logged(os.fspath(log), None if time is None else float(time))
         self._time = 0.0
         self._targets = {}
         self._moved = True
@@ -147,8 +156,8 @@ class Sim:
         return copy
 
     def _alike(self):
-        tolerance, stages, step = self._how
-        copy = Sim(self.model, tolerance=tolerance, stages=stages, step=step, keep=self._keep)
+        tolerance, stages, step, estimate = self._how
+        copy = Sim(self.model, tolerance=tolerance, stages=stages, step=step, keep=self._keep, estimate=estimate)
         copy._controller = self._controller
         return copy
 
@@ -280,11 +289,11 @@ class Sim:
             run.set_target(joint, target)
 
     def _begin(self, duration, rate, log, record, controller, figures):
-        tolerance, stages, step = self._how
+        tolerance, stages, step, estimate = self._how
         log = None if log is None else os.fspath(log)
         numbers = [np.ascontiguousarray(self._q), np.ascontiguousarray(self._v)]
         run = _catena.Run(
-            self.model._inner, *numbers, self._time, duration, tolerance, stages, step, rate, self._keep, log, record, figures
+            self.model._inner, *numbers, self._time, duration, tolerance, stages, step, rate, self._keep, log, record, figures, estimate
         )
         if controller is not None:
             run.set_controller(controller[1], controller[0])
@@ -302,8 +311,8 @@ class Sim:
 
 
 def _sim(model, how, keep, controller, state):
-    tolerance, stages, step = how
-    sim = Sim(model, tolerance=tolerance, stages=stages, step=step, keep=keep)
+    tolerance, stages, step, estimate = how
+    sim = Sim(model, tolerance=tolerance, stages=stages, step=step, keep=keep, estimate=estimate)
     sim._controller = controller
     sim.state = state
     return sim

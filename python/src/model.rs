@@ -4,7 +4,7 @@ use crate::refusal::{input, refuse};
 use catena::model::Left;
 use catena::nalgebra::{DMatrix, DVector};
 use catena::scene::Touching;
-use catena::session::{Error, JointPlace, Linear, Loader, Mode, Simulation};
+use catena::session::{Error, Hold, JointPlace, Linear, Loader, Mode, Simulation};
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -48,7 +48,7 @@ pub fn few<'py, const N: usize>(
 #[pymethods]
 impl Model {
     #[new]
-    #[pyo3(signature = (path, floating, base_pose, gravity, floor, contact, without, packages, params))]
+    #[pyo3(signature = (path, floating, base_pose, gravity, floor, contact, without, packages, params, hold, keyframe))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn new(
         py: Python<'_>,
@@ -61,8 +61,16 @@ impl Model {
         without: Vec<String>,
         packages: BTreeMap<String, PathBuf>,
         params: BTreeMap<String, f64>,
+        hold: Option<(Option<f64>, Option<f64>)>,
+        keyframe: Option<String>,
     ) -> PyResult<Self> {
         let mut loader = Loader::default();
+        if let Some((kp, kd)) = hold {
+            loader = loader.hold(Hold { kp, kd });
+        }
+        if let Some(name) = keyframe {
+            loader = loader.keyframe(&name);
+        }
         if floating {
             loader = loader.floating();
         }
@@ -138,6 +146,16 @@ impl Model {
 
     fn start<'py>(&self, py: Python<'py>) -> PyResult<(Vector<'py>, Vector<'py>)> {
         let (q, v) = self.inner.start().map_err(|error| refuse(py, error))?;
+        Ok((q.to_pyarray(py), v.to_pyarray(py)))
+    }
+
+    /// q and v in the sample of a log that is nearest to a time (s), or in its last one.
+    fn logged<'py>(&self, py: Python<'py>, log: PathBuf, time: Option<f64>) -> PyResult<(Vector<'py>, Vector<'py>)> {
+        let (description, places) = (self.inner.description(), self.inner.coordinates());
+        let state = py.detach(|| catena::cli::state_in_log(&log, time, description));
+        let state = state.map_err(|error| input(py, format!("{error:#}")))?;
+        let (mut q, mut v) = (vec![0.0; places.q_count()], vec![0.0; places.v_count()]);
+        places.write(description, &state.position, &state.velocity, &mut q, &mut v);
         Ok((q.to_pyarray(py), v.to_pyarray(py)))
     }
 
@@ -299,6 +317,19 @@ impl Model {
         out.set_item("dv", array(&run.dv))?;
         out.set_item("keys", &run.keys)?;
         out.set_item("freedoms", &run.freedoms)?;
+        let events: PyResult<Vec<Bound<'py, PyDict>>> = (run.events.iter())
+            .map(|event| {
+                let one = PyDict::new(py);
+                one.set_item("t", event.time)?;
+                one.set_item("what", &event.what)?;
+                one.set_item("dt", event.by.to_pyarray(py))?;
+                one.set_item("rate", event.rate)?;
+                Ok(one)
+            })
+            .collect();
+        out.set_item("events", events?)?;
+        out.set_item("valid_within", run.valid_within.to_pyarray(py))?;
+        out.set_item("bounded_by", &run.bounded_by)?;
         Ok(out)
     }
 

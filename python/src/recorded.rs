@@ -2,6 +2,7 @@
 
 use crate::model::{numbers, seven};
 use crate::refusal::{input, refuse};
+use catena::drawing::files::write_text;
 use catena::instant::exerting::reactions::Reactions;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::contact_point::ContactPoint;
@@ -9,16 +10,17 @@ use catena::mechanism::motion::energy::energy_with_forces;
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
 use catena::nalgebra::Vector3;
+use catena::output::film::{FilmOptions, Format};
 use catena::output::log::LogOptions;
 use catena::output::report::Report;
-use catena::session::{Model, Recording, Told};
+use catena::session::{Model, Recording, Told, check_place};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// How many pages this process has written.
-static PAGES: AtomicUsize = AtomicUsize::new(0);
+/// How many logs this process has made for pages and films.
+static LOGS: AtomicUsize = AtomicUsize::new(0);
 
 /// A run that has ended.
 #[pyclass(frozen, module = "catena._catena")]
@@ -209,26 +211,38 @@ impl Recorded {
         py.detach(|| self.write(&path)).map_err(|error| refuse(py, error))
     }
 
-    /// Writes the page of the run, from a log beside it that is removed again.
+    /// The page of the run.
+    fn page(&self, py: Python<'_>, mesh_limit: usize) -> PyResult<String> {
+        self.with_log(py, |log| catena::cli::page_of_log(log, mesh_limit))
+    }
+
     fn save_page(&self, py: Python<'_>, path: PathBuf, mesh_limit: usize) -> PyResult<()> {
-        let written = py.detach(|| {
-            catena::session::check_place(&path)?;
-            // A log has a folder of its own, because meshes may lie beside it.
-            let number = PAGES.fetch_add(1, Ordering::Relaxed);
-            let folder = std::env::temp_dir().join(format!("catena-page-{}-{number}", std::process::id()));
-            let made = std::fs::create_dir_all(&folder).map_err(anyhow::Error::from);
-            let log = folder.join("run.mcap");
-            let text = made.and_then(|()| self.write(&log).map_err(anyhow::Error::from));
-            let text = text.and_then(|()| catena::cli::page_of_log(&log, mesh_limit));
-            // It has been of use.
-            let _ = std::fs::remove_dir_all(&folder);
-            Ok::<_, catena::session::Error>(text.and_then(|text| Ok(catena::drawing::files::write_text(&path, &text)?)))
-        });
-        match written {
-            Err(error) => Err(refuse(py, error)),
-            Ok(Err(error)) => Err(input(py, format!("{error:#}"))),
-            Ok(Ok(())) => Ok(()),
-        }
+        check_place(&path).map_err(|error| refuse(py, error))?;
+        let text = self.page(py, mesh_limit)?;
+        py.detach(|| write_text(&path, &text)).map_err(|error| input(py, error))
+    }
+
+    /// Writes a film of the run; options that are not given are those of the command line.
+    #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
+    fn save_film(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        size: Option<[usize; 2]>,
+        rate: f64,
+        speed: f64,
+        times: Vec<f64>,
+        view: &str,
+        browser: bool,
+        mesh_limit: usize,
+    ) -> PyResult<usize> {
+        check_place(&path).map_err(|error| refuse(py, error))?;
+        let format = Format::of(&path).map_err(|error| input(py, error))?;
+        let view = view.parse().map_err(|error| input(py, error))?;
+        let size = size.unwrap_or(format.usual_size());
+        let options = FilmOptions { size, rate, speed, view, times, mesh_limit };
+        let film = |log: &Path| catena::cli::film_of_log(log, &path, &options, browser, &mut |_, _| {});
+        Ok(self.with_log(py, film)?.pictures)
     }
 }
 
@@ -256,7 +270,23 @@ impl Recorded {
         })
     }
 
-    fn write(&self, path: &std::path::Path) -> Result<(), catena::session::Error> {
+    /// Works with a log of the run, which is removed afterwards.
+    fn with_log<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&Path) -> anyhow::Result<R> + Send) -> PyResult<R> {
+        let worked = py.detach(|| {
+            // A log has a folder of its own, because meshes may lie beside it.
+            let number = LOGS.fetch_add(1, Ordering::Relaxed);
+            let folder = std::env::temp_dir().join(format!("catena-run-{}-{number}", std::process::id()));
+            let log = folder.join("run.mcap");
+            let made = std::fs::create_dir_all(&folder).map_err(anyhow::Error::from);
+            let worked = made.and_then(|()| Ok(self.write(&log)?)).and_then(|()| work(&log));
+            // A folder that stays is in the folder of temporary files.
+            let _ = std::fs::remove_dir_all(&folder);
+            worked
+        });
+        worked.map_err(|error| input(py, format!("{error:#}")))
+    }
+
+    fn write(&self, path: &Path) -> Result<(), catena::session::Error> {
         let told = self.told.as_ref().ok_or(catena::session::Error::Pickled)?;
         told.write(path, self.model.description(), &self.recording, &LogOptions::default())
     }

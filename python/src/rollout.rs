@@ -27,7 +27,7 @@ pub struct Rolled {
 
 /// Runs the model from every row of q0 and v0.
 #[pyfunction]
-#[pyo3(signature = (model, q0, v0, duration, tolerance, stages, step, rate, threads, period, efforts, targets, feedback, reference, params, contacts, energies))]
+#[pyo3(signature = (model, q0, v0, duration, tolerance, stages, step, rate, threads, period, efforts, targets, feedback, reference, params, contacts, energies, estimate))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
 pub fn rollout<'py>(
     py: Python<'py>,
@@ -48,6 +48,7 @@ pub fn rollout<'py>(
     params: Vec<(String, Vec<f64>)>,
     contacts: bool,
     energies: bool,
+    estimate: bool,
 ) -> PyResult<Rolled> {
     if stages.is_some() != step.is_some() || (tolerance.is_some() && step.is_some()) {
         return Err(input(py, "give a tolerance, or stages and step"));
@@ -72,6 +73,7 @@ pub fn rollout<'py>(
     let options = Rollout {
         duration,
         tolerance,
+        no_estimate: !estimate,
         fixed: stages.zip(step),
         rate,
         threads,

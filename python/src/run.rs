@@ -29,7 +29,7 @@ type Written<'py> = PyReadwriteArray1<'py, f64>;
 #[pymethods]
 impl Run {
     #[new]
-    #[pyo3(signature = (model, q, v, begin, duration, tolerance, stages, step, rate, keep, log, record, figures))]
+    #[pyo3(signature = (model, q, v, begin, duration, tolerance, stages, step, rate, keep, log, record, figures, estimate))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn new(
         py: Python<'_>,
@@ -46,6 +46,7 @@ impl Run {
         log: Option<PathBuf>,
         record: bool,
         figures: bool,
+        estimate: bool,
     ) -> PyResult<Self> {
         let mut simulation = Simulation::new(&model.inner).begin_at(begin);
         match (tolerance, stages, step) {
@@ -65,6 +66,9 @@ impl Run {
         }
         if let Some(log) = log {
             simulation = simulation.log(log);
+        }
+        if !estimate {
+            simulation = simulation.without_estimate();
         }
         if !figures {
             simulation = simulation.without_figures();

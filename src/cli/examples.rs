@@ -23,6 +23,12 @@ Examples:
   catena linearize scene.toml --at 2.5 --json     matrices A and B about the state at 2.5 s
   catena linearize run.mcap --at 2.5          the same of a run that has been logged";
 
+pub const SENSITIVITY: &str = "\
+Examples:
+  catena sensitivity robot.urdf --by link7.mass --by start.q     derivatives of the end of a run
+  catena sensitivity scene.toml --by floor.restitution=0.01      with the standard deviation of the motion
+  catena sensitivity scene.toml --by joint1.friction -o out.csv  at all steps, as a table";
+
 pub const INSPECT: &str = "\
 Examples:
   catena inspect arm7.mcap                    a summary
@@ -32,8 +38,16 @@ Examples:
   catena inspect arm7.mcap other.mcap         compare two logs link by link";
 
 pub const REPORT: &str = "\
-Example:
-  catena report arm7.mcap -o run.html         one file that any browser opens";
+Examples:
+  catena report arm7.mcap -o run.html         one file that any browser opens
+  catena report arm7.mcap other.mcap          two runs side by side, with the curves of both";
+
+pub const FILM: &str = "\
+Examples:
+  catena film arm7.mcap                       the whole run as arm7.gif
+  catena film arm7.mcap -o arm7.mp4 --speed 0.25    in slow motion, by ffmpeg
+  catena film arm7.mcap -o arm7.png --time 0,0.5,1  three instants side by side
+  catena film arm7.mcap --view top --size 800x800 --time 2,3    one second, seen from above";
 
 pub const REPLAY: &str = "\
 Example:

@@ -122,6 +122,18 @@ pub fn state_of(log: &Path, model: &Model, frame: &Frame, time: f64) -> anyhow::
     })
 }
 
+/// The state in which a run of a model goes on from the sample of a log that is nearest to a time (s); without a time from its end.
+///
+/// # Errors
+/// As those of `--from`.
+pub fn state_in_log(log: &Path, time: Option<f64>, model: &Model) -> anyhow::Result<State> {
+    let time = time.unwrap_or(f64::INFINITY);
+    if time.is_nan() {
+        return Err(anyhow!("the time in {} is no number: give seconds after the start of its run", log.display()));
+    }
+    start_of(&LogInstant { log: log.into(), time }, model).map(|(state, _)| state)
+}
+
 /// The state in which a run of a model goes on from an instant of a log, and whether the log has a sample right there.
 ///
 /// # Errors

@@ -13,6 +13,7 @@ mod arguments;
 mod chart;
 mod check;
 mod examples;
+mod film;
 mod inspect;
 mod inspect_files;
 mod inspect_follow;
@@ -23,6 +24,7 @@ mod page_files;
 mod recorded;
 mod replay;
 mod report;
+mod sensitivity;
 mod shell;
 mod simulate;
 mod stress;
@@ -30,6 +32,8 @@ mod sweep;
 mod tables;
 mod terminal;
 
+pub use film::film_of_log;
+pub use logged_state::state_in_log;
 pub use report::page_of_log;
 
 use crate::cli::arguments::contact_args::with_values;
@@ -61,12 +65,18 @@ enum Verb {
     #[command(after_help = examples::LINEARIZE)]
     /// Linear equations of motion about an equilibrium or an instant: matrices, and modes with frequency and damping
     Linearize(Box<linearize::LinearizeArgs>),
+    #[command(after_help = examples::SENSITIVITY)]
+    /// Derivatives of a run by its start, efforts and numbers, exact through impacts and friction
+    Sensitivity(Box<sensitivity::SensitivityArgs>),
     #[command(after_help = examples::INSPECT)]
     /// Look at a log: a summary, one instant, curves, a table; or compare two logs
     Inspect(Box<inspect::InspectArgs>),
     #[command(after_help = examples::REPORT)]
     /// Show the run of a log as a page in 3-D with curves and report, in one file that any browser opens
     Report(Box<report::ReportArgs>),
+    #[command(after_help = examples::FILM)]
+    /// Show the run of a log as a film (GIF, MP4), or as a picture of some instants (PNG)
+    Film(Box<film::FilmArgs>),
     #[command(after_help = examples::REPLAY)]
     /// Re-run a log and check that the result is bit-identical
     Replay(Box<replay::ReplayArgs>),
@@ -115,8 +125,10 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
         Verb::Simulate(arguments) => report::simulate_and_report(&arguments),
         Verb::Model(arguments) => model::run(&arguments),
         Verb::Linearize(arguments) => linearize::run(&arguments),
+        Verb::Sensitivity(arguments) => sensitivity::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
+        Verb::Film(arguments) => film::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
         Verb::Stress(arguments) => stress::run(&arguments),

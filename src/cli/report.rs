@@ -8,8 +8,9 @@ use crate::cli::page_files::write_page;
 use crate::cli::recorded::Recorded;
 use crate::cli::simulate::{self, Setup};
 use crate::cli::terminal::printing::{Failure, print, warn};
+use catena::mechanism::motion::state::State;
 use catena::output::inspection::summary::Summary;
-use catena::output::page::{MESH_LIMIT, PageOptions, run_page};
+use catena::output::page::{LoggedRun, MESH_LIMIT, PageOptions, run_page};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,10 @@ pub struct ReportArgs {
     /// The log
     #[arg(value_name = "LOG.mcap")]
     log: PathBuf,
+
+    /// Another log, which is shown beside it, with its curves dashed
+    #[arg(value_name = "LOG.mcap")]
+    second: Option<PathBuf>,
 
     /// The page [default: the name of the log with .html, in the current folder]
     #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::arguments::outputs::output_file())]
@@ -43,17 +48,21 @@ pub fn run(arguments: &ReportArgs) -> Result<(), Failure> {
         Some(page) => page.clone(),
         None => PathBuf::from(log.with_extension("html").file_name().unwrap_or_default()),
     };
-    check_outputs(log, &[&page]).map_err(Failure::input)?;
-    let summary = Summary::read(log).map_err(Failure::input)?;
-    if !summary.complete {
-        warn(format_args!("{}: {}", log.display(), summary.state()));
+    for log in [Some(log), arguments.second.as_ref()].into_iter().flatten() {
+        check_outputs(log, &[&page]).map_err(Failure::input)?;
+        let summary = Summary::read(log).map_err(Failure::input)?;
+        if !summary.complete {
+            warn(format_args!("{}: {}", log.display(), summary.state()));
+        }
     }
-    let text = page_of_log(log, arguments.mesh_limit).map_err(Failure::input)?;
+    let summary = Summary::read(log).map_err(Failure::input)?;
+    let text = page_of_logs(log, arguments.second.as_deref(), arguments.mesh_limit).map_err(Failure::input)?;
     write_page(&page, &text)?;
     if arguments.quiet {
         return Ok(());
     }
-    print(format_args!("{}: {} s of {}\n", page.display(), summary.duration, log.display()))
+    let beside = arguments.second.as_ref().map_or(String::new(), |second| format!(" beside {}", second.display()));
+    print(format_args!("{}: {} s of {}{beside}\n", page.display(), summary.duration, log.display()))
 }
 
 /// Runs `catena simulate`, and then writes the page that `--report` asks for from the log of the run, however that ended.
@@ -77,15 +86,32 @@ pub fn simulate_and_report(arguments: &simulate::Arguments) -> Result<(), Failur
 /// # Errors
 /// The defect of the log.
 pub fn page_of_log(log: &Path, mesh_limit: usize) -> anyhow::Result<String> {
+    page_of_logs(log, None, mesh_limit)
+}
+
+/// The page of a log, with another one beside it.
+///
+/// # Errors
+/// The defect of a log.
+pub fn page_of_logs(log: &Path, second: Option<&Path>, mesh_limit: usize) -> anyhow::Result<String> {
     let mut recorded = Recorded::open(log)?;
-    let loaded = &mut recorded.loaded;
-    let start = match Setup::new(&recorded.arguments, loaded) {
-        Ok(setup) => setup.state,
-        // A log of another version may have started otherwise: its samples count, not the start.
-        Err(_) => loaded.unassembled_state()?,
-    };
+    let start = start_of(&mut recorded)?;
     let kept = &recorded.arguments.input.keep[..];
     let tables = page_tables(&recorded.loaded, &start, kept);
     let options = PageOptions { mesh_limit, tables };
-    Ok(run_page(log, &recorded.loaded.model, &start, &options)?)
+    let run = LoggedRun { log, model: &recorded.loaded.model, start: &start };
+    let Some(log) = second else { return Ok(run_page(run, None, &options)?) };
+    let mut recorded = Recorded::open(log)?;
+    let start = start_of(&mut recorded)?;
+    let second = LoggedRun { log, model: &recorded.loaded.model, start: &start };
+    Ok(run_page(run, Some(second), &options)?)
+}
+
+/// The start of the run of a log.
+fn start_of(recorded: &mut Recorded) -> anyhow::Result<State> {
+    match Setup::new(&recorded.arguments, &mut recorded.loaded) {
+        Ok(setup) => Ok(setup.state),
+        // A log of another version may have started otherwise: its samples count, not the start.
+        Err(_) => Ok(recorded.loaded.unassembled_state()?),
+    }
 }

@@ -9,6 +9,7 @@
 
 use crate::events::effects::noted::{note_bound, side_of_bound};
 use crate::events::finding::detection::ONE_INSTANT;
+use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, MotorMode};
@@ -24,7 +25,8 @@ impl Eventful {
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         if !self.goes_on_under(inputs, state) {
-            self.tally.lost_at_start += self.pass(inputs, state, &[]);
+            let exchanged = self.pass(inputs, state, &[]);
+            self.tally.lost_at_start += exchanged;
         }
     }
 
@@ -45,7 +47,7 @@ impl Eventful {
         self.trial.sample.copy_from(state);
         self.trial.evaluated = Evaluated::default();
         let time = state.time;
-        (0..self.trial.watched.len()).all(|index| {
+        (Watched::after_gaps(&self.trial.watched)..self.trial.watched.len()).all(|index| {
             let mut value = [0.0];
             if self.trial.watched[index].needs_efforts() {
                 self.evaluate_at_sample(inputs, time, time, &[index], &mut value);
@@ -71,7 +73,7 @@ impl Eventful {
             self.mode.motors[index] = mode;
             jumped = true;
         }
-        let reached = self.model.whole.forces.next_instant(before);
+        let reached = self.model.whole.next_instant(before);
         jumped |= (reached - now).abs() <= ONE_INSTANT * now.abs().max(1.0);
         changed || jumped && !self.goes_on_under(inputs, state)
     }

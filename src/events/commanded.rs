@@ -53,7 +53,8 @@ impl Eventful {
             }
         }
         if changed || self.progress.asleep || !self.goes_on_under(inputs, state) {
-            self.tally.lost_at_start += self.pass(inputs, state, &[]);
+            let exchanged = self.pass(inputs, state, &[]);
+            self.tally.lost_at_start += exchanged;
         }
         // A piece that is shared with a copy of the run is changed only if it has other targets.
         for piece in self.workspaces.pieces.iter_mut().filter(|piece| piece.drives.is_behind(&self.model.elements)) {

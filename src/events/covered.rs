@@ -5,7 +5,7 @@
 //! ```
 
 use crate::events::finding::approach::Approaching;
-use crate::events::finding::cover::are_checked;
+use crate::events::finding::cover::{Cover, are_checked};
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
 use crate::events::finding::speeds::speed_at;
 use crate::events::finding::watched::Watched;
@@ -82,16 +82,14 @@ impl Eventful {
     pub(super) fn has_hole(&self, since: f64) -> bool {
         let end = self.workspaces.active().small.time;
         let covered = end - SAME_END * (end - since);
-        let open = |watched: &Watched| {
-            matches!(watched, Watched::Approach(_)) && !self.progress.repeats.ignored.contains(watched)
-        };
-        let until = |index: usize| {
+        let until = |watched: usize| {
             // They are in the order of their numbers.
-            let own = self.trial.covers.binary_search_by_key(&index, |(watched, _)| *watched);
+            let own = self.trial.covers.binary_search_by_key(&watched, |(watched, _)| *watched);
             own.map_or(f64::NEG_INFINITY, |place| self.trial.covers[place].1.until)
         };
-        end > since
-            && (0..self.trial.watched.len()).any(|index| open(&self.trial.watched[index]) && until(index) < covered)
+        // The reserves of all others last.
+        let mut asked = self.trial.reserves.asked().iter().filter_map(|&pair| self.open_pair(pair));
+        end > since && asked.any(|watched| until(watched) < covered)
     }
 
     /// Bounds how deep shapes overlap in the last step (m).
@@ -132,8 +130,13 @@ impl Eventful {
         }
         let end = self.workspaces.active().small.time;
         assert!(!self.has_hole(since), "a hole in the step from {since} to {end} s: {:?}", self.trial.covers);
-        for (watched, cover) in self.trial.covers.clone() {
+        for watched in 0..Watched::after_gaps(&self.trial.watched) {
             let Watched::Approach(pair) = self.trial.watched[watched] else { continue };
+            if self.open_pair(pair).is_none() {
+                continue;
+            }
+            let looked_at = self.trial.covers.iter().find(|(known, _)| *known == watched).map(|(_, cover)| *cover);
+            let cover = looked_at.unwrap_or_else(|| Cover { until: end, least: self.trial.reserves.at_end(pair) });
             let roughly = self.is_known_roughly(pair);
             // A step of first order may have left as much.
             let (allowed, most) = (self.model.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
@@ -143,6 +146,8 @@ impl Eventful {
                 let (gap, bodies, reach) = (inside.gap(time), inside.bodies(time), inside.reach());
                 let speed = speed_at(bodies, reach);
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);
+                let lasts = looked_at.is_some() || gap >= cover.least - allowed;
+                assert!(lasts, "pair {pair} is {gap:e} m apart at {time} s, not {:e} m at least", cover.least);
                 // Velocities are rounded, too. Bodies that are faster by less than a hundredth of their gap cannot close it unseen.
                 let farther = (speed - most) * (end - since);
                 assert!(

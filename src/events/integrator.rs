@@ -2,6 +2,7 @@
 
 use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
+use crate::events::effects::resting;
 use crate::events::effects::transition::transit;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
@@ -16,9 +17,11 @@ use crate::events::parts::progress::Progress;
 use crate::events::parts::tally::Tally;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::{Workspaces, larger};
+use crate::events::trace::{Traced, TracedJump};
 use crate::instant::holding::held::Closures;
 use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
@@ -45,6 +48,8 @@ pub struct Eventful {
     pub(super) previous: PreviousStep,
     /// Targets of motors that were given since the last step.
     pub(super) commands: Commands,
+    /// The steps and jumps since it was taken last; `None` for a run without derivatives.
+    pub(super) trace: Option<Vec<Traced>>,
 }
 
 impl Eventful {
@@ -84,6 +89,7 @@ impl Eventful {
             tally: Tally::default(),
             previous: PreviousStep::new(mechanism),
             commands: Commands::Known,
+            trace: None,
             workspaces,
             mode,
             model,
@@ -150,7 +156,7 @@ impl Eventful {
             self.model.replace(mechanism);
             self.workspaces.replace(mechanism);
             self.previous.reporting = RefCell::new(Reporting::new(mechanism));
-            self.trial.placed.forget();
+            self.trial.replace(&self.model);
         }
         if self.previous.left.is_none() {
             self.progress.began = state.time;
@@ -186,7 +192,8 @@ impl Eventful {
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         let events = self.tally.events.len();
-        self.tally.lost_at_start += self.pass_anew(inputs, state);
+        let exchanged = self.pass_anew(inputs, state);
+        self.tally.lost_at_start += exchanged;
         let keep = |event: &Event| event.impulse.is_some();
         let happened: Vec<Event> = self.tally.events.drain(events..).filter(keep).collect();
         self.tally.events.extend(happened);
@@ -206,8 +213,8 @@ impl Eventful {
         }
     }
 
-    /// Carries out the event at a state, and enters the mode that follows; returns the energy lost (J).
-    pub(super) fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> f64 {
+    /// Carries out the event at a state, and enters the mode that follows; returns the energy lost, and the work of driven surfaces.
+    pub(super) fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> Exchange {
         // Events happen to two motions at two times.
         if self.workspaces.accompanied {
             self.leave_companion();
@@ -216,13 +223,14 @@ impl Eventful {
     }
 
     /// The same without known contacts: they are looked for everywhere.
-    pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> f64 {
+    pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> Exchange {
         self.mode.contacts.clear();
         self.carry_out(inputs, state, Found { triggers: &[], height: self.model.height, anew: true })
     }
 
-    fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
+    fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> Exchange {
         self.progress.asleep = false;
+        let before = self.trace.is_some().then(|| state.clone());
         let Eventful {
             model: HybridModel { elements, touching, whole, .. },
             workspaces: Workspaces { response, .. },
@@ -232,8 +240,12 @@ impl Eventful {
             ..
         } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
+        let had = whole.moves_joints().then(|| resting::energy(whole, state).total());
         let mut scene = Scene { whole, elements, touching, response, solvers };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
+        // Impulses that hold a moved joint at its rate do work, too: the rest of the balance.
+        let rest = |had: f64| resting::energy(&self.model.whole, state).total() - had + done.lost;
+        let work = had.map_or(done.driven, rest);
         self.tally.events.extend(done.events);
         self.tally.unsolved += done.unsolved;
         let (rebounds, energy) = done.cut;
@@ -247,6 +259,10 @@ impl Eventful {
             self.progress.asleep = true;
             self.enter(state);
         }
-        done.lost
+        if let (Some(trace), Some(before)) = (&mut self.trace, before) {
+            let (meetings, contacts) = (done.meetings, done.contacts);
+            trace.push(Traced::Jump(Box::new(TracedJump { before, after: state.clone(), meetings, contacts })));
+        }
+        Exchange { impacts: done.lost, work, ..Exchange::default() }
     }
 }

@@ -65,15 +65,13 @@ impl Eventful {
                 // Twice what a cubic through both ends could do between them.
                 nearest[0].min(nearest[1]) <= length * fastest + (nearest[0] - nearest[1]).abs()
             }
-            // They are looked for by distances and speeds.
-            Watched::Approach(_) => false,
             _ => true,
         };
         which.clear();
         let looked_at = |watched: &Watched| !self.progress.repeats.ignored.contains(watched) && near(watched);
-        which.extend(
-            self.trial.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index),
-        );
+        // Gaps of pairs are looked for by distances and speeds.
+        let others = Watched::after_gaps(&self.trial.watched)..self.trial.watched.len();
+        which.extend(others.filter(|&index| looked_at(&self.trial.watched[index])));
     }
 
     /// The first bracket in which a function changes its sign in the last step; `known` is one that does at its end.
@@ -93,16 +91,19 @@ impl Eventful {
 
     /// The same, with room for it.
     fn look(&mut self, inputs: Inputs, since: f64, but: Option<usize>, looking: &mut Looking) -> Option<Bracket> {
-        let Looking { which, noise, room } = looking;
+        let Looking { which, zero, noise, room } = looking;
         self.candidates(since, which);
         which.retain(|index| Some(*index) != but);
         if which.is_empty() {
             return None;
         }
+        zero.clear();
+        zero.extend(which.iter().map(|&index| {
+            self.trial.watched[index].nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode)
+        }));
         noise.clear();
-        noise.extend(which.iter().map(|&index| {
-            let watched = self.trial.watched[index];
-            let fresh = match watched {
+        noise.extend(which.iter().zip(&*zero).map(|(&index, &zero)| {
+            let fresh = match self.trial.watched[index] {
                 Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
                     self.trial.fresh_joints[joint]
                 }
@@ -114,15 +115,11 @@ impl Eventful {
                 | Watched::Slips(contact)
                 | Watched::Feature(contact) => self.trial.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
-            if fresh {
-                f64::INFINITY
-            } else {
-                watched.nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode)
-            }
+            if fresh { f64::INFINITY } else { zero }
         }));
         let end = self.workspaces.active().small.time;
         let short = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
-        let found = first_sign_change(room, which.len(), since, end, noise, short, |time, of, values| {
+        let found = first_sign_change(room, which.len(), since, end, [zero, noise], short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
             // An unloaded contact does not part by roundings.
             for (value, &index) in values.iter_mut().zip(&which[of]) {
@@ -139,7 +136,7 @@ impl Eventful {
     /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
     fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         self.trial.covers.clear();
-        if !(0..self.trial.watched.len()).any(|watched| self.open_pair(watched).is_some()) {
+        if !self.trial.watched.first().is_some_and(|first| matches!(first, Watched::Approach(_))) {
             return None;
         }
         let end = self.workspaces.active().small.time;
@@ -149,15 +146,16 @@ impl Eventful {
             self.place(Inside::roughly(time));
             speeds.take(sample, &self.trial.bodies);
         }
-        self.trial.reserves.begin(&self.trial.origin, &self.trial.sample, self.model.touching.pairs.len());
         // In a span that is short beside the steps of the motion, the speeds at its ends tell whether a reserve lasts.
         let mut sampled = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
         if !sampled {
             self.sample_speeds([since, end], &mut speeds);
         }
+        self.trial.reserves.begin(&speeds, end - since);
         let mut first: Option<Bracket> = None;
-        for watched in 0..self.trial.watched.len() {
-            let Some(pair) = self.open_pair(watched) else { continue };
+        for place in 0..self.trial.reserves.asked().len() {
+            let pair = self.trial.reserves.asked()[place];
+            let Some(watched) = self.open_pair(pair) else { continue };
             if let Some(rest) = self.reserve(pair, &speeds, end - since) {
                 self.trial.covers.push((watched, Cover { until: end, least: rest }));
                 continue;
@@ -198,7 +196,10 @@ impl Eventful {
             if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
                 cover.take([cover.until, end], gap.gap(end));
             }
-            if let (None, Some(at_end)) = (found, gap.at_end) {
+            // A closed pair has the gap of its other features.
+            if let (None, Some(at_end)) = (found, gap.at_end)
+                && !self.is_closed(pair)
+            {
                 self.trial.reserves.note(pair, at_end);
             }
             self.trial.covers.push((watched, cover));
@@ -212,22 +213,26 @@ impl Eventful {
         first
     }
 
-    /// The pair of a watched function, if it is the gap of one and looked at.
-    fn open_pair(&self, watched: usize) -> Option<usize> {
-        match &self.trial.watched[watched] {
-            open @ Watched::Approach(pair) if !self.progress.repeats.ignored.contains(open) => Some(*pair),
-            _ => None,
-        }
+    /// The number of the watched gap of a pair, if it is looked at.
+    pub(super) fn open_pair(&self, pair: usize) -> Option<usize> {
+        let open = Watched::Approach(pair);
+        let watched = Watched::gap_of(&self.trial.watched, pair)?;
+        (!self.progress.repeats.ignored.contains(&open)).then_some(watched)
+    }
+
+    /// Whether a contact of a pair is closed.
+    fn is_closed(&self, pair: usize) -> bool {
+        self.mode.contacts.iter().any(|closed| closed.contact.pair == pair)
     }
 
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
     fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
-        let of @ Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
+        let Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
         // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds.
-        if self.trial.fresh_pairs[pair] || self.mode.contacts.iter().any(|closed| closed.contact.pair == pair) {
+        if self.trial.fresh_pairs[pair] || self.is_closed(pair) {
             return None;
         }
-        self.trial.reserves.lasts(pair, length * speeds.closing(*bodies, *reach), of.within(AT_EVENT))
+        self.trial.reserves.lasts(pair, length * speeds.closing(*bodies, *reach))
     }
 
     /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.

@@ -56,6 +56,7 @@ mod singular;
 mod sliding;
 mod steps;
 mod stepwise;
+pub(crate) mod trace;
 mod turning;
 
 pub use finding::cover::check_certificates;

@@ -1,4 +1,4 @@
-//! Rest on contacts: bodies that have stopped moving are not simulated until something changes.
+//! Rest on contacts: bodies that have stopped moving are not simulated until something changes. Belts that rub on them go on taking work.
 
 use crate::events::forces::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
@@ -29,6 +29,7 @@ impl Eventful {
         if !asked
             || inputs.feedback.is_some()
             || !self.is_driven_evenly()
+            || self.rides_or_rubs()
             || state.velocity.iter().any(|&rate| rate != 0.0)
         {
             return false;
@@ -63,5 +64,11 @@ impl Eventful {
         moved.fold(0.0, f64::max) <= REST.max(1e-3 * wanted)
             && state.velocity.iter().all(slow)
             && self.is_driven_evenly()
+            && !self.rides_or_rubs()
+    }
+
+    /// Whether a belt is among the closed contacts.
+    fn rides_or_rubs(&self) -> bool {
+        self.mode.contacts.iter().any(|closed| closed.contact.joint.is_belt())
     }
 }

@@ -101,8 +101,8 @@ impl Eventful {
         joint_efforts(
             &self.model.whole,
             self.trial.origin.time,
-            &state.position,
-            &self.trial.origin.velocity,
+            (&state.position, &self.trial.origin.velocity),
+            &bodies,
             &mut own,
         );
         for (freedom, armature) in self.model.whole.rotors() {
@@ -114,7 +114,7 @@ impl Eventful {
         let held = self.model.elements.joints.iter().zip(&self.mode.joints);
         let held = held.filter(|(_, mode)| matches!(mode, JointMode::Held { .. }));
         let freedoms: Vec<usize> = held.map(|(joint, _)| joint.coordinate.freedom).collect();
-        let mut rows = vec![impulses];
+        let mut rows = vec![impulses.into()];
         rows.extend(freedoms.iter().map(|&freedom| row_of_freedom(count, freedom, 1.0)));
         let answers = self.workspaces.response.answers(state, &rows);
         let mut velocity = answers.column(0).into_owned();

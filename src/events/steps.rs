@@ -216,11 +216,12 @@ impl Eventful {
     ) {
         let (since, passing) = (attempt.since, attempt.passing);
         let at_start = ending.is_at_start();
+        self.trace_step(state, &ending);
         if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
             self.check_covers(inputs, since);
         }
-        outcome.exchange.impacts += std::mem::take(&mut self.tally.lost_at_start);
+        outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         self.remember(state);
         self.trial.wear_off();
         let changed = self.meet_instants(inputs, state);
@@ -232,7 +233,7 @@ impl Eventful {
                 triggers = self.overlooked();
             }
             let mode = self.mode.clone();
-            outcome.exchange.impacts += self.pass(inputs, state, &triggers);
+            outcome.exchange += self.pass(inputs, state, &triggers);
             if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
                 self.progress.crowding.count_repeated(left);
             }
@@ -242,7 +243,7 @@ impl Eventful {
         if !(passing || at_start) {
             self.progress.repeats.advance();
         }
-        let lasts = inputs.feedback.is_none() && !self.model.whole.forces.change();
+        let lasts = inputs.feedback.is_none() && !self.model.whole.changes();
         let quiet = triggers.is_empty() && !changed && lasts && self.is_quiet(state);
         self.progress.quiet = if quiet { self.progress.quiet + 1 } else { 0 };
         if matches!(ending, Ending::Ballistic(_)) {

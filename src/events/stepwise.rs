@@ -21,7 +21,7 @@ use crate::events::finding::speeds::speed_at;
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
-use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::inward;
 use crate::instant::holding::touching::Contact;
 use crate::instant::start::assembly::assemble;
@@ -64,6 +64,8 @@ struct Pushed {
     near: Vec<usize>,
     /// Number of rebounds that are left out, and the energy that they would give back (J).
     rebounds: (usize, f64),
+    /// The work of driven surfaces (J).
+    driven: f64,
     /// The part of its length that the step may have, so that no pair passes through each other.
     part: f64,
 }
@@ -95,7 +97,7 @@ impl Eventful {
         self.workspaces.response.accelerations(state, &efforts, &mut free);
         let mut step = self.progress.crowding.length().min(until - start.time);
         let mut rounds = 0;
-        let Pushed { pressed, limits, near, rebounds, .. } = loop {
+        let Pushed { pressed, limits, near, rebounds, driven, .. } = loop {
             let pushed = self.pushed(step, &start, &free, &mut state.velocity);
             // Short enough that no body passes through another.
             if pushed.part >= 1.0 || rounds == SHORTENED {
@@ -116,7 +118,7 @@ impl Eventful {
             state.velocity = wanted;
         }
         self.land(&pressed, &limits, state);
-        let work = loads + efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum::<f64>();
+        let work = loads + driven + efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum::<f64>();
         self.bound(&start, state, work);
         self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
         self.see_jump(&start, state);
@@ -223,7 +225,7 @@ impl Eventful {
                 *rate = before + step * acceleration;
             }
             let (Closing { blocks, gaps, contacts, sides }, seen) = self.closing_within(step, start, velocity, &wider);
-            let (mut pressed, mut limits, mut rebounds) = (Vec::new(), Vec::new(), (0, 0.0));
+            let (mut pressed, mut limits, mut rebounds, mut driven) = (Vec::new(), Vec::new(), (0, 0.0), 0.0);
             if !blocks.is_empty() {
                 let rows = Rows::of(&mut self.workspaces.response, start, &blocks);
                 let mut rates = rows.rates(velocity);
@@ -234,6 +236,7 @@ impl Eventful {
                 }
                 let impulses = impulses_among(&rows, &rates, &blocks);
                 rows.add(&impulses, velocity);
+                driven = rows.work_of_belts(&impulses);
                 let before = rows.rates(&start.velocity);
                 rebounds = self.left_out(&blocks, &sides, &contacts, &impulses, &before);
                 pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
@@ -254,7 +257,7 @@ impl Eventful {
             }
             if !widened || round == WIDENED {
                 let near = (0..seen.len()).filter(|&pair| seen[pair].1).collect();
-                return Pushed { pressed, limits, near, rebounds, part };
+                return Pushed { pressed, limits, near, rebounds, driven, part };
             }
             round += 1;
         }
@@ -286,7 +289,7 @@ impl Eventful {
             }
             let normal =
                 |pressed: &&Pressed| rows_of_contact(&self.model.whole, &bodies, &pressed.contact.joint, false);
-            let mut rows: Vec<Vec<f64>> = landing.iter().flat_map(normal).collect();
+            let mut rows: Vec<Row> = landing.iter().flat_map(normal).collect();
             rows.extend(limits.iter().map(|limit| limit_row(limit, state.velocity.len())));
             gaps.extend(limits.iter().map(|limit| limit_gap(limit, state)));
             let rows = Rows::new(&mut self.workspaces.response, state, rows);
@@ -302,7 +305,7 @@ impl Eventful {
         });
         let rows = closed
             .flat_map(|pressed| rows_of_contact(&self.model.whole, &bodies, &pressed.contact.joint, pressed.holds));
-        let mut rows: Vec<Vec<f64>> = rows.collect();
+        let mut rows: Vec<Row> = rows.collect();
         let bears = |limit: &&Bearing| limit.gap <= joints[limit.joint].at_limit(limit.side);
         rows.extend(limits.iter().filter(bears).map(|limit| limit_row(limit, state.velocity.len())));
         if !rows.is_empty() {
@@ -324,7 +327,8 @@ impl Eventful {
     pub(super) fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
         let (before, after) = (energy(&self.model.whole, start), energy(&self.model.whole, end));
         let gained = after.total() - before.total() - work;
-        if gained > GAIN * after.kinetic && after.kinetic > 0.0 {
+        // Joints that are moved in time keep their rates, whatever energy that takes.
+        if gained > GAIN * after.kinetic && after.kinetic > 0.0 && !self.model.whole.moves_joints() {
             let factor = ((after.kinetic - gained) / after.kinetic).max(0.0).sqrt();
             end.velocity.iter_mut().for_each(|rate| *rate *= factor);
         }
@@ -360,7 +364,13 @@ mod tests {
         let mut mechanism = Mechanism::new("ball", Vector3::z() * -9.81, vec![body]).expect("a free body");
         let nonsmooth = &mut mechanism.nonsmooth;
         for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose: Pose::identity(), shape });
+            nonsmooth.colliders.push(Collider {
+                name: "one".into(),
+                body,
+                pose: Pose::identity(),
+                shape,
+                surface_velocity: Vector3::zeros(),
+            });
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
@@ -391,7 +401,13 @@ mod tests {
         let mut mechanism = Mechanism::new("box", Vector3::z() * -9.81, vec![body]).expect("a free body");
         let nonsmooth = &mut mechanism.nonsmooth;
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose: Pose::identity(), shape });
+            nonsmooth.colliders.push(Collider {
+                name: "one".into(),
+                body,
+                pose: Pose::identity(),
+                shape,
+                surface_velocity: Vector3::zeros(),
+            });
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
@@ -437,7 +453,13 @@ mod tests {
         let nonsmooth = &mut mechanism.nonsmooth;
         nonsmooth.limits.push(JointLimit { coordinate, lower: -1.0, upper: 0.0, restitution: 0.0 });
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose: Pose::identity(), shape });
+            nonsmooth.colliders.push(Collider {
+                name: "one".into(),
+                body,
+                pose: Pose::identity(),
+                shape,
+                surface_velocity: Vector3::zeros(),
+            });
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };

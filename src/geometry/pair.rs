@@ -5,6 +5,7 @@
 use crate::distances::axes::{Found, places};
 use crate::distances::beyond::{height, height_of_moved};
 use crate::distances::half_space::HalfSpace;
+use crate::distances::hollow::Hollow;
 use crate::distances::manifold::manifold;
 use crate::distances::mesh::Mesh;
 use crate::distances::nearest::nearest;
@@ -29,6 +30,12 @@ const CROSSES: f64 = 1e-6;
 /// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
 const STANDS_IN: f64 = 5e-12;
 
+/// Triangles that rise over the plane of a contact by no more than this part of the size of the pair are in that plane.
+const FLAT: f64 = 1e-12;
+
+/// A mesh that is not flat as far as the other shape is large may be flat as far as this part of that.
+const NEARBY: f64 = 0.05;
+
 /// The relative rounding error of a lower bound of a distance.
 const ROUNDED: f64 = 1e-13;
 
@@ -50,6 +57,7 @@ pub struct PairGeometry {
 #[derive(Clone, Debug)]
 enum First {
     HalfSpace(HalfSpace),
+    Hollow(Hollow),
     Mesh(Arc<Mesh>),
     Convex(Arc<Convex>),
 }
@@ -71,11 +79,19 @@ impl PairGeometry {
     /// Prepares two colliders; their shapes and their poses in the bodies count, and for tolerances whether they are obstacles.
     pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
         let (one, other) = (Convex::shared(&a.shape, &a.pose)?, Convex::shared(&b.shape, &b.pose)?);
+        for (own, other) in [(a, b), (b, a)] {
+            if matches!(own.shape, Shape::Ellipsoid { .. }) && other.shape != Shape::HalfSpace {
+                return Err(GeometryError::Ellipsoid { other: kind(&other.shape) });
+            }
+        }
         let exchanged = one.is_some() && other.is_none();
         let obstacle = |collider: &Collider| match &collider.shape {
             Shape::Mesh(surface) => {
                 let make = || Mesh::new(surface, &collider.pose);
                 Ok(First::Mesh(MESHES.of(surface, &collider.pose, make)?))
+            }
+            Shape::Hollow { radius } => {
+                Ok(First::Hollow(Hollow { centre: collider.pose.translation.vector, length: *radius }))
             }
             _ => Ok(First::HalfSpace(HalfSpace {
                 point: collider.pose.translation.vector,
@@ -88,6 +104,9 @@ impl PairGeometry {
             (Some(one), None) => (obstacle(b)?, one),
             (None, None) => return Err(GeometryError::Obstacles { a: kind(&a.shape), b: kind(&b.shape) }),
         };
+        if matches!(first, First::Hollow(_)) && second.size > 0.0 {
+            return Err(GeometryError::Obstacles { a: kind(&a.shape), b: kind(&b.shape) });
+        }
         let mut reach = [first.reach(), second.reach()];
         let mut standing = [first.lengths(), Lengths::of_convex(&second)];
         if exchanged {
@@ -95,7 +114,10 @@ impl PairGeometry {
             standing.reverse();
         }
         let lengths = |side: usize, moves: bool| if moves { Lengths::of_moving(reach[side]) } else { standing[side] };
-        let extents = Extents::new([lengths(0, a.body.is_some()), lengths(1, b.body.is_some())]);
+        let mut extents = Extents::new([lengths(0, a.body.is_some()), lengths(1, b.body.is_some())]);
+        if let First::Hollow(Hollow { length, .. }) = &first {
+            extents = Extents { larger: *length, smaller: *length, whole: *length, ..extents };
+        }
         Ok(PairGeometry { first, second, exchanged, reach, extents })
     }
 
@@ -108,7 +130,7 @@ impl PairGeometry {
     /// their least widths. A mesh is a shell of width zero; the width of a half space is infinite.
     pub fn breadth(&self) -> f64 {
         let of_first = match &self.first {
-            First::HalfSpace(_) => f64::INFINITY,
+            First::HalfSpace(_) | First::Hollow(_) => f64::INFINITY,
             First::Mesh(_) => 0.0,
             First::Convex(convex) => convex.breadth(),
         };
@@ -136,6 +158,10 @@ impl PairGeometry {
                 let from = centre - half_space.point;
                 (half_space.normal.dot(&from) - self.second.size, from.norm())
             }
+            First::Hollow(rope) => {
+                let from = (centre - rope.centre).norm();
+                (rope.length - from, from + rope.length)
+            }
             First::Mesh(_) => return f64::NEG_INFINITY,
             First::Convex(convex) => {
                 let from = (centre - convex.centre).norm();
@@ -161,6 +187,7 @@ impl PairGeometry {
         let (rotation, translation) = &in_first;
         let found = match &self.first {
             First::HalfSpace(half_space) => Some((half_space.nearest(&self.second, rotation, translation), 0.0)),
+            First::Hollow(rope) => Some((rope.nearest(&(rotation * self.second.centre + translation)), 0.0)),
             First::Mesh(mesh) => mesh.nearest(&self.second, rotation, translation).map(|found| (found, 0.0)),
             First::Convex(convex) => {
                 nearest(&both(convex, &self.second, &in_first)).map(|found| (found, convex.radius))
@@ -193,6 +220,12 @@ impl PairGeometry {
                 let found = half_space.manifold(&self.second, rotation, translation, near);
                 let bearer = || Bearer { part: half_space.part(), radius: 0.0 };
                 found.iter().map(|one| place(one, [bearer(), second(one.features[1])], &in_first, first)).collect()
+            }
+            First::Hollow(rope) => {
+                let found = rope.nearest(&(rotation * self.second.centre + translation));
+                let bearer = Bearer { part: rope.part(), radius: 0.0 };
+                let near = Some(found).filter(|found| found.distance() < near);
+                near.map(|one| place(&one, [bearer, second(one.features[1])], &in_first, first)).into_iter().collect()
             }
             First::Mesh(mesh) => {
                 let found = mesh.manifold(&self.second, rotation, translation, near);
@@ -261,6 +294,8 @@ impl PairGeometry {
         let names = if self.exchanged { [names[1], names[0]] } else { names };
         let (of_first, radius) = match &self.first {
             First::HalfSpace(half_space) => (half_space.part(), 0.0),
+            // A taut rope has no borders.
+            First::Hollow(_) => return f64::INFINITY,
             First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
             First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
         };
@@ -288,7 +323,7 @@ impl PairGeometry {
                 let normals = [rotation.tr_mul(&normal), -normal];
                 let leaves = off_tilt(&self.second.core, names[1], &normals[0]).min(match &self.first {
                     First::Convex(convex) => off_tilt(&convex.core, names[0], &normals[1]),
-                    First::HalfSpace(_) | First::Mesh(_) => f64::INFINITY,
+                    First::HalfSpace(_) | First::Hollow(_) | First::Mesh(_) => f64::INFINITY,
                 });
                 (points, leaves.min(off_crossing(&place.features, names, parts, &points)))
             }
@@ -298,7 +333,7 @@ impl PairGeometry {
             _ => f64::INFINITY,
         };
         let of_first = match &self.first {
-            First::HalfSpace(_) => f64::INFINITY,
+            First::HalfSpace(_) | First::Hollow(_) => f64::INFINITY,
             First::Mesh(mesh) => mesh.inside(names[0], &points[0]).min(mesh.off_neighbours(names[0], &points[1])),
             First::Convex(convex) => {
                 inside(&convex.core, names[0], &points[0]).min(off(&convex.core, names[0], &points[1]))
@@ -309,23 +344,38 @@ impl PairGeometry {
     }
 
     /// The distance of all features outside `closed` from the tangent plane of one of these places, which has this normal, from collider a to
-    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative.
+    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative. Distances above `within` (m) may be
+    /// less than the true ones. `None` for a half space, for the inside of a shape, and where a mesh is not flat near the other shape.
     pub fn beyond(
         &self,
         place: &PlaceId,
         closed: &[PlaceId],
         [normal, point]: [&Vector3<f64>; 2],
-        a: &Pose,
-        b: &Pose,
+        [a, b]: [&Pose; 2],
+        within: f64,
     ) -> Option<f64> {
-        let First::Convex(convex) = &self.first else { return None };
         let side = |first: bool, place: &PlaceId| if first != self.exchanged { place.a } else { place.b };
         let (first, (rotation, translation)) = self.relative(a, b);
         let normal = first.rotation.inverse() * normal * if self.exchanged { -1.0 } else { 1.0 };
         let point = first.inverse_transform_point(&(*point).into()).coords;
         let of = |first: bool| closed.iter().map(|place| side(first, place)).collect::<Vec<_>>();
-        let plane = [&-normal, &(point - normal * convex.radius)];
-        let of_first = height(convex, side(true, place), &of(true), plane);
+        let of_first = match &self.first {
+            First::HalfSpace(_) | First::Hollow(_) => return None,
+            First::Mesh(mesh) => {
+                // Off its faces the tangent plane does not lie on it.
+                let FeatureId::Face(_) = side(true, place) else { return None };
+                let is_flat = |within: f64| {
+                    let highest = mesh.highest(&self.second, (&rotation, &translation), [&normal, &point], within);
+                    highest <= self.extents.within(FLAT)
+                };
+                let far = within.min(self.second.size);
+                [far, NEARBY * far].into_iter().find(|&within| is_flat(within))?
+            }
+            First::Convex(convex) => {
+                let plane = [&-normal, &(point - normal * convex.radius)];
+                height(convex, side(true, place), &of(true), plane)
+            }
+        };
         let plane = [&normal, &(point + normal * self.second.radius)];
         let own = side(false, place);
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
@@ -374,6 +424,7 @@ impl PairGeometry {
         }
         let (of_first, radius) = match &self.first {
             First::HalfSpace(half_space) => (half_space.part(), 0.0),
+            First::Hollow(rope) => (rope.part(), 0.0),
             First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
             First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
         };
@@ -420,6 +471,7 @@ impl First {
     fn reach(&self) -> f64 {
         match self {
             First::HalfSpace(_) => f64::INFINITY,
+            First::Hollow(rope) => rope.centre.norm(),
             First::Mesh(mesh) => mesh.reach(),
             First::Convex(convex) => convex.reach(),
         }
@@ -429,6 +481,9 @@ impl First {
     fn lengths(&self) -> Lengths {
         match self {
             First::HalfSpace(half_space) => Lengths::of_plane(&half_space.point),
+            First::Hollow(rope) => {
+                Lengths { place: rope.centre.norm() + rope.length, whole: rope.length, part: rope.length }
+            }
             First::Mesh(mesh) => mesh.lengths(),
             First::Convex(convex) => Lengths::of_convex(convex),
         }

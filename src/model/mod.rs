@@ -14,7 +14,7 @@ mod reduction;
 
 pub use assemble::Start;
 pub use description::at_start::AtStart;
-pub use description::contact_pairs::{ContactRecord, LeftOutPair, Owner};
+pub use description::contact_pairs::{ContactRecord, LeftOutPair, Owner, RopeRecord};
 pub use description::coordinates::{JointCoordinates, position_names, velocity_names};
 pub use description::coupling_error::{CouplingError, CouplingProblem};
 pub use description::model_error::ModelError;

@@ -1,5 +1,7 @@
-//! The output of a run: log, report and pages; and reading logs.
+//! The output of a run: log, report, pages and films; and reading logs.
 
+#[cfg(feature = "film")]
+pub mod film;
 #[cfg(feature = "log")]
 #[doc(hidden)]
 pub mod inspection;

@@ -74,7 +74,7 @@ impl Forced {
 
     /// The efforts and wrenches of all forces, where the bodies have been placed.
     fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
-        joint_efforts(&self.mechanism, self.time, position, velocity, &mut self.efforts);
+        joint_efforts(&self.mechanism, self.time, (position, velocity), &self.bodies, &mut self.efforts);
         self.soft.fill(0.0);
         self.regularised.add_efforts(self.time, position, velocity, &mut self.soft);
         for ((effort, driven), soft) in self.efforts.iter_mut().zip(&self.driven).zip(&self.soft) {

@@ -4,12 +4,13 @@
 //!     sphere     V = 4/3 π r³          I = 2/5 m r²
 //!     box        V = a b c             Ixx = m (b² + c²)/12, and so on
 //!     cylinder   V = π r² l            Izz = m r²/2        Ixx = m (3 r² + l²)/12
+//!     ellipsoid  V = 4/3 π a b c       Ixx = m (b² + c²)/5, and so on
 //!     capsule    V = π r² (l + 4/3 r)  Izz = mc r²/2 + ms 2/5 r²
 //!                                      Ixx = mc (3 r² + l²)/12 + ms (2/5 r² + l²/4 + 3/8 l r)
 //! ```
 //!
-//! with the volume V (m³), the mass m = ρ V (kg) of a density ρ (kg/m³), the inertia I about the centre (kg m²), radius r, length l and edges a, b, c
-//! (m). The length of a capsule is the length of its cylinder; mc is the mass of the cylinder and ms the mass of both half spheres.
+//! with the volume V (m³), the mass m = ρ V (kg) of a density ρ (kg/m³), the inertia I about the centre (kg m²), radius r, length l and edges or semi-axes
+//! a, b, c (m). The length of a capsule is the length of its cylinder; mc is the mass of the cylinder and ms the mass of both half spheres.
 
 use crate::scene::robot::{Geometry, Surface};
 use nalgebra::Vector3;
@@ -45,6 +46,7 @@ impl SceneBody {
             Geometry::Box { size } => size.x * size.y * size.z,
             Geometry::Cylinder { radius, length } => PI * radius * radius * length,
             Geometry::Capsule { radius, length } => PI * radius * radius * (length + 4.0 / 3.0 * radius),
+            Geometry::Ellipsoid { radii } => 4.0 / 3.0 * PI * radii.product(),
             Geometry::Mesh(_) => 0.0,
         }
     }
@@ -67,6 +69,11 @@ impl SceneBody {
                 let squares = size.component_mul(&size);
                 let [x, y, z] = [squares.x, squares.y, squares.z];
                 mass / 12.0 * Vector3::new(y + z, z + x, x + y)
+            }
+            Geometry::Ellipsoid { radii } => {
+                let squares = radii.component_mul(&radii);
+                let [x, y, z] = [squares.x, squares.y, squares.z];
+                mass / 5.0 * Vector3::new(y + z, z + x, x + y)
             }
             Geometry::Cylinder { radius, length } => {
                 let (square, long) = (radius * radius, length * length);

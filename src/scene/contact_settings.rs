@@ -4,6 +4,7 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::scene::coupling::LinkReference;
+use crate::scene::numbers::turn;
 use crate::scene::robot::{Pose, Surface};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::PathBuf;
@@ -29,6 +30,8 @@ pub struct Obstacle {
     pub friction: Option<f64>,
     /// e with everything, if given.
     pub restitution: Option<f64>,
+    /// Velocity of its surface, as of a belt, in the axes of the obstacle as given [m/s].
+    pub surface_velocity: Vector3<f64>,
     /// The mesh that it was read from.
     pub mesh: Option<MeshSource>,
     /// Scale of that mesh along x, y, z.
@@ -196,6 +199,11 @@ impl Obstacle {
     /// The name of [`Obstacle::floor`].
     pub const FLOOR: &'static str = "floor";
 
+    /// The velocity of its surface in the world [m/s].
+    pub fn surface_velocity_in_world(&self) -> Vector3<f64> {
+        turn(self.rpy) * self.surface_velocity
+    }
+
     /// All points of the world with z ≤ `height` (m).
     pub fn floor(height: f64) -> Self {
         Obstacle {
@@ -207,6 +215,7 @@ impl Obstacle {
             normal: Vector3::z(),
             friction: None,
             restitution: None,
+            surface_velocity: Vector3::zeros(),
             mesh: None,
             scale: Vector3::repeat(1.0),
             line: None,

@@ -77,6 +77,21 @@ pub struct SceneSpring {
     pub line: usize,
 }
 
+/// A `[[rope]]`: it holds two points together, up to its length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneRope {
+    /// Name, unique among the ropes of the file.
+    pub name: String,
+    /// Its ends.
+    pub ends: [Point; 2],
+    /// m.
+    pub length: f64,
+    /// e of the blow with which it goes taut, 0 to 1.
+    pub restitution: f64,
+    /// Its line.
+    pub line: usize,
+}
+
 /// The place of a spring.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpringPlace {

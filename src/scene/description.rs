@@ -2,8 +2,8 @@
 
 use crate::scene::body::SceneBody;
 use crate::scene::contact_settings::ContactSettings;
-use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneSpring};
-use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
+use crate::scene::coupling::{SceneCoupling, SceneLoop, SceneRope, SceneSpring};
+use crate::scene::joint_settings::{SceneJoint, SceneMotion, SceneMotor, TableFile};
 use crate::scene::loads::{SceneDrag, SceneLoad};
 use crate::scene::robot::{Pose, Robot};
 use crate::scene::warning::Warning;
@@ -32,6 +32,8 @@ pub struct Scene {
     pub loops: Vec<SceneLoop>,
     /// The springs.
     pub springs: Vec<SceneSpring>,
+    /// The ropes.
+    pub ropes: Vec<SceneRope>,
     /// The loads.
     pub loads: Vec<SceneLoad>,
     /// The drag of links.
@@ -40,6 +42,8 @@ pub struct Scene {
     pub couplings: Vec<SceneCoupling>,
     /// The motors.
     pub motors: Vec<SceneMotor>,
+    /// The joints that are moved in time.
+    pub motions: Vec<SceneMotion>,
     /// Settings that replace the URDFs' limits, friction and damping of joints.
     pub joints: Vec<SceneJoint>,
     /// Obstacles, and which shapes may touch.
@@ -64,10 +68,12 @@ impl Scene {
             gravity: None,
             loops: Vec::new(),
             springs: Vec::new(),
+            ropes: Vec::new(),
             loads: Vec::new(),
             drags: Vec::new(),
             couplings: Vec::new(),
             motors: Vec::new(),
+            motions: Vec::new(),
             joints: Vec::new(),
             contact: ContactSettings::default(),
             tables: Vec::new(),

@@ -20,12 +20,16 @@ pub enum Element {
     Coupling(String),
     /// A spring, by name.
     Spring(String),
+    /// A rope, by name.
+    Rope(String),
     /// A load, by the name of the loaded part.
     Load(String),
     /// The drag of a link, by the name of that.
     Drag(String),
     /// A motor, by the joint that it drives.
     Motor(String),
+    /// A motion in time, by the joint that it moves.
+    Motion(String),
     /// An obstacle, by name.
     Obstacle(String),
     /// A pair that may touch, by both names, in quotes.
@@ -42,9 +46,11 @@ impl fmt::Display for Element {
             Element::Loop(name) => write!(out, "loop {name:?}"),
             Element::Coupling(name) => write!(out, "coupling {name:?}"),
             Element::Spring(name) => write!(out, "spring {name:?}"),
+            Element::Rope(name) => write!(out, "rope {name:?}"),
             Element::Load(on) => write!(out, "load on {on:?}"),
             Element::Drag(on) => write!(out, "drag of {on:?}"),
             Element::Motor(on) => write!(out, "motor on {on:?}"),
+            Element::Motion(on) => write!(out, "motion of {on:?}"),
             Element::Obstacle(name) => write!(out, "obstacle {name:?}"),
             Element::Pair(names) => write!(out, "contact of {names}"),
         }
@@ -98,6 +104,12 @@ pub enum Problem {
     /// XML, but not a URDF.
     #[error("the outermost element is <{0}>; a URDF has <robot>, a model of MuJoCo <mujoco>")]
     NotRobot(String),
+    /// SDF instead of URDF or MJCF.
+    #[error(
+        "it is SDF, which is not read: give the URDF that it was made of, or convert it to MJCF with Gazebo's converter \
+         (`pip install sdformat-mjcf`, which needs Gazebo's packages for Python, then `sdf2mjcf FILE.sdf FILE.xml`)"
+    )]
+    Sdf,
     /// A xacro source instead of its result.
     #[error("{0} is xacro, which must be expanded first: `xacro FILE.xacro > FILE.urdf`")]
     Xacro(String),
@@ -201,6 +213,9 @@ pub enum Problem {
     /// Two motors on one joint.
     #[error("the joint already has the motor of line {first_line}; give one motor for each joint")]
     SecondMotor { first_line: usize },
+    /// Two motions of one joint.
+    #[error("the joint already has the [[motion]] of line {first_line}; give it one")]
+    SecondMotion { first_line: usize },
     /// Two tables for one joint.
     #[error("the joint already has the [[joint]] of line {first_line}; write all keys into that")]
     SecondJoint { first_line: usize },

@@ -31,6 +31,23 @@ pub struct SceneMotor {
     pub max_effort: Option<f64>,
     /// Time between two evaluations of its effort (s); zero if it is continuous.
     pub period: f64,
+    /// The part of the weight beyond its joint that an effort besides its law holds, at every instant.
+    pub gravity_compensation: f64,
+    /// The line of its `joint`.
+    pub line: usize,
+}
+
+/// A `[[motion]]`: a joint that is moved in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneMotion {
+    /// The joint.
+    pub joint: JointReference,
+    /// Its name, as written.
+    pub on: String,
+    /// Its position over time (rad or m).
+    pub position: Target,
+    /// The table that it was read from, if there is one.
+    pub table: Option<TargetTable>,
     /// The line of its `joint`.
     pub line: usize,
 }

@@ -3,6 +3,7 @@
 //! Units: m, rad, N, N m, s.
 
 use crate::mechanism::description::course::Wave;
+use crate::mechanism::description::formula::Formula;
 use crate::scene::coupling::{JointReference, Point};
 use crate::scene::joint_settings::TargetTable;
 use nalgebra::Vector3;
@@ -44,6 +45,8 @@ pub enum Factor {
     Table(TargetTable),
     /// A wave.
     Wave(Wave),
+    /// A formula of time.
+    Formula(Formula),
 }
 
 /// A `[[drag]]`.

@@ -42,12 +42,14 @@ pub use body::{SceneBody, Weight};
 pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
 };
-pub use coupling::{JointReference, LinkReference, LoopEnd, Point, SceneCoupling, SceneLoop, SceneSpring, SpringPlace};
+pub use coupling::{
+    JointReference, LinkReference, LoopEnd, Point, SceneCoupling, SceneLoop, SceneRope, SceneSpring, SpringPlace,
+};
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub use error::{Element, Problem, SceneError};
 pub(crate) use error::{listed, quoted};
 pub use input_reading::input::{Format, read_input};
-pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
+pub use joint_settings::{LimitChoice, SceneJoint, SceneMotion, SceneMotor, TableFile, TargetTable};
 pub use loads::{Factor, LoadKind, SceneDrag, SceneLoad};
 pub use parameters::Parameter;
 pub use robot::{

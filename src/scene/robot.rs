@@ -73,6 +73,8 @@ pub struct Surface {
     pub friction: Option<f64>,
     /// Restitution of impacts, 0 to 1.
     pub restitution: Option<f64>,
+    /// Velocity of the surface over the link, as of a belt, in the axes of the link [m/s].
+    pub velocity: Option<Vector3<f64>>,
 }
 
 /// Mass and inertia of a link.
@@ -118,6 +120,8 @@ pub enum Geometry {
     Sphere { radius: f64 },
     /// A capsule whose cylindrical part has this length (m).
     Capsule { radius: f64, length: f64 },
+    /// An ellipsoid with these semi-axes along x, y and z (m).
+    Ellipsoid { radii: Vector3<f64> },
     /// A mesh from a file.
     Mesh(MeshFile),
 }

@@ -27,6 +27,8 @@ pub struct Hold {
     pub kp: Option<f64>,
     /// N m s/rad or N s/m; with `kp` alone 0.
     pub kd: Option<f64>,
+    /// The part of the weight beyond each joint that an effort besides the gains holds; 0 without it.
+    pub gravity: Option<f64>,
 }
 
 impl Hold {
@@ -39,7 +41,8 @@ impl Hold {
         for (robot, placed) in scene.robots.iter().enumerate() {
             for joint in placed.robot.joints.iter().filter(|joint| joint.can_be_driven()) {
                 let reference = JointReference { robot, joint: joint.name.clone() };
-                if scene.motors.iter().any(|motor| motor.joint == reference) {
+                let moved = scene.motions.iter().any(|motion| motion.joint == reference);
+                if moved || scene.motors.iter().any(|motor| motor.joint == reference) {
                     continue;
                 }
                 scene.motors.push(SceneMotor {
@@ -53,6 +56,7 @@ impl Hold {
                     table: None,
                     max_effort: None,
                     period: 0.0,
+                    gravity_compensation: self.gravity.unwrap_or(0.0),
                     line: placed.line,
                 });
             }

@@ -132,7 +132,9 @@ impl Loaded {
             ))
         });
         let moved = mechanism.has_closures()
-            && ((correction.position > UNNOTICEABLE && open()) || correction.velocity > UNNOTICEABLE);
+            && ((correction.position > UNNOTICEABLE && open())
+                // The others take their velocities from joints that are moved in time.
+                || (correction.velocity > UNNOTICEABLE && !mechanism.moves_joints()));
         let onto_loops = moved.then(|| {
             let part =
                 |what: &str, most: f64, unit: &str| (most > 0.0).then(|| format!("{what} by up to {most:.1e} {unit}"));

@@ -12,6 +12,8 @@ pub struct Rollout<'r> {
     pub tolerance: Option<f64>,
     /// Stages and length of steps (s), instead of a tolerance.
     pub fixed: Option<(usize, f64)>,
+    /// Whether runs with a tolerance leave out the estimate of their error, for about half of the time.
+    pub no_estimate: bool,
     /// Samples per simulated second; `None` for the start and the end only.
     pub rate: Option<f64>,
     /// Number of threads; 0 for all cores.

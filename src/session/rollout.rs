@@ -42,9 +42,9 @@ impl Model {
     /// Wrong lengths, numbers that are not finite, invalid options, an interruption. A run that fails is listed in [`Trajectories::failures`], and
     /// the others continue.
     pub fn rollout(&self, q0: &[f64], v0: &[f64], options: &Rollout) -> Result<Trajectories, Error> {
-        let Rollout { duration, tolerance, fixed, rate, threads, interrupt, .. } = *options;
-        let settled =
-            Asked { duration, tolerance, fixed, rate, ..Asked::default() }.settle(&self.loaded().simulation)?;
+        let Rollout { duration, tolerance, no_estimate, fixed, rate, threads, interrupt, .. } = *options;
+        let asked = Asked { duration, tolerance, no_estimate, fixed, rate, ..Asked::default() };
+        let settled = asked.settle(&self.loaded().simulation)?;
         let (width_q, width_v) = (self.coordinates().q_count(), self.coordinates().v_count());
         let runs = q0.len().checked_div(width_q).unwrap_or(0);
         if q0.len() != runs * width_q {

@@ -36,7 +36,7 @@ pub(crate) fn words(
     keyframe.iter().for_each(|name| say("keyframe", name.clone()));
     let mut held = None;
     if let Some(hold) = hold {
-        let gains = [("kp", hold.kp), ("kd", hold.kd)];
+        let gains = [("kp", hold.kp), ("kd", hold.kd), ("gravity", hold.gravity)];
         let gains: Vec<String> = gains.iter().filter_map(|(name, gain)| Some(format!("{name}={}", (*gain)?))).collect();
         match gains.is_empty() {
             true => held = Some("--hold".to_string()),

@@ -161,7 +161,11 @@ impl World {
         let gravity = self.gravity.iter().flatten().map(|&value| ("gravity", value));
         let pose = self.base_pose.iter().flatten().map(|&value| ("base pose", value));
         let floor = self.floor.iter().map(|&value| ("floor", value));
-        let gains = self.hold.iter().flat_map(|hold| hold.kp.into_iter().chain(hold.kd)).map(|gain| ("hold", gain));
+        let gains = self
+            .hold
+            .iter()
+            .flat_map(|hold| hold.kp.into_iter().chain(hold.kd).chain(hold.gravity))
+            .map(|gain| ("hold", gain));
         if let Some((option, value)) = gains.clone().find(|(_, gain)| !gain.is_finite() || *gain < 0.0) {
             return Err(Error::Option { option, value, wanted: "give a gain that is finite and not negative" });
         }

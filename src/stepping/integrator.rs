@@ -180,7 +180,7 @@ impl Lobatto {
         until: f64,
     ) -> Result<StepOutcome, Cost> {
         // A force that jumps in between ends a step.
-        if mechanism.forces.next_instant(state.time) < until || self.meet(mechanism, inputs, state).is_err() {
+        if mechanism.next_instant(state.time) < until || self.meet(mechanism, inputs, state).is_err() {
             return Err(Cost::default());
         }
         let driven = self.stepper.driven();
@@ -232,7 +232,7 @@ impl Lobatto {
         if mechanism.forces.driven {
             self.stepper.kernel.drive(inputs.efforts);
         }
-        if mechanism.forces.change() {
+        if mechanism.changes() {
             self.stepper.kernel.clock(state.time);
         }
         if self.stepper.meet(mechanism, state) {
@@ -281,7 +281,7 @@ impl Integrator for Lobatto {
         self.meet(mechanism, inputs, state)?;
         let driven = self.stepper.driven();
         let mechanism = driven.as_deref().unwrap_or(mechanism);
-        let until = until.min(mechanism.forces.next_instant(state.time));
+        let until = until.min(mechanism.next_instant(state.time));
         match &mut self.mode {
             Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, inputs, state, until),
             Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, inputs, state, until),
@@ -295,7 +295,7 @@ impl Integrator for Lobatto {
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.interpolate(mechanism, time, position, velocity);
-        self.stepper.kernel.close(mechanism, position, velocity);
+        self.stepper.kernel.close(mechanism, time, position, velocity);
     }
 
     fn bodies(&self) -> Option<&[BodyState]> {

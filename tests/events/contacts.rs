@@ -29,9 +29,16 @@ pub fn over_floor(
         body: None,
         pose: Pose::identity(),
         shape: Shape::HalfSpace,
+        surface_velocity: Vector3::zeros(),
     });
     for (number, (shape, pose)) in shapes.into_iter().enumerate() {
-        nonsmooth.colliders.push(Collider { name: format!("shape{number}"), body: Some(0), pose, shape });
+        nonsmooth.colliders.push(Collider {
+            name: format!("shape{number}"),
+            body: Some(0),
+            pose,
+            shape,
+            surface_velocity: Vector3::zeros(),
+        });
         nonsmooth.pairs.push(ContactPair { number, a: 0, b: number + 1, friction, restitution });
     }
     mechanism

@@ -54,7 +54,13 @@ fn car() -> (Mechanism, State) {
     }
     let mut mechanism = Mechanism::new("car", Vector3::new(0.0, 0.0, -GRAVITY), bodies).expect("a car");
     let nonsmooth = &mut mechanism.nonsmooth;
-    let collider = |name: &str, body, shape| Collider { name: name.into(), body, pose: Pose::identity(), shape };
+    let collider = |name: &str, body, shape| Collider {
+        name: name.into(),
+        body,
+        pose: Pose::identity(),
+        shape,
+        surface_velocity: Vector3::zeros(),
+    };
     nonsmooth.colliders.push(collider("floor", None, Shape::HalfSpace));
     for number in 0..4 {
         nonsmooth.colliders.push(collider("tyre", Some(number + 1), Shape::Sphere { radius: RADIUS }));

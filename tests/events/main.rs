@@ -3,6 +3,7 @@
 #[path = "../shared/common/mod.rs"]
 mod common;
 
+mod belts;
 mod closed;
 mod contacts;
 mod contacts_bowl;
@@ -39,18 +40,21 @@ mod continuous_events;
 mod costs;
 mod couplings;
 mod crowds;
+mod ellipsoids;
 mod exact;
 mod laws;
 mod loads;
 mod locked;
 mod loose;
 mod mechanisms;
+mod motions;
 mod motors;
 mod orders;
 mod pendulum;
 mod reactions;
 mod robots;
 mod robots_on_floor;
+mod ropes;
 mod rotors;
 mod scene_files;
 mod self_contact;
@@ -59,3 +63,4 @@ mod slides;
 mod throws;
 mod ticks;
 mod toys;
+mod weights;

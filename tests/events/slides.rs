@@ -57,6 +57,7 @@ fn two_mimic_fingers_close_on_their_limits_together() {
         multiplier: 1.0,
         offset: 0.0,
         more: Vec::new(),
+        over_time: None,
     });
     limit(&mut mechanism, 0, 0.0, 0.03, 0.0);
     limit(&mut mechanism, 1, 0.0, 0.03, 0.0);

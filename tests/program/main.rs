@@ -1,4 +1,4 @@
-//! The program as its users see it: commands, logs, pages.
+//! The program as its users see it: commands, logs, pages, films.
 
 #[path = "../shared/common/mod.rs"]
 mod common;
@@ -7,6 +7,7 @@ mod accuracy_said;
 mod chart;
 mod cli;
 mod far_springs;
+mod film;
 mod impacts_kept;
 mod inspect;
 mod log_options;

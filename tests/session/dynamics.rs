@@ -19,7 +19,7 @@ fn carried(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
     };
     let reactions = joint_reactions(mechanism, q, v, a);
     let mut own = vec![0.0; v.len()];
-    catena::mechanism::forces::total::joint_efforts(mechanism, 0.0, q, v, &mut own);
+    catena::mechanism::forces::total::joint_efforts(mechanism, 0.0, (q, v), &bodies, &mut own);
     mechanism
         .bodies
         .iter()

@@ -21,7 +21,8 @@ pub fn with_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut words: Vec<OsString> = Vec::new();
     for argument in arguments {
         let is_number = argument.to_str().is_some_and(|text| text.trim().parse::<f64>().is_ok());
-        let are_gains = argument.to_str().is_some_and(|text| text.starts_with("kp=") || text.starts_with("kd="));
+        let are_gains =
+            argument.to_str().is_some_and(|text| ["kp=", "kd=", "gravity="].iter().any(|gain| text.starts_with(gain)));
         match words.last_mut() {
             Some(floor) if (is_number && *floor == "--floor") || (are_gains && *floor == "--hold") => {
                 floor.push("=");

@@ -55,8 +55,8 @@ pub struct WorldArgs {
     pub contact: ContactArgs,
 
     /// Hold all joints without motors of their own where they start, by motors with these gains [N m/rad and N m s/rad, or N/m and N s/m];
-    /// without gains by critically damped ones of 10 Hz
-    #[arg(long, value_name = "kp=KP,kd=KD", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = gains)]
+    /// without gains by critically damped ones of 10 Hz; `gravity=1` holds the weights besides
+    #[arg(long, value_name = "kp=KP,kd=KD,gravity=PART", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = gains)]
     pub hold: Option<Hold>,
 
     /// Start a model of MuJoCo with this keyframe of it
@@ -157,11 +157,11 @@ impl BaseChoice {
     }
 }
 
-/// `kp=KP,kd=KD`, one of them, or neither.
+/// `kp=KP,kd=KD,gravity=PART`, some of them, or none.
 fn gains(text: &str) -> Result<Hold, String> {
     let mut hold = Hold::default();
     for gain in text.split(',').filter(|gain| !gain.is_empty()) {
-        let refuse = || format!("{gain:?} is none of kp=NUMBER and kd=NUMBER");
+        let refuse = || format!("{gain:?} is none of kp=NUMBER, kd=NUMBER and gravity=NUMBER");
         let (name, number) = gain.split_once('=').ok_or_else(refuse)?;
         let number: f64 = number.trim().parse().map_err(|_| refuse())?;
         if !number.is_finite() || number < 0.0 {
@@ -170,6 +170,7 @@ fn gains(text: &str) -> Result<Hold, String> {
         match name.trim() {
             "kp" => hold.kp = Some(number),
             "kd" => hold.kd = Some(number),
+            "gravity" => hold.gravity = Some(number),
             _ => return Err(refuse()),
         }
     }

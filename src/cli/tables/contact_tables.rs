@@ -4,7 +4,7 @@ use crate::cli::tables::table::{Table, number, triple};
 use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::ground::words::counted;
-use catena::model::{Model, Owner};
+use catena::model::{Model, Owner, RopeRecord};
 use catena::scene::Touching;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -17,7 +17,8 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
     let nonsmooth = &model.mechanism.nonsmooth;
     let contact = &model.contact;
     let name = |collider: usize| nonsmooth.colliders[collider].name.as_str();
-    let shapes = nonsmooth.colliders.iter().zip(&contact.owners).map(|(collider, owner)| {
+    let touching = nonsmooth.colliders.iter().zip(&contact.owners).filter(|(_, owner)| !is_rope(owner));
+    let shapes = touching.map(|(collider, owner)| {
         let body = collider.body.map_or("world", |body| model.mechanism.bodies[body].name.as_str());
         let mut value = json!({
             "name": collider.name,
@@ -26,12 +27,16 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
             "position": collider.pose.translation.vector.as_slice(),
             "orientation": wxyz_from_rotation(collider.pose.rotation.matrix()),
         });
+        if collider.surface_velocity.iter().any(|rate| *rate != 0.0) {
+            value["surface_velocity"] = json!(collider.surface_velocity.as_slice());
+        }
         for (key, part) in shape_json(&collider.shape) {
             value[key] = part;
         }
         value
     });
-    let pairs = nonsmooth.pairs.iter().map(|pair| {
+    let of_shapes = nonsmooth.pairs.iter().filter(|pair| !is_rope(&contact.owners[pair.a]));
+    let pairs = of_shapes.map(|pair| {
         let ContactPair { a, b, friction, restitution, .. } = *pair;
         json!({"a": name(a), "b": name(b), "friction": friction, "restitution": restitution})
     });
@@ -45,7 +50,16 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
         "pairs": pairs.collect::<Value>(),
         "never_touch": left_out.collect::<Value>(),
     });
-    vec![("contact", contact)]
+    let ropes = model.contact.ropes.iter().map(|rope| {
+        let RopeRecord { name, links: [a, b], length, restitution, .. } = rope;
+        json!({"name": name, "a": a, "b": b, "length": length, "restitution": restitution})
+    });
+    vec![("contact", contact), ("ropes", ropes.collect())]
+}
+
+/// Whether a collider is an end of a rope.
+fn is_rope(owner: &Owner) -> bool {
+    matches!(owner, Owner::Rope(_) | Owner::RopeEnd(_))
 }
 
 /// The reason why the collision shapes of a model have no contacts, if so.
@@ -63,14 +77,14 @@ pub fn write_note(model: &Model, text: &mut String) {
 }
 
 /// Shapes, obstacles and pairs as tables for people.
-pub fn tables(model: &Model) -> [Table; 4] {
+pub fn tables(model: &Model) -> [Table; 5] {
     let colliders = &model.mechanism.nonsmooth.colliders;
     let contact = &model.contact;
     let shapes = [("Shapes", "shape of", false), ("Obstacles", "obstacle", true)].map(|(title, first, is_obstacle)| {
         let mut table = Table::new(title, &[first, "shape", "size [m]", "fixed in", "at [m]"]);
-        let of_kind = |owner: &Owner| matches!(owner, Owner::Obstacle(_)) == is_obstacle;
+        let of_kind = |owner: &Owner| !is_rope(owner) && matches!(owner, Owner::Obstacle(_)) == is_obstacle;
         for (collider, _) in colliders.iter().zip(&contact.owners).filter(|(_, owner)| of_kind(owner)) {
-            let Collider { name, body, pose, shape } = collider;
+            let Collider { name, body, pose, shape, .. } = collider;
             let (kind, size) = shape_text(collider, shape);
             let body = body.map_or("world", |body| model.mechanism.bodies[body].name.as_str());
             table.row(vec![name.clone(), kind.to_string(), size, body.to_string(), triple(&pose.translation.vector)]);
@@ -78,12 +92,17 @@ pub fn tables(model: &Model) -> [Table; 4] {
         table
     });
     let name = |collider: usize| colliders[collider].name.clone();
-    let may = model.mechanism.nonsmooth.pairs.iter();
+    let may = model.mechanism.nonsmooth.pairs.iter().filter(|pair| !is_rope(&contact.owners[pair.a]));
     let may = may.map(|pair| vec![name(pair.a), name(pair.b), number(pair.friction), number(pair.restitution)]);
     let never = contact.left_out.iter();
     let never = never.map(|left| vec![name(left.pair.a), name(left.pair.b), left.because.reason()]);
     let [shapes, obstacles] = shapes;
+    let mut ropes = Table::new("Ropes", &["rope", "from", "to", "length [m]", "restitution"]);
+    for RopeRecord { name, links: [a, b], length, restitution, .. } in &contact.ropes {
+        ropes.row(vec![name.clone(), a.clone(), b.clone(), number(*length), number(*restitution)]);
+    }
     [
+        ropes,
         shapes,
         obstacles,
         pairs(Table::new("Pairs that may touch", &["may touch", "with", "friction", "restitution"]), may),
@@ -119,6 +138,9 @@ fn shape_text(collider: &Collider, shape: &Shape) -> (&'static str, String) {
         Shape::Capsule { radius, half } => ("capsule", round(*radius, *half)),
         Shape::Cylinder { radius, half } => ("cylinder", round(*radius, *half)),
         Shape::Box { half } => ("box", triple(&(2.0 * half))),
+        Shape::Hollow { radius } => ("rope", format!("length {}", number(*radius))),
+        Shape::Point => ("point", String::new()),
+        Shape::Ellipsoid { radii } => ("ellipsoid", format!("radii {}", triple(radii))),
         Shape::Hull(points) => ("hull", counted(points.len(), "point", "points")),
         Shape::Mesh(surface) => ("mesh", counted(surface.triangles.len(), "triangle", "triangles")),
     }
@@ -137,6 +159,9 @@ fn shape_json(shape: &Shape) -> Vec<(&'static str, Value)> {
             vec![of("cylinder"), ("radius", json!(radius)), ("length", json!(2.0 * half))]
         }
         Shape::Box { half } => vec![of("box"), ("size", json!((2.0 * half).as_slice()))],
+        Shape::Hollow { radius } => vec![of("rope"), ("length", json!(radius))],
+        Shape::Point => vec![of("point")],
+        Shape::Ellipsoid { radii } => vec![of("ellipsoid"), ("radii", json!(radii.as_slice()))],
         Shape::Hull(points) => vec![of("hull"), ("points", json!(points.len()))],
         Shape::Mesh(surface) => {
             vec![of("mesh"), ("vertices", json!(surface.vertices.len())), ("triangles", json!(surface.triangles.len()))]

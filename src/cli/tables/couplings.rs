@@ -2,7 +2,7 @@
 
 use crate::cli::tables::table::{Table, number, triple};
 use catena::instant::start::assembly::Redundancy;
-use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind};
+use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind, Mimic};
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::ground::words::counted;
 use catena::model::Model;
@@ -41,7 +41,10 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
             "b": end(&closing.b),
         })
     });
-    let mimics = mechanism.mimics.iter().map(|mimic| {
+    let moved = mechanism.mimics.iter().filter(|mimic| mimic.is_moved());
+    let motions = moved
+        .map(|mimic| json!({"joint": mimic.name, "position": mimic.motion(0.0, 0.0)[0], "over": over_time(mimic)}));
+    let mimics = mechanism.mimics.iter().filter(|mimic| !mimic.is_moved()).map(|mimic| {
         json!({
             "joint": mimic.name,
             "leader": joint_name(mechanism, mimic.leader),
@@ -112,6 +115,7 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
         ("robots", robots.collect()),
         ("loops", loops.collect()),
         ("mimics", mimics.collect()),
+        ("motions", motions.collect()),
         ("springs", springs.collect()),
         ("joint_springs", joint_springs.collect()),
         ("joint_dampers", joint_dampers.collect()),
@@ -140,7 +144,7 @@ pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
     }
 
     let mut mimics = Table::new("Joints that follow others", &["joint", "follows", "times", "plus"]);
-    for mimic in &mechanism.mimics {
+    for mimic in mechanism.mimics.iter().filter(|mimic| !mimic.is_moved()) {
         let leader = joint_name(mechanism, mimic.leader).to_string();
         mimics.row(vec![mimic.name.clone(), leader, number(mimic.multiplier), number(mimic.offset)]);
         for (own, ratio) in &mimic.more {
@@ -198,7 +202,11 @@ pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
         let how = format!("{linear} N s/m, {quadratic} N s²/m²");
         acting.row(vec![body_name(mechanism, Some(drag.body)).to_string(), "drag".to_string(), how]);
     }
-    vec![loops, mimics, springs, acting]
+    let mut motions = Table::new("Joints that are moved in time", &["joint", "position at t = 0", "over time"]);
+    for mimic in mechanism.mimics.iter().filter(|mimic| mimic.is_moved()) {
+        motions.row(vec![mimic.name.clone(), number(mimic.motion(0.0, 0.0)[0]), over_time(mimic)]);
+    }
+    vec![loops, mimics, motions, springs, acting]
 }
 
 /// The part of the first line after the degrees of freedom.
@@ -211,8 +219,13 @@ pub fn summary(model: &Model) -> String {
         // Writing into a String cannot fail.
         let _ = write!(text, ", {loops} with {}", counted(equations, "equation", "equations"));
     }
-    if !mechanism.mimics.is_empty() {
-        let _ = write!(text, ", {}", counted(mechanism.mimics.len(), "mimic relation", "mimic relations"));
+    let moved = mechanism.mimics.iter().filter(|mimic| mimic.is_moved()).count();
+    if moved > 0 {
+        let _ = write!(text, ", {}", counted(moved, "moved joint", "moved joints"));
+    }
+    let mimics = mechanism.mimics.len() - moved;
+    if mimics > 0 {
+        let _ = write!(text, ", {}", counted(mimics, "mimic relation", "mimic relations"));
     }
     text
 }
@@ -236,5 +249,14 @@ fn joint_of(mechanism: &Mechanism, freedom: usize) -> (&str, &'static str, &'sta
         let joint = &mechanism.bodies[body].joint;
         let unit = joint.kind.unit(freedom - joint.velocity_index);
         (joint.name.as_str(), unit, if unit == "m" { "N" } else { "N m" })
+    })
+}
+
+/// The formula of a joint that is moved in time, or that it has a table.
+fn over_time(mimic: &Mimic) -> String {
+    let motion = mimic.over_time.as_ref();
+    let formula = motion.and_then(|motion| motion.as_formula()).map(|formula| formula.text().to_string());
+    formula.unwrap_or_else(|| {
+        if motion.is_some_and(|motion| motion.is_constant()) { "constant" } else { "a table" }.to_string()
     })
 }

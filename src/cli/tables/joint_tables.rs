@@ -47,6 +47,7 @@ pub fn as_json(model: &Model, start: &State) -> Vec<(&'static str, Value)> {
             "target_changes": !motor.target.is_constant(),
             "max_effort": finite(motor.max_effort),
             "period": motor.period,
+            "gravity_compensation": held_part(mechanism, motor),
         })
     });
     let rotors = mechanism.rotors();
@@ -114,7 +115,8 @@ pub fn tables(model: &Model, start: &State) -> [Table; 2] {
         joints.row(std::iter::once(name.to_string()).chain(cells).collect());
     }
 
-    let mut motors = Table::new("Motors", &["motor of", "kind", "target", "kp", "kd", "largest effort", "period"]);
+    let mut motors =
+        Table::new("Motors", &["motor of", "kind", "target", "kp", "kd", "largest effort", "period", "weight held"]);
     for motor in &nonsmooth.motors {
         let (length, effort) = units(mechanism, motor.coordinate);
         let unit = match motor.law {
@@ -138,9 +140,16 @@ pub fn tables(model: &Model, start: &State) -> [Table; 2] {
                 "none".to_string()
             },
             if motor.period > 0.0 { format!("{} s", number(motor.period)) } else { "continuous".to_string() },
+            given(held_part(mechanism, motor) > 0.0, number(held_part(mechanism, motor))),
         ]);
     }
     [joints, motors]
+}
+
+/// The part of the weight beyond its joint that is held besides the law of a motor.
+fn held_part(mechanism: &Mechanism, motor: &Motor) -> f64 {
+    let mut held = mechanism.forces.gravity_compensations.iter();
+    held.find(|held| held.freedom == motor.coordinate.freedom).map_or(0.0, |held| held.factor)
 }
 
 fn kind(motor: &Motor) -> &'static str {

@@ -36,6 +36,33 @@ impl Progress {
     }
 }
 
+/// A bar on standard error that counts pictures.
+pub struct Pictures {
+    bar: ProgressBar,
+}
+
+impl Pictures {
+    /// A bar of nothing yet; `hidden` shows none.
+    pub fn new(hidden: bool) -> Self {
+        let bar = if hidden { ProgressBar::hidden() } else { ProgressBar::new(0) };
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos} of {len} pictures, {eta} left") {
+            bar.set_style(style);
+        }
+        Pictures { bar }
+    }
+
+    /// So many pictures of all are drawn.
+    pub fn show(&self, drawn: usize, all: usize) {
+        self.bar.set_length(all as u64);
+        self.bar.set_position(drawn as u64);
+    }
+
+    /// Takes the bar away.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 impl Observer for Progress {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         if self.drawn.elapsed() >= INTERVAL {

@@ -205,6 +205,7 @@ fn matrix<T: Number>(of: &Matrix3<f64>, take: &mut dyn FnMut(f64) -> T) -> Matri
     Matrix([0, 1, 2].map(|column| Vector([0, 1, 2].map(|row| take(of[(row, column)])))))
 }
 
-fn frame<T: Number>(pose: &Pose, take: &mut dyn FnMut(f64) -> T) -> Frame<T> {
+/// A frame, each number as `take` makes it of the double.
+pub(in crate::derivatives) fn frame<T: Number>(pose: &Pose, take: &mut dyn FnMut(f64) -> T) -> Frame<T> {
     Frame { axes: matrix(pose.rotation.matrix(), take), origin: vector(&pose.translation.vector, take) }
 }

@@ -1,6 +1,8 @@
 //! The equations of motion of a mechanism, over numbers that carry derivatives.
 
 pub mod closures;
+pub mod contacts;
 pub mod figures;
+pub mod laws;
 pub mod placed;
 pub mod residual;

@@ -21,11 +21,29 @@ pub enum SensitivityError {
         "{key}: other values than {value} change the structure of the mechanism, so that there is no derivative by it"
     )]
     Structure { key: String, value: f64 },
-    /// The run has events.
+    /// An event whose function has no derivative here.
     #[error(
-        "the run has an event at t = {time} s, and derivatives through events are not offered yet: end the run before it, or leave its cause out (--without)"
+        "{what} at t = {time} s: derivatives through this kind of event are not offered; end the run before it, or leave its cause out (--without)"
     )]
-    Event { time: f64 },
+    Event { time: f64, what: String },
+    /// A function that does not cross zero at an event.
+    #[error("{what} at t = {time} s without speed: the time of this event has no derivative; start a little elsewhere")]
+    Graze { time: f64, what: String },
+    /// An impact that is not the law of impacts at one active set.
+    #[error(
+        "the impact at t = {time} s has no single active set (a slip without direction, or many impacts in one instant), so that there is no derivative; end the run before it"
+    )]
+    Impact { time: f64 },
+    /// A contact that stays closed.
+    #[error(
+        "{contact} slide or roll on each other from t = {time} s on: derivatives are for contacts that part, and corners that stick; end the run before it"
+    )]
+    Closed { time: f64, contact: String },
+    /// No step of the scheme was made.
+    #[error(
+        "the run makes steps of first order over many events at t = {time} s, which have no derivative; end the run before it"
+    )]
+    FirstOrder { time: f64 },
     /// Parts of mechanisms that are not known here.
     #[error("derivatives of runs are for trees of joints without {part}: {advice}")]
     Unsupported { part: &'static str, advice: &'static str },

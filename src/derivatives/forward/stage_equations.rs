@@ -1,32 +1,64 @@
 //! The equations of one step of the scheme in joint coordinates, over numbers with derivatives.
 //!
-//! Unknowns are the displacements of all stages i = 2..s and the velocities v̄ at the end. Let z_i = Q_i − q₀ in R¹² a body, and
-//! `w_i = z_i − h c_i q̇₀`. Elimination of the momenta from (2.5.11a–g) leaves for the stages k = 1..s−1, and for the end
+//! Unknowns are the displacements of all stages i = 2..s, the velocities v̄ at the end, and the multipliers Λ of closures at all stages. Let
+//! z_i = Q_i − q₀ in R¹² a body, and `w_i = z_i − h c_i q̇₀`. Elimination of the momenta from (2.5.11a–g) leaves for the stages k = 1..s−1, and for the
+//! end
 //!
 //! ```text
-//!     J(Q_k)ᵀ (M Σ_i B_ki w_i − h² F_k) − h² τ_k = 0
-//!     J(q̄)ᵀ (M q̇(v̄) − M q̇₀ − M Σ_i ω_i w_i / h − h b_s F_s) − h b_s τ_s = 0
+//!     J(Q_k)ᵀ (M Σ_i B_ki w_i − h² F_k) − h² τ_k − h² G(Q_k)ᵀ Λ_k = 0                                      g(Q_i) = 0
+//!     J(q̄)ᵀ (M q̇(v̄) − M q̇₀ − M Σ_i ω_i w_i / h − h b_s F_s) − h b_s τ_s − h b_s G(q̄)ᵀ Λ_s = 0              G(q̄) v̄ = 0
 //! ```
 //!
-//! J: motions that the joints allow; M: the constant mass matrix of R¹²; F: gravity, springs between points, wrenches; τ: efforts in the joints, with
-//! springs, and dampers at the rates of the scheme `ẏ_j = ẏ₀ + Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀)/h`. The coefficients B, ω and Ā B are in
-//! [`crate::lobatto::tableau::butcher`].
+//! J: motions that the joints allow; M: the constant mass matrix of R¹², with rotors as masses of coordinates; F: gravity, springs between points,
+//! wrenches; τ: efforts in the joints, with springs, and dampers at the rates of the scheme `ẏ_j = ẏ₀ + Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀)/h`. The
+//! coefficients B, ω and Ā B are in [`crate::lobatto::tableau::butcher`]. Held joints keep their places, and their equations are left out.
 //!
 //! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, section 2.5 (`doc/method.md`).
 
-use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame};
+use crate::derivatives::equations::closures::{closures, push as push_closures, with_rates};
+use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame, LoopFigures};
+use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::{Offsets, Placed, end_frame, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms, still};
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
 use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::motion::state::State;
 
-/// The figures of a mechanism for places, and for places with their rates.
+/// The figures of a mechanism for places, and for places with their rates; and the numbers of its elements.
 pub struct BothFigures<T> {
     pub plain: Figures<T>,
     pub moving: Figures<Jet<T>>,
+    pub laws: Laws<T>,
+}
+
+/// A motor that follows its law: the part that follows the state, `−kp q − kd q̇`.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<T> {
+    pub coordinate: Coordinate,
+    pub kp: T,
+    pub kd: T,
+}
+
+/// The closures that a mode adds, its motors, and the multipliers.
+pub struct InMode<'m, T> {
+    pub drives: &'m [Drive<T>],
+    /// Points of contacts that stick.
+    pub anchors: &'m [LoopFigures<T>],
+    /// Λ_1 … Λ_s, an entry for each closure (N).
+    pub multipliers: &'m [Vec<T>],
+}
+
+/// What the equations of a step are off by.
+pub struct Residual<T> {
+    /// n for each k = 1..s−1, then n of the end.
+    pub motion: Vec<T>,
+    /// g at the stages i = 2..s.
+    pub closures: Vec<Vec<T>>,
+    /// G v̄ at the end.
+    pub rates: Vec<T>,
 }
 
 /// A step, with everything that its equations depend on.
@@ -46,18 +78,19 @@ pub struct StepMotion<'s, T> {
     pub end_velocities: &'s [T],
     /// Efforts from outside at all stages i = 1..s (n each) [N m or N].
     pub efforts: &'s [Vec<T>],
+    pub mode: InMode<'s, T>,
 }
 
-/// Place and rate of a body in R¹².
+/// Place or rate of a body in R¹².
 #[derive(Clone, Copy)]
-struct Twelve<T> {
+pub(in crate::derivatives) struct Twelve<T> {
     origin: Vector<T>,
     axes: Matrix<T>,
 }
 
 impl<T: Number> StepMotion<'_, T> {
-    /// The residuals: n for each k = 1..s−1, then n of the end.
-    pub fn residual(&self) -> Vec<T> {
+    /// The residuals.
+    pub fn residual(&self) -> Residual<T> {
         let (s, h) = (self.tableau.stages, self.step);
         let unmoved = vec![T::zero(); self.start_velocities.len()];
         let started = self.place_moving(self.start, &unmoved, self.start_velocities);
@@ -86,7 +119,8 @@ impl<T: Number> StepMotion<'_, T> {
             }
             sum
         };
-        let efforts = self.efforts_at_stages();
+        let mut efforts = self.efforts_at_stages();
+        let rotors = self.rotors_ahead();
         let square = h * h;
         let mut rows = Vec::with_capacity(s * self.start_velocities.len());
         for k in 0..s - 1 {
@@ -96,8 +130,11 @@ impl<T: Number> StepMotion<'_, T> {
                     momentum(&self.figures.plain.bodies[body], &placed[k][body].frame.axes, &mixed(&weights, body))
                 })
                 .collect();
-            self.add_forces(k, &placed, &started, -square, &mut loads);
-            let along = along_freedoms(&self.figures.plain, &placed[k], loads);
+            self.add_forces(k, &placed, &started, -square, &mut loads, &mut efforts[k]);
+            let mut along = along_freedoms(&self.figures.plain, &placed[k], loads);
+            for (&(freedom, armature), ahead) in self.figures.plain.rotors.iter().zip(&rotors) {
+                along[freedom] = along[freedom] + armature * weighted(ahead, &weights);
+            }
             rows.extend(along.into_iter().zip(&efforts[k]).map(|(row, &effort)| row - square * effort));
         }
         let ended = self.place_moving(&self.stages[s - 2], &self.offsets[s - 2], self.end_velocities);
@@ -110,10 +147,61 @@ impl<T: Number> StepMotion<'_, T> {
                 momentum(&self.figures.plain.bodies[body], &placed[s - 1][body].frame.axes, &rate)
             })
             .collect();
-        self.add_forces(s - 1, &placed, &started, -last, &mut loads);
-        let along = along_freedoms(&self.figures.plain, &placed[s - 1], loads);
+        self.add_forces(s - 1, &placed, &started, -last, &mut loads, &mut efforts[s - 1]);
+        let mut along = along_freedoms(&self.figures.plain, &placed[s - 1], loads);
+        for (&(freedom, armature), ahead) in self.figures.plain.rotors.iter().zip(&rotors) {
+            let gained = weighted(ahead, &weights) / h;
+            let rate = self.end_velocities[freedom] - self.start_velocities[freedom] - gained;
+            along[freedom] = along[freedom] + armature * rate;
+        }
         rows.extend(along.into_iter().zip(&efforts[s - 1]).map(|(row, &effort)| row - last * effort));
-        rows
+        Residual { motion: rows, closures: self.closures(&placed), rates: self.closure_rates(&ended) }
+    }
+
+    /// g at the stages i = 2..s.
+    fn closures(&self, placed: &[Vec<Placed<T>>]) -> Vec<Vec<T>> {
+        let stages = self.stages.iter().zip(self.offsets).zip(&placed[1..]);
+        let of = |((stage, offsets), placed): ((&State, &Vec<T>), &Vec<Placed<T>>)| {
+            closures(&self.figures.plain, self.mode.anchors, placed, &self.at(stage, offsets))
+        };
+        stages.map(of).collect()
+    }
+
+    /// G v̄ at the end.
+    fn closure_rates(&self, ended: &[Placed<Jet<T>>]) -> Vec<T> {
+        let Some(end) = self.stages.last() else { return Vec::new() };
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.mode.anchors.iter().map(with_rates).collect();
+        let jets = |values: &[T], rate: bool| -> Vec<Jet<T>> {
+            let zero = T::zero();
+            let jet = |&of: &T| {
+                let (value, rate) = if rate { (zero, of) } else { (of, zero) };
+                Jet { value, rate, acceleration: zero }
+            };
+            values.iter().map(jet).collect()
+        };
+        let first = jets(self.start_offsets, false);
+        let second = jets(self.offsets.last().map_or(&[], Vec::as_slice), false);
+        let motion = jets(self.end_velocities, true);
+        let offsets = Offsets { from: self.start, to: end, first: &first, second: &second, motion: &motion };
+        let rows = closures(&self.figures.moving, &anchors, ended, &offsets);
+        rows.into_iter().map(|row| row.rate).collect()
+    }
+
+    /// w_i of the coordinates of all rotors, at the stages i = 2..s.
+    fn rotors_ahead(&self) -> Vec<Vec<T>> {
+        let plain = &self.figures.plain;
+        let zero = vec![T::zero(); plain.freedoms];
+        let of = |&(freedom, _): &(usize, T)| {
+            let Some(position) = position_of(plain, freedom) else { return vec![T::zero(); self.stages.len()] };
+            let begin = self.at(self.start, &zero).scalar(position, freedom);
+            let gone = |i: usize| self.step.times(self.tableau.nodes[i + 1]) * self.start_velocities[freedom];
+            let stages = self.stages.iter().zip(self.offsets).enumerate();
+            let ahead = |(i, (stage, offsets)): (usize, (&State, &Vec<T>))| {
+                self.at(stage, offsets).scalar(position, freedom) - begin - gone(i)
+            };
+            stages.map(ahead).collect()
+        };
+        plain.rotors.iter().map(of).collect()
     }
 
     fn at<'o>(&'o self, stage: &'o State, offsets: &'o [T]) -> Offsets<'o, T> {
@@ -148,7 +236,14 @@ impl<T: Number> StepMotion<'_, T> {
                 efforts[freedom] = efforts[freedom] - spring.stiffness * stretch;
             }
         }
-        for &(freedom, coefficient) in &plain.dampers {
+        for drive in self.mode.drives {
+            for (stage, efforts) in efforts.iter_mut().enumerate() {
+                let freedom = drive.coordinate.freedom;
+                efforts[freedom] = efforts[freedom] - drive.kp * at_stage(stage).coordinate(drive.coordinate);
+            }
+        }
+        let driven = self.mode.drives.iter().map(|drive| (drive.coordinate.freedom, drive.kd));
+        for (freedom, coefficient) in plain.dampers.iter().copied().chain(driven) {
             let Some(position) = position_of(plain, freedom) else { continue };
             let along = |stage: usize| at_stage(stage).scalar(position, freedom);
             let values: Vec<T> = (0..self.tableau.stages).map(along).collect();
@@ -178,7 +273,7 @@ impl<T: Number> StepMotion<'_, T> {
             .collect()
     }
 
-    /// Adds `factor · F` of a stage (0 is the start) to loads.
+    /// Adds `factor · F` of a stage (0 is the start) to loads, with the forces of closures.
     fn add_forces(
         &self,
         stage: usize,
@@ -186,6 +281,7 @@ impl<T: Number> StepMotion<'_, T> {
         started: &[Placed<Jet<T>>],
         factor: T,
         loads: &mut [Load<T>],
+        efforts: &mut [T],
     ) {
         let plain = &self.figures.plain;
         let gravity = plain.gravity.scaled(factor);
@@ -216,6 +312,13 @@ impl<T: Number> StepMotion<'_, T> {
             let arm = placed[stage][wrench.body].frame.axes.apply(wrench.point);
             push(Some(wrench.body), arm, wrench.force, wrench.torque);
         }
+        let (anchors, multipliers) = (self.mode.anchors, &self.mode.multipliers[stage]);
+        let mut on_body = |body: Option<usize>, point: Vector<T>, force: Vector<T>, torque: Vector<T>| {
+            let arm = body.map_or_else(Vector::zero, |body| point - placed[stage][body].frame.origin);
+            push(body, arm, force, torque);
+        };
+        let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
+        push_closures(plain, anchors, &placed[stage], multipliers, &mut on_body, &mut on_freedom);
     }
 
     fn start_rate_of_spring(&self, number: usize, started: &[Placed<Jet<T>>]) -> T {
@@ -226,13 +329,18 @@ impl<T: Number> StepMotion<'_, T> {
 }
 
 /// The entry of the positions for a scalar degree of freedom.
-fn position_of<T>(figures: &Figures<T>, freedom: usize) -> Option<usize> {
+pub(in crate::derivatives) fn position_of<T>(figures: &Figures<T>, freedom: usize) -> Option<usize> {
     let body = figures.bodies.iter().rfind(|body| body.velocity_index <= freedom)?;
     Some(body.position_index + freedom - body.velocity_index)
 }
 
+/// Σ_i weight_i w_i of a scalar.
+fn weighted<T: Number>(ahead: &[T], weights: &dyn Fn(usize) -> f64) -> T {
+    ahead.iter().enumerate().fold(T::zero(), |sum, (i, ahead)| sum + ahead.times(weights(i)))
+}
+
 /// `M w` as a load on a body whose axes are known.
-fn momentum<T: Number>(body: &BodyFigures<T>, axes: &Matrix<T>, w: &Twelve<T>) -> Load<T> {
+pub(in crate::derivatives) fn momentum<T: Number>(body: &BodyFigures<T>, axes: &Matrix<T>, w: &Twelve<T>) -> Load<T> {
     let force = w.origin.scaled(body.mass) + w.axes.apply(body.moment);
     let mut torque = Vector::zero();
     for (column, axis) in axes.0.iter().enumerate() {
@@ -246,7 +354,8 @@ fn place_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
     of_frame(&placed.frame, |jet| jet.value)
 }
 
-fn rate_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
+/// The rate of a body.
+pub(in crate::derivatives) fn rate_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
     of_frame(&placed.frame, |jet| jet.rate)
 }
 

@@ -7,12 +7,15 @@
 //!     R(u; x) = 0        R_u δu = −R_x δx
 //! ```
 
-use crate::derivatives::equations::figures::Figures;
-use crate::derivatives::forward::stage_equations::{BothFigures, StepMotion};
+use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
+use crate::derivatives::equations::laws::Laws;
+use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
 use crate::derivatives::numbers::dual::Dual;
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
+use crate::instant::holding::elements::Elements;
 use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -34,8 +37,52 @@ const ROUNDING: f64 = 1e-10;
 pub struct SolvedStep {
     /// The stages i = 2..s; the last one is the end, with its velocities and time.
     pub stages: Vec<State>,
+    /// Λ_1 … Λ_s (an entry for each closure).
+    pub multipliers: Vec<Vec<f64>>,
     /// R_u, factored.
     pub factors: LU<f64, Dyn, Dyn>,
+}
+
+/// The mode in which a step is made.
+#[derive(Clone, Debug, Default)]
+pub struct StepMode {
+    /// The degrees of freedom that move.
+    pub free: Vec<usize>,
+    /// Independent closures, and the number of all.
+    pub rows: Vec<usize>,
+    pub row_count: usize,
+    /// The motors that follow their laws, by number.
+    pub motors: Vec<(usize, Coordinate)>,
+    /// Points of contacts that stick.
+    pub anchors: Vec<LoopFigures<f64>>,
+}
+
+impl StepMode {
+    /// The motors as forces.
+    pub fn drives<T: Number>(&self, laws: &Laws<T>) -> Vec<Drive<T>> {
+        let drive = |&(motor, coordinate): &(usize, Coordinate)| {
+            let law = &laws.motors[motor];
+            Drive { coordinate, kp: law.kp, kd: law.kd }
+        };
+        self.motors.iter().map(drive).collect()
+    }
+
+    /// The rows of the equations and unknowns of a step with this number of stages.
+    pub fn size(&self, stages: usize) -> usize {
+        stages * (self.free.len() + self.rows.len())
+    }
+
+    /// The residuals as one vector, without those of held joints and of dependent closures.
+    pub fn select<T: Number>(&self, residual: &Residual<T>, freedoms: usize) -> Vec<T> {
+        let mut rows = Vec::new();
+        for motion in residual.motion.chunks(freedoms.max(1)) {
+            rows.extend(self.free.iter().map(|&freedom| motion[freedom]));
+        }
+        for stage in residual.closures.iter().chain([&residual.rates]) {
+            rows.extend(self.rows.iter().map(|&row| stage[row]));
+        }
+        rows
+    }
 }
 
 /// A step that is to be solved.
@@ -45,6 +92,7 @@ pub struct StepProblem<'p> {
     /// The same as constants with derivatives.
     pub constant: &'p BothFigures<Part>,
     pub tableau: &'p Tableau,
+    pub mode: &'p StepMode,
     pub start: &'p State,
     /// h (s).
     pub step: f64,
@@ -54,57 +102,83 @@ pub struct StepProblem<'p> {
 
 impl<T: Number> BothFigures<T> {
     /// The figures of a mechanism with frames on its bodies, each number as `take` makes it of the double.
-    pub fn taken(mechanism: &Mechanism, frames: &[Pose], take: impl Fn(usize, f64) -> T) -> Self {
-        let mut count = 0..;
-        let plain = Figures::taken(mechanism, frames, &mut |value| take(count.next().unwrap_or_default(), value));
+    pub(crate) fn taken(
+        mechanism: &Mechanism,
+        elements: &Elements,
+        frames: &[Pose],
+        take: impl Fn(usize, f64) -> T,
+    ) -> Self {
         let mut count = 0..;
         let moving = Figures::taken(mechanism, frames, &mut |value| {
             let value = take(count.next().unwrap_or_default(), value);
             Jet { value, rate: T::zero(), acceleration: T::zero() }
         });
-        BothFigures { plain, moving }
+        let mut count = 0..;
+        let mut take = |value| take(count.next().unwrap_or_default(), value);
+        let plain = Figures::taken(mechanism, frames, &mut take);
+        let laws = Laws::taken(mechanism, elements, frames, &mut take);
+        BothFigures { plain, moving, laws }
     }
+}
+
+/// A constant as a number with derivatives.
+pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
+    values.iter().map(|&value| T::of(value)).collect()
 }
 
 impl StepProblem<'_> {
     /// Solves it; `None` if the iteration does not converge.
     pub fn solve(&self) -> Option<SolvedStep> {
-        let s = self.tableau.stages;
+        let (s, StepMode { free, rows, row_count, .. }) = (self.tableau.stages, self.mode);
+        let (n, m) = (free.len(), rows.len());
+        let all = self.start.velocity.len();
+        let spread = |moved: &[f64]| {
+            let mut whole = vec![0.0; all];
+            free.iter().zip(moved).for_each(|(&freedom, &by)| whole[freedom] = by);
+            whole
+        };
+        let gather = |whole: &[f64]| -> Vec<f64> { free.iter().map(|&freedom| whole[freedom]).collect() };
+        let started = gather(&self.start.velocity);
         let mut stages: Vec<State> = (1..s)
             .map(|i| {
                 let mut stage = self.start.clone();
                 let gone = self.step * self.tableau.nodes[i];
-                let along: Vec<f64> = self.start.velocity.iter().map(|rate| gone * rate).collect();
-                stage.displace(self.mechanism, &along);
+                let along: Vec<f64> = started.iter().map(|rate| gone * rate).collect();
+                stage.displace(self.mechanism, &spread(&along));
                 stage.time = self.start.time + gone;
                 stage
             })
             .collect();
-        let mut velocities = self.start.velocity.clone();
+        let mut velocities = spread(&started);
+        let mut multipliers = vec![vec![0.0; *row_count]; s];
         let mut factors: Option<LU<f64, Dyn, Dyn>> = None;
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let matrix = match factors.take() {
                 Some(kept) => kept,
-                None => self.factors(&stages, &velocities)?,
+                None => self.factors(&stages, &velocities, &multipliers)?,
             };
-            let correction = matrix.solve(&self.residual(&stages, &velocities))?;
-            let n = velocities.len();
-            let size = correction.rows(0, (s - 1) * n).amax();
+            let correction = matrix.solve(&self.residual(&stages, &velocities, &multipliers))?;
+            let size = if n > 0 { correction.rows(0, (s - 1) * n).amax() } else { 0.0 };
             if !size.is_finite() {
                 return None;
             }
             for (index, stage) in stages.iter_mut().enumerate() {
                 let moved: Vec<f64> = correction.rows(index * n, n).iter().map(|part| -part).collect();
-                stage.displace(self.mechanism, &moved);
+                stage.displace(self.mechanism, &spread(&moved));
             }
-            velocities.iter_mut().zip(correction.rows((s - 1) * n, n).iter()).for_each(|(rate, part)| *rate -= part);
+            let faster = correction.rows((s - 1) * n, n);
+            free.iter().zip(faster.iter()).for_each(|(&freedom, part)| velocities[freedom] -= part);
+            for (stage, multipliers) in multipliers.iter_mut().enumerate() {
+                let pushed = correction.rows(s * n + stage * m, m);
+                rows.iter().zip(pushed.iter()).for_each(|(&row, part)| multipliers[row] -= part);
+            }
             if size < ROUNDING && size >= 0.25 * last || size == 0.0 {
-                let factors = self.factors(&stages, &velocities)?;
+                let factors = self.factors(&stages, &velocities, &multipliers)?;
                 let end = stages.last_mut()?;
                 end.velocity = velocities;
                 end.time = self.start.time + self.step;
-                return Some(SolvedStep { stages, factors });
+                return Some(SolvedStep { stages, multipliers, factors });
             }
             if size <= SLOW * last {
                 factors = Some(matrix);
@@ -114,9 +188,10 @@ impl StepProblem<'_> {
         None
     }
 
-    fn residual(&self, stages: &[State], velocities: &[f64]) -> DVector<f64> {
+    fn residual(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DVector<f64> {
         let n = velocities.len();
         let efforts: Vec<Vec<f64>> = self.efforts.iter().map(|efforts| efforts.iter().copied().collect()).collect();
+        let drives = self.mode.drives(&self.figures.laws);
         let motion = StepMotion {
             figures: self.figures,
             tableau: self.tableau,
@@ -128,29 +203,37 @@ impl StepProblem<'_> {
             offsets: &vec![vec![0.0; n]; stages.len()],
             end_velocities: velocities,
             efforts: &efforts,
+            mode: InMode { drives: &drives, anchors: &self.mode.anchors, multipliers },
         };
-        DVector::from_vec(motion.residual())
+        DVector::from_vec(self.mode.select(&motion.residual(), n))
     }
 
     /// R_u at some stages, factored; `None` if it is singular.
-    fn factors(&self, stages: &[State], velocities: &[f64]) -> Option<LU<f64, Dyn, Dyn>> {
-        let n = velocities.len();
-        let count = (stages.len() + 1) * n;
+    fn factors(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> Option<LU<f64, Dyn, Dyn>> {
+        let StepMode { free, rows, .. } = self.mode;
+        let (s, n, m, all) = (self.tableau.stages, free.len(), rows.len(), velocities.len());
+        let count = self.mode.size(s);
         let mut matrix = DMatrix::zeros(count, count);
-        let constant = |value: &f64| Part::of(*value);
-        let start_velocities: Vec<Part> = self.start.velocity.iter().map(constant).collect();
-        let efforts: Vec<Vec<Part>> =
-            self.efforts.iter().map(|efforts| efforts.iter().map(constant).collect()).collect();
-        let still = vec![Part::zero(); n];
+        let start_velocities: Vec<Part> = constant(&self.start.velocity);
+        let efforts: Vec<Vec<Part>> = self.efforts.iter().map(|efforts| constant(efforts.as_slice())).collect();
+        let drives = self.mode.drives(&self.constant.laws);
+        let anchors: Vec<LoopFigures<Part>> = self.mode.anchors.iter().map(lifted).collect();
+        let still = vec![Part::zero(); all];
         for first in (0..count).step_by(WIDTH) {
             let width = WIDTH.min(count - first);
             let mut offsets = vec![still.clone(); stages.len()];
-            let mut end_velocities: Vec<Part> = velocities.iter().map(constant).collect();
+            let mut end_velocities: Vec<Part> = constant(velocities);
+            let mut pushes: Vec<Vec<Part>> = multipliers.iter().map(|own| constant(own)).collect();
             for part in 0..width {
-                let (stage, freedom) = ((first + part) / n, (first + part) % n);
-                match offsets.get_mut(stage) {
-                    Some(offsets) => offsets[freedom] = Part::parameter(0.0, part),
-                    None => end_velocities[freedom] = Part::parameter(velocities[freedom], part),
+                let unknown = first + part;
+                if unknown < (s - 1) * n {
+                    offsets[unknown / n][free[unknown % n]] = Part::parameter(0.0, part);
+                } else if unknown < s * n {
+                    let freedom = free[unknown - (s - 1) * n];
+                    end_velocities[freedom] = Part::parameter(velocities[freedom], part);
+                } else {
+                    let (stage, row) = ((unknown - s * n) / m, rows[(unknown - s * n) % m]);
+                    pushes[stage][row] = Part::parameter(multipliers[stage][row], part);
                 }
             }
             let motion = StepMotion {
@@ -164,12 +247,22 @@ impl StepProblem<'_> {
                 offsets: &offsets,
                 end_velocities: &end_velocities,
                 efforts: &efforts,
+                mode: InMode { drives: &drives, anchors: &anchors, multipliers: &pushes },
             };
-            for (row, value) in motion.residual().into_iter().enumerate() {
+            for (row, value) in self.mode.select(&motion.residual(), all).into_iter().enumerate() {
                 (0..width).for_each(|part| matrix[(row, first + part)] = value.parts[part]);
             }
         }
         let factors = matrix.lu();
         factors.is_invertible().then_some(factors)
     }
+}
+
+/// A loop joint with constant numbers.
+pub fn lifted<T: Number>(joint: &LoopFigures<f64>) -> LoopFigures<T> {
+    let end = |end: &End<f64>| {
+        let Frame { axes, origin } = end.frame;
+        End { body: end.body, frame: Frame { axes: axes.map(|column| column.map(T::of)), origin: origin.map(T::of) } }
+    };
+    LoopFigures { kind: joint.kind, a: end(&joint.a), b: end(&joint.b), length: T::of(joint.length) }
 }

@@ -1,15 +1,22 @@
 //! The derivatives of a state by parameters, carried from step to step.
 //!
 //! ```text
-//!     R_u δu = −(R_q δq₀ + R_v δv₀ + R_θ + R_τ ∂τ/∂θ)        δq̄ = δq₀ + δ_s,   δv̄        forward, a column for each parameter
+//!     R_u δu = −(R_q δq₀ + R_v δv₀ + R_θ + R_h δh + R_τ δτ)        δq̄ = δq₀ + δ_s,   δv̄        forward, a column for each parameter
 //! ```
+//!
+//! | step | δh | δt̄ |
+//! |---|---|---|
+//! | to a given instant | −δt₀ | 0 |
+//! | to an event φ(q̄, v̄, t̄) = 0 | so that δφ = 0 | δt₀ + δh |
 //!
 //! The steps of the run are kept: the derivative is exact for their sequence. Turns of ball joints are twists about the
 //! axes of the child, at the start and at the end: δq̄ = R_relᵀ δq₀ + δ_s.
 
-use crate::derivatives::forward::stage_equations::{BothFigures, StepMotion};
-use crate::derivatives::forward::step::{Part, SolvedStep, StepProblem, WIDTH};
+use crate::derivatives::equations::figures::LoopFigures;
+use crate::derivatives::forward::stage_equations::{BothFigures, InMode, StepMotion};
+use crate::derivatives::forward::step::{Part, SolvedStep, StepProblem, WIDTH, constant};
 use crate::derivatives::numbers::number::Number;
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -22,16 +29,28 @@ pub struct Tangent {
     pub positions: DMatrix<f64>,
     /// ∂v/∂θ (n × p).
     pub velocities: DMatrix<f64>,
+    /// ∂t/∂θ (p): of the event at which the state is; zero elsewhere (s per unit).
+    pub times: DVector<f64>,
 }
 
 /// The figures with their derivatives by some parameters, [`WIDTH`] at a time.
 pub struct Varied(Vec<BothFigures<Part>>);
 
+/// The derivatives of the inputs of a step.
+pub struct InputSlopes<'i> {
+    /// Of the efforts at all stages by the parameters at fixed times (n × p each).
+    pub efforts: &'i [DMatrix<f64>],
+    /// Of the efforts at all stages by time (n each).
+    pub rates: &'i [DVector<f64>],
+    /// Points of contacts that stick, a list for each [`WIDTH`] parameters.
+    pub anchors: &'i [Vec<LoopFigures<Part>>],
+}
+
 impl Varied {
     /// `slopes` are the derivatives of all figures by each parameter, in their order.
-    pub fn new(mechanism: &Mechanism, frames: &[Pose], slopes: &[Vec<f64>]) -> Self {
+    pub(crate) fn new(mechanism: &Mechanism, elements: &Elements, frames: &[Pose], slopes: &[Vec<f64>]) -> Self {
         let of = |slopes: &[Vec<f64>]| {
-            BothFigures::taken(mechanism, frames, |entry, value| {
+            BothFigures::taken(mechanism, elements, frames, |entry, value| {
                 let mut part = Part::of(value);
                 for (own, slopes) in part.parts.iter_mut().zip(slopes) {
                     *own = slopes.get(entry).copied().unwrap_or(0.0);
@@ -39,63 +58,150 @@ impl Varied {
                 part
             })
         };
-        Varied(slopes.chunks(WIDTH).map(of).collect())
+        // States and jumps are computed with the first ones, also without parameters.
+        Varied(if slopes.is_empty() { vec![of(&[])] } else { slopes.chunks(WIDTH).map(of).collect() })
+    }
+
+    /// The figures with their derivatives by [`WIDTH`] parameters each.
+    pub fn chunks(&self) -> &[BothFigures<Part>] {
+        &self.0
     }
 }
 
+/// A value with the derivatives of a row by the parameters from `first` on.
+pub fn with(value: f64, of: &DMatrix<f64>, row: usize, first: usize) -> Part {
+    let mut part = Part::of(value);
+    for (index, own) in part.parts.iter_mut().enumerate().take(of.ncols() - first) {
+        *own = of[(row, first + index)];
+    }
+    part
+}
+
+/// The starts of a step with their derivatives.
+struct Starts<'s> {
+    offsets: &'s [Part],
+    velocities: &'s [Part],
+    step: Part,
+    efforts: &'s [Vec<Part>],
+    anchors: &'s [LoopFigures<Part>],
+}
+
 impl Tangent {
-    /// Goes on over a solved step, with the derivatives of the efforts at all stages by the parameters (n × p each); `None` if the factors are
-    /// singular.
-    pub fn advance(
+    /// Goes on over a solved step whose length varies by δh (p); the time at the end varies by δt₀ + δh.
+    pub fn carry(
         &mut self,
         problem: &StepProblem,
         solved: &SolvedStep,
         varied: &Varied,
-        efforts: &[DMatrix<f64>],
+        slopes: &InputSlopes,
+        longer: &DVector<f64>,
     ) -> Option<()> {
-        let StepProblem { mechanism, tableau, start, .. } = problem;
+        let StepProblem { mechanism, tableau, start, mode, .. } = problem;
         let n = start.velocity.len();
         let end = solved.stages.last()?;
-        for (chunk, figures) in varied.0.iter().enumerate() {
+        for (chunk, figures) in varied.chunks().iter().enumerate() {
             let first = chunk * WIDTH;
             let width = WIDTH.min(self.positions.ncols() - first);
-            let with = |value: f64, of: &DMatrix<f64>, row: usize| {
-                let mut part = Part::of(value);
-                (0..width).for_each(|index| part.parts[index] = of[(row, first + index)]);
-                part
-            };
-            let start_offsets: Vec<Part> = (0..n).map(|row| with(0.0, &self.positions, row)).collect();
-            let start_velocities: Vec<Part> =
-                (0..n).map(|row| with(start.velocity[row], &self.velocities, row)).collect();
-            let driven: Vec<Vec<Part>> = (problem.efforts.iter().zip(efforts))
-                .map(|(values, slopes)| (0..n).map(|row| with(values[row], slopes, row)).collect())
+            let offsets: Vec<Part> = (0..n).map(|row| with(0.0, &self.positions, row, first)).collect();
+            let velocities: Vec<Part> =
+                (0..n).map(|row| with(start.velocity[row], &self.velocities, row, first)).collect();
+            let mut step = Part::of(problem.step);
+            (0..width).for_each(|index| step.parts[index] = longer[first + index]);
+            let efforts: Vec<Vec<Part>> = (0..tableau.stages)
+                .map(|stage| {
+                    let row = |row: usize| {
+                        let mut effort = with(problem.efforts[stage][row], &slopes.efforts[stage], row, first);
+                        for (index, part) in effort.parts.iter_mut().enumerate().take(width) {
+                            let later = self.times[first + index] + tableau.nodes[stage] * longer[first + index];
+                            *part += slopes.rates[stage][row] * later;
+                        }
+                        effort
+                    };
+                    (0..n).map(row).collect()
+                })
                 .collect();
-            let end_velocities: Vec<Part> = end.velocity.iter().map(|&rate| Part::of(rate)).collect();
-            let motion = StepMotion {
-                figures,
-                tableau,
-                step: Part::of(problem.step),
-                start,
-                start_offsets: &start_offsets,
-                start_velocities: &start_velocities,
-                stages: &solved.stages,
-                offsets: &vec![vec![Part::zero(); n]; solved.stages.len()],
-                end_velocities: &end_velocities,
-                efforts: &driven,
-            };
-            let residual = motion.residual();
-            let right = DMatrix::from_fn(residual.len(), width, |row, part| -residual[row].parts[part]);
-            let found = solved.factors.solve(&right)?;
+            let anchors = slopes.anchors.get(chunk).map_or(&[][..], Vec::as_slice);
+            let starts = Starts { offsets: &offsets, velocities: &velocities, step, efforts: &efforts, anchors };
+            let found = columns(problem, solved, figures, &starts, width)?;
             for part in 0..width {
                 let column = first + part;
-                let carried = carried(mechanism, start, end, &self.positions.column(column).into_owned());
-                let moved = found.column(part).rows((tableau.stages - 2) * n, n).into_owned();
-                self.positions.set_column(column, &(carried + moved));
-                self.velocities.set_column(column, &found.column(part).rows((tableau.stages - 1) * n, n));
+                let mut positions = carried(mechanism, start, end, &self.positions.column(column).into_owned());
+                let free = mode.free.len();
+                let mut rates = DVector::zeros(n);
+                for (row, &freedom) in mode.free.iter().enumerate() {
+                    positions[freedom] += found[((tableau.stages - 2) * free + row, part)];
+                    rates[freedom] = found[((tableau.stages - 1) * free + row, part)];
+                }
+                self.positions.set_column(column, &positions);
+                self.velocities.set_column(column, &rates);
             }
         }
+        self.times += longer;
         Some(())
     }
+}
+
+/// ∂q̄/∂h and ∂v̄/∂h of a solved step (n each), for efforts that change at these rates at its stages; `None` if the factors are singular.
+pub fn by_length(
+    problem: &StepProblem,
+    solved: &SolvedStep,
+    rates: &[DVector<f64>],
+    anchors: &[LoopFigures<Part>],
+) -> Option<(DVector<f64>, DVector<f64>)> {
+    let StepProblem { tableau, start, mode, .. } = problem;
+    let n = start.velocity.len();
+    let efforts: Vec<Vec<Part>> = (0..tableau.stages)
+        .map(|stage| {
+            let row = |row: usize| {
+                let mut effort = Part::of(problem.efforts[stage][row]);
+                effort.parts[0] = rates[stage][row] * tableau.nodes[stage];
+                effort
+            };
+            (0..n).map(row).collect()
+        })
+        .collect();
+    let offsets = vec![Part::zero(); n];
+    let velocities: Vec<Part> = constant(&start.velocity);
+    let step = Part::parameter(problem.step, 0);
+    let starts = Starts { offsets: &offsets, velocities: &velocities, step, efforts: &efforts, anchors };
+    let found = columns(problem, solved, problem.constant, &starts, 1)?;
+    let free = mode.free.len();
+    let (mut positions, mut velocities) = (DVector::zeros(n), DVector::zeros(n));
+    for (row, &freedom) in mode.free.iter().enumerate() {
+        positions[freedom] = found[((tableau.stages - 2) * free + row, 0)];
+        velocities[freedom] = found[((tableau.stages - 1) * free + row, 0)];
+    }
+    Some((positions, velocities))
+}
+
+/// `−R_u⁻¹ R_x δx`: the derivatives of all unknowns.
+fn columns(
+    problem: &StepProblem,
+    solved: &SolvedStep,
+    figures: &BothFigures<Part>,
+    starts: &Starts,
+    width: usize,
+) -> Option<DMatrix<f64>> {
+    let n = problem.start.velocity.len();
+    let end_velocities: Vec<Part> = constant(&solved.stages.last()?.velocity);
+    let multipliers: Vec<Vec<Part>> = solved.multipliers.iter().map(|own| constant(own)).collect();
+    let drives = problem.mode.drives(&figures.laws);
+    let motion = StepMotion {
+        figures,
+        tableau: problem.tableau,
+        step: starts.step,
+        start: problem.start,
+        start_offsets: starts.offsets,
+        start_velocities: starts.velocities,
+        stages: &solved.stages,
+        offsets: &vec![vec![Part::zero(); n]; solved.stages.len()],
+        end_velocities: &end_velocities,
+        efforts: starts.efforts,
+        mode: InMode { drives: &drives, anchors: starts.anchors, multipliers: &multipliers },
+    };
+    let residual = problem.mode.select(&motion.residual(), n);
+    let right = DMatrix::from_fn(residual.len(), width, |row, part| -residual[row].parts[part]);
+    solved.factors.solve(&right)
 }
 
 /// A slight motion at the start of a step, in the coordinates of its end: turns of ball joints are about the axes of the child.

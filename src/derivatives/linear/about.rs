@@ -91,6 +91,7 @@ pub fn about_rest(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Resu
 fn refuse_unknown(mechanism: &Mechanism) -> Result<(), LinearError> {
     let forces = &mechanism.forces;
     let known = forces.drags.is_empty() && forces.link_loads.is_empty() && forces.joint_courses.is_empty();
+    let known = known && forces.gravity_compensations.is_empty();
     if known { Ok(()) } else { Err(LinearError::Unknown) }
 }
 

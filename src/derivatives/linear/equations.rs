@@ -124,7 +124,7 @@ impl Equations {
         let offsets = Offsets { from: point.state, to: point.state, first: &first, second: &second, motion: &[] };
         let placed = place(&self.figures, &offsets);
         let mut efforts = residual(&self.figures, &placed, &offsets);
-        for (row, value) in closures(&self.figures, &placed, &offsets).into_iter().enumerate() {
+        for (row, value) in closures(&self.figures, &[], &placed, &offsets).into_iter().enumerate() {
             set(row, Some(0), value.value);
             set(row, Some(1), value.rate);
             set(row, Some(2), value.acceleration);
@@ -135,7 +135,7 @@ impl Equations {
             for (freedom, effort) in efforts.iter_mut().enumerate() {
                 unit[freedom].rate = Dual::of(1.0);
                 let offsets = Offsets { second: &unit, ..offsets };
-                let rates = closures(&self.figures, &place(&self.figures, &offsets), &offsets);
+                let rates = closures(&self.figures, &[], &place(&self.figures, &offsets), &offsets);
                 for (rate, &multiplier) in rates.iter().zip(point.multipliers.iter()) {
                     *effort = *effort - rate.rate.times(multiplier);
                 }

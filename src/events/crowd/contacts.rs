@@ -19,7 +19,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::Side as End;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::{tangents, touch_motion};
+use crate::mechanism::motion::touches::{belt, tangents, touch_motion};
 use nalgebra::Vector3;
 
 /// Contacts and limits with a smaller gap are closed (m or rad).
@@ -61,6 +61,8 @@ pub(crate) struct Candidate {
     pub gap: f64,
     /// Normal and tangents.
     pub frame: [Vector3<f64>; 3],
+    /// The velocity of belts in the frame, along the tangents of a contact with friction [m/s].
+    pub belt: Vector3<f64>,
     pub sides: [Option<Side>; 2],
     /// Impulses that move it to the end of a step, and that make its rates there, in the frame (N s).
     pub moving: Vector3<f64>,
@@ -265,8 +267,15 @@ impl Candidate {
     pub fn touch(contact: Contact, friction: f64, restitution: f64, bodies: &[BodyState]) -> Self {
         let touch = touch_motion(&contact.joint, bodies);
         let [first, second] = tangents(&touch.normal);
+        let carried = if friction > 0.0 && contact.joint.is_belt() {
+            let belt = belt(&contact.joint, bodies, &touch.normal);
+            Vector3::new(0.0, belt.dot(&first), belt.dot(&second))
+        } else {
+            Vector3::zeros()
+        };
         Candidate {
             frame: [touch.normal, first, second],
+            belt: carried,
             gap: touch.gap,
             friction,
             key: Key::Touch(contact.pair, contact.features),
@@ -296,6 +305,7 @@ impl Candidate {
             restitution,
             gap,
             frame: [Vector3::x(), Vector3::y(), Vector3::z()],
+            belt: Vector3::zeros(),
             sides: [None, None],
             moving: Vector3::zeros(),
             settling: Vector3::zeros(),

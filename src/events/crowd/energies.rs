@@ -33,7 +33,8 @@ pub(super) struct Energies {
 impl Energies {
     pub fn new(mechanism: &Mechanism) -> Self {
         let forces = &mechanism.forces;
-        let in_joints = forces.joint_loads.is_empty() && forces.joint_courses.is_empty();
+        let in_joints =
+            forces.joint_loads.is_empty() && forces.joint_courses.is_empty() && forces.gravity_compensations.is_empty();
         let on_links = forces.wrenches.is_empty() && forces.link_loads.is_empty() && forces.drags.is_empty();
         let together = !(in_joints && on_links && forces.point_springs.is_empty());
         Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new() }

@@ -1,12 +1,12 @@
 //! (A): the displacement of a step, after which no gap is negative.
 //!
 //! ```text
-//!     M̃ (w − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H w + (φ/h + c) n,     q̄ = q ⊕ h w
+//!     M̃ (w − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H w + (φ/h + c) n + s,     q̄ = q ⊕ h w
 //!     c ← (φ̄ − φ)/h − H_N w         until |φ̄| ≤ 3e-10 where r_N > 0, and φ̄ ≥ −3e-10 elsewhere
 //! ```
 //!
 //! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions. It is first taken
-//! from a coarse solution.
+//! from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
 use crate::crowd::convex::{COARSE, TOLERANCE, solve};
 use crate::crowd::islands::islands;
@@ -77,7 +77,12 @@ pub(super) fn move_on(
                     _ => (candidate.gap / step + candidate.curve, 0.0),
                 };
                 let law = candidate.law(scene.elements, 0.5 * step);
-                Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
+                Given {
+                    sides: candidate.sides,
+                    law,
+                    bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z),
+                    compliance,
+                }
             };
             let blocks = island.candidates.iter().map(block);
             let problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);

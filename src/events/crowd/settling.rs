@@ -1,11 +1,11 @@
 //! (B): the rates at the end of a step, with all contacts and limits that are closed there.
 //!
 //! ```text
-//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n
+//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n + s
 //! ```
 //!
 //! H and M are at the end of the step, v at its start; e is the restitution of a contact that has closed in this step. An approach that is slower than a
-//! fall of two steps has no rebound. There is no gap in it.
+//! fall of two steps has no rebound. There is no gap in it. Belts with the velocity s along the tangents do the work `−s · r`.
 
 use crate::crowd::convex::{TOLERANCE, solve};
 use crate::crowd::islands::islands;
@@ -39,7 +39,7 @@ pub(super) struct Settled {
     pub unsolved: usize,
     /// Contacts and limits that have closed with an impact.
     pub closed: usize,
-    /// Work of motors along the freedoms, and what friction of joints took (J).
+    /// Work of motors along the freedoms, and of belts at the first freedom of a tree, and what friction of joints took (J).
     pub work: Vec<f64>,
     pub friction: f64,
 }
@@ -74,7 +74,12 @@ pub(super) fn settle(
                 Key::Motor(motor) => brake(scene, settling, motor, law),
                 _ => (law, 0.0, 0.0),
             };
-            Given { sides: candidate.sides, law, bias: Vector3::new(bias, 0.0, 0.0), compliance }
+            Given {
+                sides: candidate.sides,
+                law,
+                bias: Vector3::new(bias, candidate.belt.y, candidate.belt.z),
+                compliance,
+            }
         };
         let blocks = island.candidates.iter().map(block);
         let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
@@ -115,6 +120,12 @@ pub(super) fn settle(
             Key::Friction(joint) => {
                 let freedom = scene.elements.joints[joint].coordinate.freedom;
                 settled.friction -= impulse.x * displacement[freedom];
+            }
+            Key::Touch(..) if next.list[number].belt != Vector3::zeros() => {
+                let tree = next.list[number].sides.iter().flatten().next().map(|side| &trees.trees[side.tree]);
+                if let Some(&freedom) = tree.and_then(|tree| tree.freedoms.first()) {
+                    settled.work[freedom] -= impulse.dot(&next.list[number].belt);
+                }
             }
             Key::Touch(..) | Key::Limit(..) => {}
         }

@@ -18,7 +18,7 @@ use crate::events::modes::mode::{Closed, Mode};
 use crate::events::modes::tolerances::{SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
-use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
@@ -113,6 +113,11 @@ impl Contacts {
     /// Whether some are at the rim of an end that lies flat.
     pub fn has_flat_ends(&self) -> bool {
         self.all.iter().any(|contact| contact.flat_end().is_some())
+    }
+
+    /// Hands them over.
+    pub fn take(self) -> Vec<Contact> {
+        self.all
     }
 
     /// How many there are.
@@ -240,7 +245,7 @@ impl Contacts {
             return 0.0;
         }
         let normal = |contact: &Contact| rows_of_contact(scene.whole, &bodies, &contact.joint, false);
-        let rows: Vec<Vec<f64>> = self.all.iter().flat_map(normal).collect();
+        let rows: Vec<Row> = self.all.iter().flat_map(normal).collect();
         let rows = Rows::new(scene.response, state, rows);
         let apart = vec![(0.0, f64::INFINITY); gaps.len()];
         let mut change = vec![0.0; state.velocity.len()];
@@ -259,7 +264,7 @@ impl Contacts {
             return 0.0;
         }
         let normal = |contact: &Contact| rows_of_contact(scene.whole, bodies, &contact.joint, false);
-        let mut rows: Vec<Vec<f64>> = self.candidates.iter().flat_map(|candidate| normal(&candidate.contact)).collect();
+        let mut rows: Vec<Row> = self.candidates.iter().flat_map(|candidate| normal(&candidate.contact)).collect();
         rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
         let wide = |(gap, candidate): (&f64, &Candidate)| {
             gap.abs() > scene.touching.pairs[candidate.contact.pair].within(OVERLAP)

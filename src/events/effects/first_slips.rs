@@ -179,7 +179,7 @@ mod tests {
         for (row, beside) in [(0, 0.5_f64), (3, 0.3)] {
             let angle = along[1].atan2(along[0]) + beside;
             let law = Law::Sliding { friction, direction: [angle.cos(), angle.sin()] };
-            kept.keep(Block { of: Of::Contact(row), law, rows: vec![Vec::new(); 3] }, row, true);
+            kept.keep(Block { of: Of::Contact(row), law, rows: vec![Vec::new().into(); 3] }, row, true);
         }
         let found = kept.first_slips(&mobility, &free);
         assert_eq!(found.len(), 2);

@@ -10,9 +10,9 @@
 //! of the held gaps.
 
 use crate::events::effects::decision::{Candidate, Scene};
-use crate::events::modes::mode::{JointMode, Mode};
+use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
@@ -34,7 +34,7 @@ pub(crate) fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidat
     }
     let bodies = body_states(whole, state);
     let held = elements.joints.iter().zip(&mode.joints).filter(|(_, mode)| matches!(mode, JointMode::Held { .. }));
-    let mut rows: Vec<Vec<f64>> =
+    let mut rows: Vec<Row> =
         held.map(|(joint, _)| row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0)).collect();
     for closed in &mode.contacts {
         rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, closed.slides.is_none()));
@@ -63,17 +63,19 @@ pub(crate) fn held_bodies(
     state: &State,
 ) -> Vec<bool> {
     let mut held = mode.held_bodies(elements, whole.bodies.len());
-    let sticks = mode.contacts.iter().any(|closed| closed.slides.is_none());
+    // A body that a belt carries is not at rest.
+    let holds = |closed: &&Closed| closed.slides.is_none() && !closed.contact.joint.is_belt();
+    let sticks = mode.contacts.iter().any(|closed| holds(&closed));
     // Joints that follow a held joint are held with it; loops and contacts may hold more.
     if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
         return held;
     }
     let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
     let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
-    let mut rows: Vec<Vec<f64>> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
+    let mut rows: Vec<Row> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
     if sticks {
         let bodies = body_states(whole, state);
-        for closed in mode.contacts.iter().filter(|closed| closed.slides.is_none()) {
+        for closed in mode.contacts.iter().filter(holds) {
             rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
         }
     }

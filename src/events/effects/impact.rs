@@ -7,7 +7,7 @@
 //!     v⁺ = v⁻ + Y Wᵀ P,  lost = −½ (u⁻ + u⁺)ᵀ P ≥ 0  (J)
 //! ```
 //!
-//! in the rounds of [`crate::instant::cone::impact`]. Near gimbal lock the joints of limits have the rates u⁺ of the law, and the others follow from
+//! where the tangents of belts add their velocity w to u, and their drives do the work `−w · P`; in the rounds of [`crate::instant::cone::impact`]. Near gimbal lock the joints of limits have the rates u⁺ of the law, and the others follow from
 //! the mass matrix ([`crate::events::effects::resting`]). Efforts that are finite, of friction in joints and of motors, give no impulse.
 //!
 //! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
@@ -52,8 +52,9 @@ impl Meeting {
 pub(crate) struct Impulses {
     /// Along the first row of everything that is met [N m s or N s].
     pub normal: Vec<f64>,
-    /// Kinetic energy that was lost (J).
+    /// Kinetic energy that was lost, and the work of driven surfaces (J).
     pub lost: f64,
+    pub driven: f64,
     /// The energy that omitted rebounds have not given back (J).
     pub cut: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
@@ -92,7 +93,7 @@ fn rate_of_joint(block: &Block, rate: f64) -> Option<(usize, f64)> {
 
 /// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
 pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
-    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, cut: 0.0, rounding: 0.0 };
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, driven: 0.0, cut: 0.0, rounding: 0.0 };
     if meetings.is_empty() {
         return Ok(done);
     }
@@ -109,7 +110,9 @@ pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]
     let velocity = state.velocity.clone();
     rows.add(&found.impulses, &mut state.velocity);
     (done.lost, done.cut) = (found.lost, found.cut);
-    if is_of_limits(scene) {
+    done.driven = rows.work_of_belts(&found.impulses);
+    // The drive of a joint that is moved in time does work in an impact.
+    if is_of_limits(scene) && !scene.whole.moves_joints() {
         let kinetic = kinetic_energy(scene, state, &velocity);
         let off = |done: &Impulses, state: &State| {
             (kinetic - kinetic_energy(scene, state, &state.velocity) - done.lost).abs()

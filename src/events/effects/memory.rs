@@ -2,8 +2,10 @@
 //!
 //! Infinitely many impacts with flights `T_k` and a ratio ρ of two speeds end at `t∞ = t_k + T_k ρ/(1 − ρ)`.
 
+use crate::events::effects::impact::Meeting;
 use crate::events::finding::watched::Watched;
 use crate::instant::holding::blocks::Of;
+use crate::instant::holding::touching::Contact;
 use crate::mechanism::motion::event::{Event, Side};
 
 /// Impacts within [`CROWD_TIME`] that end in one without restitution.
@@ -62,8 +64,9 @@ pub(crate) struct Found<'f> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Done {
     pub events: Vec<Event>,
-    /// Energy lost in impacts (J).
+    /// Energy lost in impacts, and the work of driven surfaces in them (J).
     pub lost: f64,
+    pub driven: f64,
     /// Number of rebounds that were left out, and the energy that they would have given back (J).
     pub cut: (usize, f64),
     /// The distance by which that can move bodies or joints if impacts accumulate (m or rad).
@@ -72,6 +75,9 @@ pub(crate) struct Done {
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,
     pub pairs: Vec<bool>,
+    /// The limits and contacts that met, and the contacts by their numbers.
+    pub meetings: Vec<Meeting>,
+    pub contacts: Vec<Contact>,
     /// Number of laws that could not be solved to their accuracy.
     pub unsolved: usize,
     /// Whether the contacts that touch could not be decided at all: no mode follows in which the scheme can go on.

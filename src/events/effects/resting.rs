@@ -6,6 +6,8 @@
 //!     of joints S in a tree, F the other freedoms:               dv_S = v_S⁺ − v_S,   H_FF dv_F = −H_FS dv_S        v_S⁺ = 0
 //! ```
 //!
+//! Rates along the tangents of belts are rates of slips: bodies at rest on a belt move with it.
+//!
 //! Near gimbal lock D is a difference of large numbers, and the second form is taken, which has no such difference. It is needed if the first one
 //! leaves rates or gains energy.
 
@@ -13,7 +15,7 @@ use crate::events::effects::decision::Scene;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
-use crate::instant::holding::blocks::Rows;
+use crate::instant::holding::blocks::{Row, Rows};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::powers;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
@@ -46,7 +48,7 @@ pub(crate) fn keep_from_gaining(scene: &Scene, state: &mut State, before: f64) -
 }
 
 /// Velocities without rates along some rows, with the least change in the metric of the mass matrix; returns the energy that this takes (J).
-pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec<Vec<f64>>) -> f64 {
+pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec<Row>) -> f64 {
     if rows.is_empty() {
         return 0.0;
     }
@@ -63,15 +65,16 @@ pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec
             return bring_joints_to_rest(scene.whole, state, &joints);
         }
     }
-    impulses.iter().zip(&rates).map(|(impulse, rate)| -0.5 * rate * impulse).sum()
+    let taken: f64 = impulses.iter().zip(&rates).map(|(impulse, rate)| -0.5 * rate * impulse).sum();
+    taken - rows.work_of_belts(&impulses)
 }
 
 /// The freedoms of the rows, if each row belongs to one joint of a tree; otherwise `None`.
-fn joints_of_tree(whole: &Mechanism, rows: &[Vec<f64>]) -> Option<Vec<usize>> {
+fn joints_of_tree(whole: &Mechanism, rows: &[Row]) -> Option<Vec<usize>> {
     if whole.has_closures() {
         return None;
     }
-    let of = |row: &Vec<f64>| {
+    let of = |row: &Row| {
         let mut own = row.iter().enumerate().filter(|(_, entry)| **entry != 0.0).map(|(freedom, _)| freedom);
         own.next().filter(|_| own.next().is_none())
     };

@@ -18,8 +18,8 @@ use crate::mechanism::motion::state::State;
 
 impl Contacts {
     /// The impulse of a candidate whose accelerations all violate the law, at which joints on their limits bear; returns the energy that it takes
-    /// (J), or `None` if it is not found.
-    pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<f64> {
+    /// and the work of driven surfaces (J), or `None` if it is not found.
+    pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<[f64; 2]> {
         let bodies = body_states(scene.whole, state);
         let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
         let numbers: Vec<usize> = self.candidates.iter().filter_map(number).collect();
@@ -46,7 +46,8 @@ impl Contacts {
                 state.velocity[scene.elements.joints[index].coordinate.freedom] = 0.0;
             }
         }
-        Some(impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b)).sum())
+        let lost = impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b));
+        Some([lost.sum(), rows.work_of_belts(&impulses)])
     }
 }
 
@@ -89,7 +90,13 @@ mod tests {
         for (body, pose, shape) in
             [(Some(0), end, Shape::Sphere { radius: 0.01 }), (None, Pose::identity(), Shape::HalfSpace)]
         {
-            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose, shape });
+            nonsmooth.colliders.push(Collider {
+                name: "one".into(),
+                body,
+                pose,
+                shape,
+                surface_velocity: Vector3::zeros(),
+            });
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 3.0, restitution: 0.0 });
         let (half, mut state) = (0.25_f64, State::zero(&mechanism));
@@ -121,7 +128,7 @@ mod tests {
             assert_eq!(contacts.candidates.len(), 1);
             let kinetic = |state: &State| energy(&mechanism, &body_states(&mechanism, state)).kinetic;
             let had = kinetic(&state);
-            let lost = contacts.seize(&mut scene, &mut state, 0).expect("an impulse");
+            let [lost, _] = contacts.seize(&mut scene, &mut state, 0).expect("an impulse");
             let touch = touch_motion(&contacts.candidates[0].contact.joint, &body_states(&mechanism, &state));
             println!("{limits:?}: rate {}, {lost} J lost, {touch:?}", state.velocity[6]);
             // The end stands: of 2 m/s what the law is solved to is left.

@@ -83,7 +83,7 @@ mod tests {
         let free: Vec<f64> = gradients.iter().map(|[_, y, x]| -10.0 + 7.0 * y - 4.0 * x).collect();
         let law = Law::Interval { lower: 0.0, upper: f64::INFINITY };
         let blocks: Vec<Block> =
-            (0..4).map(|foot| Block { of: Of::Contact(foot), law, rows: vec![Vec::new()] }).collect();
+            (0..4).map(|foot| Block { of: Of::Contact(foot), law, rows: vec![Vec::new().into()] }).collect();
         let shared = with_shared_pressures(&blocks, &mobility).expect("three feet would do");
         let found = solve(&Problem { mobility: &shared, free: &free, laws: &[law; 4] }, None).expect("it stands");
         let [a, b, c, d] = [0, 1, 2, 3].map(|foot: usize| found.forces[foot]);

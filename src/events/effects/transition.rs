@@ -23,7 +23,7 @@ use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::holding::blocks::{Of, Rows};
+use crate::instant::holding::blocks::{Of, Row, Rows};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -89,12 +89,12 @@ pub(crate) fn transit(
     });
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
-    done.lost = settled + lifted + impulses.lost;
+    (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     for _ in 0..CALMING {
         let known = efforts(mode, state);
-        let (low, left) = too_low(scene, state, &meetings, &known, found.height);
+        let (low, left) = too_low(scene, state, &meetings, &rates, &known, found.height);
         if low.is_empty() {
             break;
         }
@@ -103,7 +103,7 @@ pub(crate) fn transit(
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
         let Ok(more) = collide(scene, state, &plastic) else { break };
-        done.lost += more.lost;
+        (done.lost, done.driven) = (done.lost + more.lost, done.driven + more.driven);
         for (sum, impulse) in impulses.normal.iter_mut().zip(more.normal) {
             *sum += impulse;
         }
@@ -140,7 +140,7 @@ pub(crate) fn transit(
                 break;
             }
             Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
-                Some(lost) => done.lost += lost,
+                Some([lost, driven]) => (done.lost, done.driven) = (done.lost + lost, done.driven + driven),
                 None => break,
             },
             Err(Undecided::Unsolved) => break,
@@ -154,6 +154,8 @@ pub(crate) fn transit(
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
+    done.meetings = meetings;
+    done.contacts = contacts.take();
     done
 }
 
@@ -176,15 +178,26 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
 
 /// Meetings that leave too slowly to matter, with the sum of their heights (m or rad): `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
 /// while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that; any other leaves as well from
-/// rest. Elements that kick each other open without end come to rest in this way.
-fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> (Vec<usize>, f64) {
-    if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
+/// rest. Elements that kick each other open without end come to rest in this way. An element that parted before the impacts, by its rate `before`
+/// [m/s or rad/s], is no rebound: a corner that slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
+fn too_low(
+    scene: &mut Scene,
+    state: &State,
+    meetings: &[Meeting],
+    before: &[f64],
+    efforts: &[f64],
+    height: f64,
+) -> (Vec<usize>, f64) {
+    let is_rebound = |index: usize| before[index] <= meetings[index].rest;
+    let leaves =
+        |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
+    if !meetings.iter().enumerate().any(leaves) {
         return (Vec::new(), 0.0);
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
     let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
-    let normals: Vec<Vec<f64>> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    let normals: Vec<Row> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
     if !normals.is_empty() {
         let rows = Rows::new(scene.response, state, normals);
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
@@ -193,7 +206,7 @@ fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f6
     let (mut low, mut left) = (Vec::new(), 0.0);
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        if rate > 0.0 && rate * rate <= 2.0 * pull * height {
+        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height {
             low.push(index);
             left += rate * rate / (2.0 * pull);
         }
@@ -234,7 +247,7 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
             break;
         }
     }
-    Impulses { normal: vec![0.0; meetings.len()], lost, cut: 0.0, rounding: 0.0 }
+    Impulses { normal: vec![0.0; meetings.len()], lost, driven: 0.0, cut: 0.0, rounding: 0.0 }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

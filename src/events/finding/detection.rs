@@ -3,7 +3,8 @@
 //! Samples are at `x_j = j/6`; the samples at 0, 1/3 and 1 come first. A function whose least value there is more than twice its change is not looked
 //! at any further. A sign that changes between two samples is a bracket. Two roots between samples are found by the least value: if the middle one of
 //! three samples is the least, the parabola through them tells whether a minimum may be below zero, and the minimum is looked for. A function that
-//! falls at the start of the step has its minimum looked for before the first sample as well. The start of a step may be a root itself, of an element
+//! falls at the start of the step has its minimum looked for before the first sample as well. No minimum is looked for in a function that changes by less
+//! than what counts as zero: one that stays at zero has a least sample everywhere. The start of a step may be a root itself, of an element
 //! that has just changed its state. It counts as positive, and if the first sample is negative, an earlier positive one is looked for.
 //!
 //! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
@@ -55,8 +56,9 @@ pub(crate) const ONE_INSTANT: f64 = 1e-12;
 /// Room for a look at a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Looking {
-    /// The functions that are looked at, and the value that counts as zero for each at the start.
+    /// The functions that are looked at, the value that counts as zero for each, and the same at the start: infinite where it begins there.
     pub which: Vec<usize>,
+    pub zero: Vec<f64>,
     pub noise: Vec<f64>,
     pub room: Room,
 }
@@ -71,7 +73,7 @@ pub(crate) struct Room {
 }
 
 /// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
-/// `−noise` of a function count as zero at the start. In a `short` span both ends are looked at first.
+/// `−noise` of a function count as zero at the start, and changes up to `zero` as no change. In a `short` span both ends are looked at first.
 ///
 /// Allocates only where there are more functions than ever before.
 pub(crate) fn first_sign_change(
@@ -79,7 +81,7 @@ pub(crate) fn first_sign_change(
     count: usize,
     start: f64,
     end: f64,
-    noise: &[f64],
+    [zero, noise]: [&[f64]; 2],
     short: bool,
     mut sample: impl FnMut(f64, Range<usize>, &mut [f64]),
 ) -> Option<Bracket> {
@@ -109,7 +111,9 @@ pub(crate) fn first_sign_change(
             sample(at, watched..watched + 1, &mut one);
             one[0]
         };
-        let Some((low, high, at_start)) = bracket(&of, &time, noise[watched], &mut value) else { continue };
+        let Some((low, high, at_start)) = bracket(&of, &time, [zero[watched], noise[watched]], &mut value) else {
+            continue;
+        };
         // Whatever is still positive at a known root has its own later.
         if earliest.is_some_and(|known| low >= known.root || !at_start && value(known.root) > 0.0) {
             continue;
@@ -137,7 +141,7 @@ fn is_calm(samples: impl Iterator<Item = f64>) -> bool {
 fn bracket(
     of: &[f64],
     time: &impl Fn(usize) -> f64,
-    noise: f64,
+    [zero, noise]: [f64; 2],
     value: &mut impl FnMut(f64) -> f64,
 ) -> Option<(f64, f64, bool)> {
     for j in 1..of.len() {
@@ -153,7 +157,7 @@ fn bracket(
         // One that has just changed its state leaves zero, and is among roundings first.
         if j == 1
             && noise.is_finite()
-            && let Some(low) = dips_at_start(of, time, value)
+            && let Some(low) = dips_at_start(of, time, zero, value)
         {
             if of[0] > noise {
                 return Some((time(0), low, false));
@@ -169,7 +173,8 @@ fn bracket(
             let (left, right) = (before - of[j], next - of[j]);
             // The parabola through the three, in units of the interval, is least so far below the middle one.
             let below = if left + right > 0.0 { (left - right).powi(2) / (8.0 * (left + right)) } else { 0.0 };
-            if 2.0 * below + 0.1 * (left + right) >= of[j]
+            if left + right > zero
+                && 2.0 * below + 0.1 * (left + right) >= of[j]
                 && let Some(low) = least_below_zero(time(j - 1), time(j + 1), time(j), of[j], value)
             {
                 return Some((time(j - 1), low, false));
@@ -181,10 +186,15 @@ fn bracket(
 
 /// A point before the first sample at which the function is negative, although it is not at the samples around: it falls from the start on, and the
 /// parabola through the first three samples is least between the first two.
-fn dips_at_start(of: &[f64], time: &impl Fn(usize) -> f64, value: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+fn dips_at_start(
+    of: &[f64],
+    time: &impl Fn(usize) -> f64,
+    zero: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Option<f64> {
     let (&[first, second, third], length) = (of.first_chunk()?, time(1) - time(0));
     let (slope, bend) = (2.0 * second - 1.5 * first - 0.5 * third, first - 2.0 * second + third);
-    if !(slope < 0.0 && -slope < bend) || value(time(0) + SOON * length) >= first {
+    if !(slope < 0.0 && -slope < bend && bend > zero) || value(time(0) + SOON * length) >= first {
         return None;
     }
     let middle = time(0) - length * slope / bend;
@@ -285,7 +295,7 @@ mod tests {
     use super::*;
 
     fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
-        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], false, |time, _, values| {
+        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
             values[0] = function(time)
         })
     }
@@ -320,10 +330,11 @@ mod tests {
     fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
         let looks = |function: &dyn Fn(f64) -> f64| {
             let mut count = 0;
-            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], false, |time, _, values| {
-                count += 1;
-                values[0] = function(time);
-            });
+            let found =
+                first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
+                    count += 1;
+                    values[0] = function(time);
+                });
             (count, found.is_some())
         };
         // It changes by 0.4, and is 0.8 at least; the other is 0.79.
@@ -333,6 +344,9 @@ mod tests {
         assert_eq!(looks(&|_| f64::INFINITY), (FIRST_SAMPLES.len(), false));
         // Negative from the start on, however little it changes.
         assert!(looks(&|_| -1.0).1);
+        // A function that stays at zero, to roundings: as of a joint that is held by all that it can bear.
+        assert_eq!(looks(&|time| 1e-16 * (1e3 * time).sin().abs()), (SAMPLES + 1, false));
+        assert_eq!(looks(&|_| 0.0), (SAMPLES + 1, false));
     }
 
     #[test]

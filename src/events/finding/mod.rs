@@ -6,4 +6,5 @@ pub(crate) mod cycle;
 pub(crate) mod detection;
 pub(crate) mod reserves;
 pub(crate) mod speeds;
+pub(crate) mod travel;
 pub(crate) mod watched;

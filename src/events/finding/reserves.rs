@@ -1,124 +1,232 @@
 //! The reserves of pairs: lower bounds of their gaps, by the looks at steps before.
 //!
 //! ```text
-//!     φ(t₀ + τ) ≥ r,   r = φ(t₁) − Σ V_k h_k − V τ     t₁: when the gap was looked at last; h_k, V_k: the steps since then, and the bounds of their speeds
+//!     φ(t) ≥ r(t) = S − D_a(t) − D_b(t),    S = φ(t₁) + D_a(t₁) + D_b(t₁)      t₁: when the gap was looked at last
+//!     a queue in the order of M(t₁) + r(t₁): a step asks only those pairs that M has reached since then
+//!     a pair that was asked has r(t₀) − V h at the end of the step, or is looked at
 //! ```
 //!
-//! A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at: bodies that stand beside each other are looked at seldom,
-//! however short the steps are. Reserves belong to one mode, and to a motion without jumps: a state is known by its positions.
+//! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the
+//! speed of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at.
+//! Bodies that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in
+//! proportion to the bodies. Reserves last over events, because those move no body far.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (a heap of times before which no pair can collide).
 
-use crate::mechanism::motion::state::State;
+use crate::events::finding::speeds::Speeds;
+use crate::events::finding::travel::Travel;
+use crate::events::modes::tolerances::AT_EVENT;
+use crate::instant::holding::touching::Touching;
+use crate::mechanism::description::mechanism::Mechanism;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The sums of travel of a pair cancel to this part of them.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The reserves of all pairs where the step in question begins, and where it ends.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reserves {
-    start: Reserve,
-    end: Reserve,
+    travel: Travel,
+    pairs: Vec<Reserve>,
+    /// The bits of `M + r` and the number of each pair that is not to be asked; numbers above zero have the order of their bits.
+    queue: BinaryHeap<Reverse<(u64, usize)>>,
+    /// The pairs that the step asks, in the order of their numbers.
+    asked: Vec<usize>,
+    /// The reserves that are left of some of these at the end of the step (m).
+    left: Vec<(usize, f64)>,
 }
 
-/// The reserves at one instant.
-#[derive(Clone, Debug, Default)]
+/// The reserve of one pair.
+#[derive(Clone, Copy, Debug)]
 struct Reserve {
-    /// Whether they are reserves of the present mode.
-    known: bool,
-    /// Where and when (s).
-    position: Vec<f64>,
-    time: f64,
-    /// One each pair (m); minus infinity where it is not known.
-    gaps: Vec<f64>,
+    /// Its bodies among the travellers.
+    bodies: [Option<usize>; 2],
+    /// S (m); minus infinity if it is not known.
+    spent_at: f64,
+    /// A gap of at most this (m) may be closed.
+    closed: f64,
 }
 
 impl Reserves {
-    /// Forgets all: another mode begins.
-    pub fn forget(&mut self) {
-        self.start.known = false;
-        self.end.known = false;
+    /// For the pairs of a mechanism, of which nothing is known.
+    pub fn new(mechanism: &Mechanism, touching: &Touching) -> Self {
+        let mut roots: Vec<usize> = Vec::with_capacity(mechanism.bodies.len());
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            roots.push(body.parent.map_or(index, |parent| roots[parent]));
+        }
+        let mut travel = Travel::default();
+        let pairs = touching.pairs.iter().map(|pair| {
+            let carrier = match pair.bodies {
+                [Some(a), Some(b)] if roots[a] == roots[b] => Some(roots[a]),
+                _ => None,
+            };
+            let bodies = [0, 1].map(|side| {
+                let body = pair.bodies[side].filter(|body| Some(*body) != carrier)?;
+                Some(travel.traveller(body, carrier, pair.reach[side]))
+            });
+            Reserve { bodies, spent_at: f64::NEG_INFINITY, closed: pair.within(AT_EVENT) }
+        });
+        let pairs: Vec<Reserve> = pairs.collect();
+        Reserves { asked: (0..pairs.len()).collect(), travel, pairs, ..Reserves::default() }
     }
 
-    /// A look at a step from a start to an end begins, for a number of pairs. The same step may be looked at again with another end.
-    pub fn begin(&mut self, start: &State, end: &State, pairs: usize) {
-        if self.end.is_at(start) {
-            std::mem::swap(&mut self.start, &mut self.end);
+    /// A look at a step with these speeds and this length (s) begins. The same step may be looked at again with another end.
+    pub fn begin(&mut self, speeds: &Speeds, length: f64) {
+        if self.travel.counts(speeds.first()) {
+            self.take_left();
+            self.travel.move_to(speeds.first());
+            self.put_back();
         }
-        if !self.start.is_at(start) {
-            self.start.take(start, pairs);
+        self.left.clear();
+        self.travel.go_on(speeds, length);
+        let [_, most] = self.travel.most();
+        let asked = self.asked.len();
+        while let Some(&Reverse((bits, pair))) = self.queue.peek()
+            && (most.is_nan() || f64::from_bits(bits) <= most)
+        {
+            self.queue.pop();
+            self.asked.push(pair);
         }
-        self.end.take(end, pairs);
+        if self.asked.len() > asked {
+            self.asked.sort_unstable();
+        }
     }
 
-    /// Whether a pair that closes by no more than `closes` in the step keeps more than `least` of its reserve (m); the rest of it, if it does.
-    pub fn lasts(&mut self, pair: usize, closes: f64, least: f64) -> Option<f64> {
-        let rest = self.start.gaps[pair] - closes;
-        if rest > least {
-            self.end.gaps[pair] = rest;
+    /// The step before is done, with these reserves at its end.
+    fn take_left(&mut self) {
+        for &(pair, rest) in &self.left {
+            let [sum, _] = self.travel.of(self.pairs[pair].bodies);
+            self.pairs[pair].spent_at = rest + sum;
+        }
+    }
+
+    /// Pairs that have a reserve go back to the queue.
+    fn put_back(&mut self) {
+        let Reserves { travel, pairs, queue, asked, .. } = self;
+        let [most, _] = travel.most();
+        asked.retain(|&pair| {
+            let [rest, _] = pairs[pair].left(travel);
+            let last = most + (rest - pairs[pair].closed);
+            let waits = last > most && last.is_finite();
+            if waits {
+                queue.push(Reverse((last.to_bits(), pair)));
+            }
+            !waits
+        });
+    }
+
+    /// The pairs that may close in the step, as far as the travel of all bodies tells.
+    pub fn asked(&self) -> &[usize] {
+        &self.asked
+    }
+
+    /// A lower bound of the gap of a pair at the end of the step (m), unless it was looked at.
+    pub fn at_end(&self, pair: usize) -> f64 {
+        self.pairs[pair].left(&self.travel)[1]
+    }
+
+    /// Whether an asked pair that closes by no more than `closes` (m) in the step keeps enough of its reserve; the rest of it (m), if it does.
+    pub fn lasts(&mut self, pair: usize, closes: f64) -> Option<f64> {
+        let [start, _] = self.pairs[pair].left(&self.travel);
+        let rest = start - closes;
+        if rest > self.pairs[pair].closed {
+            self.note(pair, rest);
             return Some(rest);
         }
         None
     }
 
-    /// Takes the gap of a pair at the end of the step (m).
+    /// Takes the gap of an asked pair at the end of the step (m).
     pub fn note(&mut self, pair: usize, gap: f64) {
-        self.end.gaps[pair] = gap;
+        self.left.push((pair, gap));
     }
 }
 
 impl Reserve {
-    fn is_at(&self, state: &State) -> bool {
-        self.known && self.time == state.time && self.position == state.position
-    }
-
-    fn take(&mut self, state: &State, pairs: usize) {
-        self.known = true;
-        self.time = state.time;
-        self.position.clear();
-        self.position.extend_from_slice(&state.position);
-        self.gaps.clear();
-        self.gaps.resize(pairs, f64::NEG_INFINITY);
+    /// r at the start and at the end of the step (m).
+    fn left(&self, travel: &Travel) -> [f64; 2] {
+        travel.of(self.bodies).map(|sum| self.spent_at - sum - ROUNDING * sum)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::events::finding::detection::SAMPLES;
+    use crate::mechanism::description::body_state::{BodyState, WORLD};
+    use nalgebra::Vector3;
 
-    fn at(time: f64, position: f64) -> State {
-        State { time, position: vec![position], velocity: vec![0.0], compensation: vec![0.0] }
+    /// Pairs of two bodies and the world, with a reach of 0.1 m.
+    fn reserves(pairs: &[[Option<usize>; 2]]) -> Reserves {
+        let mut travel = Travel::default();
+        let pairs: Vec<Reserve> = pairs
+            .iter()
+            .map(|bodies| {
+                let bodies = bodies.map(|body| body.map(|body| travel.traveller(body, None, 0.1)));
+                Reserve { bodies, spent_at: f64::NEG_INFINITY, closed: 1e-12 }
+            })
+            .collect();
+        Reserves { asked: (0..pairs.len()).collect(), travel, pairs, ..Reserves::default() }
+    }
+
+    /// The first body moves along x at 1 m/s, the second one rests at −1 m.
+    fn step(reserves: &mut Reserves, from: f64, to: f64) {
+        let mut speeds = Speeds::default();
+        speeds.reset(2);
+        let still = BodyState { position: -Vector3::x(), ..WORLD };
+        for (sample, time) in [(0, from), (SAMPLES, to)] {
+            let moves = BodyState { position: Vector3::x() * time, velocity: Vector3::x(), ..WORLD };
+            speeds.take(sample, &[moves, still]);
+        }
+        reserves.begin(&speeds, to - from);
     }
 
     #[test]
     fn a_reserve_is_used_up_by_the_steps_that_are_made_and_not_by_repeated_looks_at_one() {
-        let mut reserves = Reserves::default();
-        reserves.begin(&at(0.0, 0.0), &at(1.0, 0.1), 2);
-        assert_eq!(reserves.lasts(0, 0.0, 0.0), None);
+        let mut reserves = reserves(&[[Some(0), None], [Some(1), None]]);
+        step(&mut reserves, 0.0, 0.1);
+        assert_eq!(reserves.asked(), [0, 1]);
+        assert_eq!(reserves.lasts(0, 0.0), None);
         reserves.note(0, 1.0);
-        // The step is looked at five times with other ends: each time it has its reserve of the start.
-        for end in [2.0, 1.8, 1.6, 1.4, 1.5] {
-            reserves.begin(&at(1.0, 0.1), &at(end, 0.2 * end), 2);
-            assert_eq!(reserves.lasts(0, 0.375, 0.0), Some(0.625));
-            assert_eq!(reserves.lasts(1, 0.0, 0.0), None);
+        // The step is looked at five times with other ends: each time it has its reserve of the start, and asks the pair of which nothing is known.
+        for end in [0.2, 0.18, 0.16, 0.14, 0.15] {
+            step(&mut reserves, 0.1, end);
+            assert_eq!(reserves.asked(), [1]);
+            let rest = reserves.at_end(0);
+            assert!((rest - (1.0 - 1.25 * (end - 0.1))).abs() < 1e-14, "{rest}");
+            assert_eq!(reserves.lasts(1, 0.0), None);
         }
-        // Two steps more: the second one would leave nothing.
-        reserves.begin(&at(1.5, 0.2 * 1.5), &at(2.0, 0.5), 2);
-        assert_eq!(reserves.lasts(0, 0.375, 0.0), Some(0.25));
-        reserves.begin(&at(2.0, 0.5), &at(2.5, 0.6), 2);
-        assert_eq!(reserves.lasts(0, 0.25, 0.0), None);
+        // M falls by 2.5 m/s, so that the pair is asked soon after 0.1 + 0.4 s; its own travel leaves it a half then.
+        for (from, to, asks) in [(0.15, 0.3, false), (0.3, 0.49, false), (0.49, 0.6, true)] {
+            step(&mut reserves, from, to);
+            assert_eq!(reserves.asked().contains(&0), asks, "{from}");
+        }
+        let rest = reserves.lasts(0, 0.11).expect("a reserve");
+        assert!((rest - (1.0 - 1.25 * 0.39 - 0.11)).abs() < 1e-14, "{rest}");
+        assert_eq!(reserves.lasts(0, 0.6), None);
     }
 
     #[test]
-    fn a_reserve_is_not_that_of_a_state_to_which_bodies_were_moved_or_of_another_mode() {
-        let mut reserves = Reserves::default();
-        reserves.begin(&at(0.0, 0.0), &at(1.0, 0.1), 1);
-        reserves.note(0, 1.0);
-        let mut moved = reserves.clone();
-        moved.begin(&at(1.0, 0.1 + 1e-15), &at(2.0, 0.3), 1);
-        assert_eq!(moved.lasts(0, 0.0, 0.0), None);
-        let mut later = reserves.clone();
-        later.begin(&at(1.5, 0.1), &at(2.0, 0.3), 1);
-        assert_eq!(later.lasts(0, 0.0, 0.0), None);
-        reserves.forget();
-        reserves.begin(&at(1.0, 0.1), &at(2.0, 0.3), 1);
-        assert_eq!(reserves.lasts(0, 0.0, 0.0), None);
+    fn a_pair_that_rests_is_not_asked_however_many_steps_are_made_while_another_one_moves() {
+        let mut reserves = reserves(&[[Some(0), None], [Some(1), None]]);
+        step(&mut reserves, 0.0, 1e-3);
+        reserves.note(0, 1e-2);
+        reserves.note(1, 1e-2);
+        let mut asked = [0; 2];
+        for count in 1..10_000 {
+            let from = 1e-3 * f64::from(count);
+            step(&mut reserves, from, from + 1e-3);
+            for pair in reserves.asked().to_vec() {
+                asked[pair] += 1;
+                // It is looked at where its reserve is spent, and has moved to another place by then.
+                if reserves.lasts(pair, if pair == 0 { 1.25e-3 } else { 0.0 }).is_none() {
+                    reserves.note(pair, 1e-2);
+                }
+            }
+        }
+        // 10 s at 1.25 m/s use up 1 cm 1250 times, and are asked a few times for each; the other one is asked each time that M has fallen by 1 cm.
+        assert!((1_250..7_500).contains(&asked[0]) && asked[1] <= 2_500, "{asked:?}");
+        assert!((reserves.at_end(1) - 1e-2).abs() < 1e-14);
     }
 }

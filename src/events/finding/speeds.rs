@@ -49,6 +49,16 @@ impl Speeds {
         self.known[sample] = true;
     }
 
+    /// The bodies at the start of the step.
+    pub fn first(&self) -> &[BodyState] {
+        &self.bodies[..self.count]
+    }
+
+    /// The bodies at its end.
+    pub fn last(&self) -> &[BodyState] {
+        &self.bodies[SAMPLES * self.count..][..self.count]
+    }
+
     /// The known samples, in the order of their times.
     fn samples(&self) -> impl Iterator<Item = usize> + '_ {
         (0..=SAMPLES).filter(|&sample| self.known[sample])
@@ -99,8 +109,8 @@ impl Speeds {
         }
     }
 
-    /// V of a body with its reach, seen from another [m/s].
-    fn seen_from(&self, body: Option<usize>, other: Option<usize>, reach: f64) -> f64 {
+    /// V of a body with its reach, seen from another, or from the world [m/s].
+    pub fn seen_from(&self, body: Option<usize>, other: Option<usize>, reach: f64) -> f64 {
         let states = self.samples().map(|sample| [self.at(sample, body), self.at(sample, other)]);
         fastest(states, reach)
     }

@@ -148,6 +148,18 @@ impl Watched {
         all
     }
 
+    /// The number of the first function that is not the gap of a pair: those come first, in the order of their pairs.
+    pub fn after_gaps(all: &[Watched]) -> usize {
+        all.partition_point(|watched| matches!(watched, Watched::Approach(_)))
+    }
+
+    /// The number of the gap of a pair among all functions.
+    pub fn gap_of(all: &[Watched], pair: usize) -> Option<usize> {
+        let before = |watched: &Watched| matches!(watched, Watched::Approach(other) if *other < pair);
+        let index = all.partition_point(before);
+        (all.get(index) == Some(&Watched::Approach(pair))).then_some(index)
+    }
+
     /// Its value.
     pub fn value(self, seen: &Seen) -> f64 {
         let Seen { elements, touching, mode, holding, since, time, state, bodies, slips } = *seen;

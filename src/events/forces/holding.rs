@@ -282,7 +282,7 @@ impl Tree {
         body_accelerations(whole, bodies, &state.velocity, &self.accelerations, motion);
         body_wrenches(whole, state.time, bodies, applied);
         reactions_under(whole, bodies, motion, applied, reactions);
-        joint_efforts(whole, state.time, &state.position, &state.velocity, own);
+        joint_efforts(whole, state.time, (&state.position, &state.velocity), bodies, own);
         self.inertial = (0.0, 0.0);
         let falls = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Floating;
         if !whole.bodies.iter().any(falls) {

@@ -184,10 +184,13 @@ impl Closed {
         joint
     }
 
-    /// A corner that sticks on a face is anchored: its place is held, not its velocity.
+    /// A corner that sticks on a face is anchored: its place is held, not its velocity. None has a place on a belt.
     fn anchor(&self, bodies: &[BodyState]) -> Option<LoopJoint> {
         let joint = &self.contact.joint;
-        if self.slides.is_some() || joint.touch.features != [Feature::Plane, Feature::Point { radius: 0.0 }] {
+        if self.slides.is_some()
+            || joint.is_belt()
+            || joint.touch.features != [Feature::Plane, Feature::Point { radius: 0.0 }]
+        {
             return None;
         }
         let point = touch_motion(joint, bodies).point;

@@ -60,7 +60,7 @@ impl HybridModel {
     /// The next instant at which an effort changes its law, or the end.
     pub fn next_instant(&self, time: f64, until: f64) -> f64 {
         let motors = self.elements.motors.iter().map(|motor| motor.next_instant(time));
-        let next = motors.fold(until.min(self.whole.forces.next_instant(time)), f64::min);
+        let next = motors.fold(until.min(self.whole.next_instant(time)), f64::min);
         if until - next < 1e-12 * until.abs().max(1.0) { until } else { next }
     }
 }

@@ -1,9 +1,10 @@
 //! The tally of a run with events: figures that are reported, and that no step depends on.
 //!
-//! Two entries wait for the next outcome that can carry them: `abandoned` and `lost_at_start`.
+//! Three entries wait for the next outcome that can carry them: `abandoned`, `lost_at_start` and `driven`.
 
 use crate::events::effects::resting;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::{ContactSolvers, Cost};
 use crate::mechanism::motion::state::State;
@@ -25,8 +26,8 @@ pub(in crate::events) struct Tally {
     pub events: Vec<Event>,
     /// The cost of attempts that were thrown away, which no outcome has yet.
     pub abandoned: Cost,
-    /// Energy lost in impacts at the start, which no outcome has yet (J).
-    pub lost_at_start: f64,
+    /// Energy lost in impacts at the start, and the work of driven surfaces and joints in them, which no outcome has yet.
+    pub lost_at_start: Exchange,
     /// Number of laws of contact that could not be solved to their accuracy.
     pub unsolved: usize,
     /// How often each contact solver has solved a problem of an event.

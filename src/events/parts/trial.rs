@@ -65,7 +65,7 @@ impl StepTrial {
             fresh_pairs: vec![false; touching.pairs.len()],
             looking: Looking::default(),
             speeds: Speeds::default(),
-            reserves: Reserves::default(),
+            reserves: Reserves::new(whole, touching),
             covers: Vec::new(),
             overlap: 0.0,
             bodies: vec![WORLD; whole.bodies.len()],
@@ -74,6 +74,12 @@ impl StepTrial {
             holding,
             slips: Vec::new(),
         }
+    }
+
+    /// Takes another mechanism with the same bodies and joints.
+    pub fn replace(&mut self, model: &HybridModel) {
+        self.reserves = Reserves::new(&model.whole, &model.touching);
+        self.placed.forget();
     }
 
     /// From now on a zero at the start of a step is an event.

@@ -51,6 +51,8 @@ pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foo
             };
             (0..2).filter(|&end| !touches(end)).map(lowest).fold(f64::INFINITY, f64::min)
         }
+        // Its surface is one feature.
+        Core::Ellipsoid(_) => f64::INFINITY,
     }
 }
 

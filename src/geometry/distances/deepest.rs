@@ -34,7 +34,7 @@ fn support(part: &Part, normal: &Vector3<f64>) -> Option<(Vector3<f64>, Matrix3<
             let turn = axis.cross(&out);
             Some((centre + out * *radius, turn * turn.transpose() * (radius / sine)))
         }
-        Part::Plane(..) => None,
+        Part::Plane(..) | Part::Ellipsoid(_) | Part::Hollow(..) => None,
     }
 }
 

@@ -4,7 +4,7 @@
 //!     distance = min over the core of n · (q − o) − r
 //! ```
 //!
-//! A vertex, the centre of a sphere and the ends of a capsule are points over a plane. A cylinder touches with its rims: with one if it is
+//! A vertex, the centre of a sphere and the ends of a capsule are points over a plane. An ellipsoid touches with one point of its surface. A cylinder touches with its rims: with one if it is
 //! slanted, with both if it lies. An end that is flat on the plane to within `near` touches with four points of its rim; see
 //! [`crate::features::feature::FeatureId::RimPoint`].
 
@@ -36,6 +36,7 @@ impl HalfSpace {
         let feature = match &b.core {
             Core::Polytope(polytope) => FeatureId::Vertex(polytope.support_vertex(&down) as u32),
             Core::Cylinder(cylinder) => FeatureId::Rim(u32::from(cylinder.axis.dot(&down) >= 0.0)),
+            Core::Ellipsoid(_) => FeatureId::Side,
         };
         self.candidate(q, feature)
     }
@@ -52,7 +53,7 @@ impl HalfSpace {
         let guess = Guess { normal: self.normal, point: rotation * b.centre + translation, at_point: false };
         let place = |feature: FeatureId| {
             let on_b = part(&b.core, feature).moved(rotation, translation);
-            if !matches!(on_b, Part::Point(_) | Part::Circle(..)) {
+            if !matches!(on_b, Part::Point(_) | Part::Circle(..) | Part::Ellipsoid(_)) {
                 return None;
             }
             let (_, [_, q]) = meet(&self.part(), &on_b, &guess)?;

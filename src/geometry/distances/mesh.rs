@@ -257,6 +257,21 @@ impl Mesh {
         found
     }
 
+    /// The largest height over a plane, with this normal and through `foot`, of all triangles that may be nearer to a convex core than `within` (m).
+    pub fn highest(
+        &self,
+        b: &Convex,
+        (rotation, translation): (&Matrix3<f64>, &Vector3<f64>),
+        [normal, foot]: [&Vector3<f64>; 2],
+        within: f64,
+    ) -> f64 {
+        let centre = rotation * b.centre + translation;
+        let Parts { vertices, triangles, tree, .. } = &*self.parts;
+        let region = about(&centre, b.size + within);
+        let corners = tree.intersect_aabb(&region).flat_map(|number| triangles[number as usize].corners);
+        corners.map(|corner| normal.dot(&(vertices[corner] - foot))).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.
     fn gap_over(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> f64 {
         let triangle = &self.parts.triangles[number];
@@ -291,7 +306,7 @@ impl Mesh {
         let number = triangle.edges[edge];
         let start = match &triangle.shape.core {
             Core::Polytope(polytope) => triangle.corners[polytope.edges[edge].ends[0]],
-            Core::Cylinder(_) => triangle.corners[0],
+            Core::Cylinder(_) | Core::Ellipsoid(_) => triangle.corners[0],
         };
         let part = if self.parts.edges[number].ends[0] == start { part } else { 1.0 - part };
         FeatureId::EdgePoint { edge: number as u32, part: part.to_bits() }

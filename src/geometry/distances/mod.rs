@@ -5,6 +5,7 @@ pub(crate) mod best;
 pub(crate) mod beyond;
 pub(crate) mod deepest;
 pub(crate) mod half_space;
+pub(crate) mod hollow;
 pub(crate) mod manifold;
 pub(crate) mod mesh;
 pub(crate) mod nearest;

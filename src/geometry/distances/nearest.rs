@@ -11,12 +11,15 @@ use crate::features::feature::{FeatureId, Part, features, inside, lies_near, nor
 use crate::features::guesses::{guesses, is_beyond};
 use crate::features::meet::{Guess, meet};
 use crate::shapes::convex::{Core, Cylinder};
+use crate::shapes::polytope::{Face, Polytope};
 use nalgebra::Vector3;
 
 /// How far from the support planes features are looked for, relative to the size, one after the other.
 const DEPTHS: [f64; 4] = [1e-9, 1e-6, 1e-3, 0.05];
 /// At the same place by rounding, relative to the size.
 const COINCIDENT: f64 = 2e-14;
+/// The faces of a polytope with at most this many are looked through.
+const FEW_FACES: usize = 24;
 /// All pairs of edges are tried if they are not more.
 const MOST_PAIRS: usize = 50_000;
 /// Outside of a feature by rounding, relative to the size.
@@ -26,6 +29,9 @@ const ROUNDING: f64 = 1e-12;
 pub fn nearest(both: &Both) -> Option<Candidate> {
     if !both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
         return None;
+    }
+    if let Some(found) = in_front_of_a_face(both) {
+        return Some(found);
     }
     let mut best = Best::new(both);
     if let Some(normal) = both.hint(&Vector3::zeros()) {
@@ -47,6 +53,34 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
     }
     let bound = supports(both, best.steepest());
     best.found().filter(|found| best.error(found) <= bound.certificate()).or(Some(bound))
+}
+
+/// The nearest points of a point, or of the centre of a ball, and a polytope with few faces, if a face is nearest: the one that the point is farthest in
+/// front of.
+fn in_front_of_a_face(both: &Both) -> Option<Candidate> {
+    let (Core::Polytope(a), Core::Polytope(b)) = (&both.a.core, &both.b.core) else { return None };
+    let farthest = |polytope: &Polytope, point: Vector3<f64>| {
+        let height = |face: &Face| face.normal.dot(&(point - polytope.vertices[face.corners[0]]));
+        let faces = polytope.faces.iter().map(height).enumerate();
+        let (face, _) = faces.max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        Some(FeatureId::Face(face as u32))
+    };
+    let point = FeatureId::Vertex(0);
+    let pair = match (&a.vertices[..], &b.vertices[..]) {
+        (_, [of_b]) if a.faces.len() <= FEW_FACES => [farthest(a, both.of_b(of_b))?, point],
+        ([of_a], _) if b.faces.len() <= FEW_FACES => {
+            [point, farthest(b, both.rotation.tr_mul(&(of_a - both.translation)))?]
+        }
+        _ => return None,
+    };
+    let on_b = part(&both.b.core, pair[1]).moved(&both.rotation, &both.translation);
+    let guess = Guess { normal: both.centres(), point: both.of_b(&both.b.centre), at_point: false };
+    let (normal, points) = meet(&part(&both.a.core, pair[0]), &on_b, &guess)?;
+    let mut best = Best::new(both);
+    if lie_on(both, pair, &points) {
+        best.offer(normal, points, pair);
+    }
+    best.found().filter(|_| best.is_global())
 }
 
 /// Moves the two apart along the best normal, runs GJK there, and searches along its normal: the normal of a small depth.
@@ -103,7 +137,7 @@ fn try_normals(best: &mut Best, both: &Both) {
     let towards = both.centres();
     let radial = |core: &Core, towards: Vector3<f64>| match core {
         Core::Cylinder(Cylinder { axis, .. }) => (towards - axis * axis.dot(&towards)).try_normalize(1e-9),
-        Core::Polytope(_) => None,
+        Core::Polytope(_) | Core::Ellipsoid(_) => None,
     };
     let of_a = normals(&both.a.core).chain(radial(&both.a.core, towards));
     let of_b = normals(&both.b.core).chain(radial(&both.b.core, -both.rotation.tr_mul(&towards)));
@@ -163,7 +197,7 @@ pub fn spans_plane(a: &Part, b: &Part) -> bool {
         Part::Point(_) => 0,
         Part::Line(_, radius) if *radius == 0.0 => 1,
         Part::Circle(..) => 1,
-        Part::Line(..) | Part::Plane(..) => 2,
+        Part::Line(..) | Part::Plane(..) | Part::Ellipsoid(_) | Part::Hollow(..) => 2,
     };
     sharp(a) + sharp(b) >= 2
 }
@@ -186,8 +220,48 @@ fn supports(both: &Both, (separation, normal): (f64, Vector3<f64>)) -> Candidate
     let feature = |core: &Core, direction: &Vector3<f64>| match core {
         Core::Polytope(polytope) => FeatureId::Vertex(polytope.support_vertex(direction) as u32),
         Core::Cylinder(cylinder) => FeatureId::Rim(u32::from(cylinder.axis.dot(direction) >= 0.0)),
+        Core::Ellipsoid(_) => FeatureId::Side,
     };
     let (a, b) = (&both.a.core, &both.b.core);
     let points = [a.support_point(&normal), both.of_b(&b.support_point(&own))];
     Candidate { normal, points, features: [feature(a, &normal), feature(b, &own)], separation }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::convex::Convex;
+    use crate::tests::scenes::{Numbers, cuboid};
+    use catena_mechanism::description::contact::Shape;
+    use catena_mechanism::description::joint::Pose;
+
+    #[test]
+    fn a_ball_in_front_of_a_face_of_a_box_is_as_far_from_it_as_the_search_says_to_the_last_bit() {
+        let convex = |shape: &Shape| Convex::new(shape, &Pose::identity()).expect("possible").expect("convex");
+        let (solid, ball) = (convex(&cuboid(0.3, 0.2, 0.1)), convex(&Shape::Sphere { radius: 0.05 }));
+        let mut numbers = Numbers::new(7);
+        let (mut faces, mut others) = (0, 0);
+        for round in 0..400 {
+            let pose = numbers.pose(0.6);
+            let (rotation, translation) = (*pose.rotation.matrix(), pose.translation.vector);
+            let (a, b) = if round % 2 == 0 { (&solid, &ball) } else { (&ball, &solid) };
+            let both = Both { a, b, rotation, translation };
+            let mut best = Best::new(&both);
+            if let Some(normal) = both.hint(&Vector3::zeros()) {
+                search(&mut best, &both, &normal);
+            }
+            let searched = best.found().filter(|_| best.is_global());
+            match (in_front_of_a_face(&both), searched) {
+                (Some(found), Some(searched)) => {
+                    faces += 1;
+                    assert_eq!(found.features, searched.features, "round {round}");
+                    assert_eq!((found.normal, found.points), (searched.normal, searched.points), "round {round}");
+                }
+                // Edges and corners are nearest, or the centre is inside.
+                (None, _) => others += 1,
+                (Some(found), None) => panic!("round {round}: {found:?}"),
+            }
+        }
+        assert!(faces > 60 && others > 60, "{faces} {others}");
+    }
 }

@@ -5,8 +5,9 @@
 //! | face, edge, vertex | polytope | plane, line, point |
 //! | edge point | polytope | point: the middle of what of an edge lies on a cap, where that is short |
 //! | cap, side, rim | cylinder | plane, line with a radius, circle |
+//! | side | ellipsoid | the ellipsoid |
 
-use crate::shapes::convex::{Core, Cylinder};
+use crate::shapes::convex::{Core, Cylinder, Ellipsoid};
 use crate::shapes::plane::across;
 use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
@@ -21,7 +22,7 @@ pub enum FeatureId {
     Cap(u32),
     /// An edge of a polytope or a mesh, the core of a capsule.
     Edge(u32),
-    /// The side of a cylinder.
+    /// The side of a cylinder, the surface of an ellipsoid.
     Side,
     /// The edge of an end of a cylinder.
     Rim(u32),
@@ -54,6 +55,10 @@ pub enum Part {
     Plane(Vector3<f64>, Vector3<f64>),
     /// A circle about a centre (m) with a unit axis and a radius (m).
     Circle(Vector3<f64>, Vector3<f64>, f64),
+    /// The surface of an ellipsoid.
+    Ellipsoid(Ellipsoid),
+    /// A sphere about a centre (m) with a radius (m), from inside.
+    Hollow(Vector3<f64>, f64),
 }
 
 impl Part {
@@ -62,7 +67,7 @@ impl Part {
         match self {
             Part::Line(ends, _) => ends.reverse(),
             Part::Circle(_, axis, _) => *axis = -*axis,
-            Part::Point(_) | Part::Plane(..) => {}
+            Part::Point(_) | Part::Plane(..) | Part::Ellipsoid(_) | Part::Hollow(..) => {}
         }
     }
 
@@ -74,6 +79,10 @@ impl Part {
             Part::Line(ends, radius) => Part::Line(ends.map(point), radius),
             Part::Plane(at, normal) => Part::Plane(point(at), rotation * normal),
             Part::Circle(centre, axis, radius) => Part::Circle(point(centre), rotation * axis, radius),
+            Part::Hollow(centre, radius) => Part::Hollow(point(centre), radius),
+            Part::Ellipsoid(Ellipsoid { centre, axes, radii }) => {
+                Part::Ellipsoid(Ellipsoid { centre: point(centre), axes: rotation * axes, radii })
+            }
         }
     }
 }
@@ -104,6 +113,7 @@ pub fn part(core: &Core, feature: FeatureId) -> Part {
         }
         (Core::Cylinder(cylinder), _) => Part::Line([cylinder.rim_centre(0), cylinder.rim_centre(1)], cylinder.radius),
         (Core::Polytope(polytope), _) => Part::Point(polytope.vertices[0]),
+        (Core::Ellipsoid(ellipsoid), _) => Part::Ellipsoid(*ellipsoid),
     }
 }
 
@@ -147,11 +157,13 @@ pub fn features(core: &Core) -> impl Iterator<Item = FeatureId> {
     let (faces, edges, vertices, ends) = match core {
         Core::Polytope(polytope) => (polytope.faces.len(), polytope.edges.len(), polytope.vertices.len(), 0),
         Core::Cylinder(_) => (0, 0, 0, 2),
+        Core::Ellipsoid(_) => (0, 0, 0, 0),
     };
+    let is_round = !matches!(core, Core::Polytope(_));
     let polytope = (0..faces as u32).map(FeatureId::Face).chain((0..edges as u32).map(FeatureId::Edge));
     let polytope = polytope.chain((0..vertices as u32).map(FeatureId::Vertex));
     let cylinder = (0..ends).flat_map(|end| [FeatureId::Cap(end), FeatureId::Rim(end)]);
-    polytope.chain(cylinder).chain((ends > 0).then_some(FeatureId::Side))
+    polytope.chain(cylinder).chain(is_round.then_some(FeatureId::Side))
 }
 
 /// The end of a cylinder is flat on a plane if its rim rises by less than this part of its radius.
@@ -166,7 +178,7 @@ pub fn contact_features(core: &Core, normal: &Vector3<f64>, depth: f64) -> impl 
             let end = u32::from(cylinder.axis.dot(normal) >= 0.0);
             ((rises < depth).then_some(end), rises < depth.min(FLAT * cylinder.radius))
         }
-        Core::Polytope(_) => (None, false),
+        Core::Polytope(_) | Core::Ellipsoid(_) => (None, false),
     };
     let point = |end, quarter| FeatureId::RimPoint { end, turn: (0.25 * f64::from(quarter)).to_bits() };
     let points = low.into_iter().flat_map(move |end| (0..4u8).map(move |quarter| point(end, quarter)));

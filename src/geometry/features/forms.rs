@@ -2,7 +2,7 @@
 //!
 //! | parts | pair, first the one named first | n, besides what [`catena_mechanism::motion::contact_geometry`] says |
 //! |---|---|---|
-//! | plane, point or circle; point, point; line, point | as they are | |
+//! | plane, point, circle or ellipsoid; point, point; line, point; hollow, point | as they are | |
 //! | line, line | as they are | side: the sign of (z₁ × z₂) · n |
 //! | edge, circle | line–rim or rim–line | [`crate::features::crossing`] |
 //! | circle, point or line with a radius; circle, circle | rim first | [`crate::features::rims`] |
@@ -25,12 +25,11 @@ pub fn form(
 ) -> Option<Form> {
     let round = radii[0] + radii[1];
     match parts {
-        [Part::Plane(..), Part::Point(_) | Part::Circle(..)]
-        | [Part::Line(..), Part::Point(_)]
+        [Part::Plane(..), Part::Point(_) | Part::Circle(..) | Part::Ellipsoid(_)]
+        | [Part::Line(..) | Part::Hollow(..), Part::Point(_)]
         | [Part::Point(_), Part::Point(_)] => Some(Form::plain(false)),
-        [Part::Point(_) | Part::Circle(..), Part::Plane(..)] | [Part::Point(_), Part::Line(..)] => {
-            Some(Form::plain(true))
-        }
+        [Part::Point(_) | Part::Circle(..) | Part::Ellipsoid(_), Part::Plane(..)]
+        | [Part::Point(_), Part::Line(..) | Part::Hollow(..)] => Some(Form::plain(true)),
         [Part::Line(e, _), Part::Line(f, _)] => {
             let across = (e[1] - e[0]).normalize().cross(&(f[1] - f[0]).normalize());
             Some(Form { side: if across.dot(normal) < 0.0 { -1.0 } else { 1.0 }, ..Form::plain(false) })

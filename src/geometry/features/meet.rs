@@ -6,6 +6,8 @@
 //! | pair | n | p, q |
 //! |---|---|---|
 //! | plane (o, z)–point | z | projection, point |
+//! | hollow (c, L)–point | c − q | p = the point of the sphere beyond q |
+//! | plane–ellipsoid | z | q = the point that is farthest along −z |
 //! | plane–circle (c, k, ρ) | z | q = c − ρ m, m = the part of z across k, normalised |
 //! | line–line (e, f, radii r) | ±(e × f)/\|e × f\| | the feet, moved by r along n |
 //! | line–point | from the axis to the point | |
@@ -53,6 +55,23 @@ pub fn meet(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vector3
             let q = centre - inward.unwrap_or_else(|| across(axis).0) * *radius;
             Some((*normal, [q - normal * normal.dot(&(q - at)), q]))
         }
+        (Part::Plane(at, normal), Part::Ellipsoid(ellipsoid)) => {
+            let q = ellipsoid.support_point(&-normal);
+            Some((*normal, [q - normal * normal.dot(&(q - at)), q]))
+        }
+        (Part::Ellipsoid(_), Part::Plane(..)) => {
+            let back = Guess { normal: -guess.normal, ..*guess };
+            meet(b, a, &back).map(|(normal, [q, p])| (-normal, [p, q]))
+        }
+        (Part::Hollow(centre, radius), Part::Point(q)) => {
+            let normal = (centre - q).try_normalize(0.0).unwrap_or(guess.normal);
+            Some((normal, [centre - normal * *radius, *q]))
+        }
+        (Part::Point(_), Part::Hollow(..)) => {
+            let back = Guess { normal: -guess.normal, ..*guess };
+            meet(b, a, &back).map(|(normal, [q, p])| (-normal, [p, q]))
+        }
+        (Part::Ellipsoid(_) | Part::Hollow(..), _) | (_, Part::Ellipsoid(_) | Part::Hollow(..)) => None,
         (Part::Line(e, r), Part::Line(f, s)) => {
             line_line(e, f, &guess.normal).map(|(normal, [p, q])| (normal, [p + normal * *r, q - normal * *s]))
         }

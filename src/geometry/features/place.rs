@@ -4,6 +4,7 @@ use crate::features::both::Candidate;
 use crate::features::feature::{FeatureId, Part};
 use crate::features::forms::form;
 use crate::features::rims::Form;
+use crate::shapes::convex::Ellipsoid;
 use crate::shapes::plane::across;
 use catena_mechanism::description::contact::Feature;
 use catena_mechanism::description::joint::Pose;
@@ -59,6 +60,12 @@ pub fn feature_frame(part: &Part, radius: f64) -> (Feature, Pose) {
         }
         Part::Plane(at, normal) => (Feature::Plane, frame(*at, normal)),
         Part::Circle(centre, axis, own) => (Feature::Rim { radius: *own }, frame(*centre, axis)),
+        Part::Hollow(centre, own) => (Feature::Hollow { radius: *own }, frame(*centre, &Vector3::z())),
+        Part::Ellipsoid(Ellipsoid { centre, axes, radii }) => {
+            let rotation = Rotation3::from_matrix_unchecked(*axes);
+            let pose = Pose::from_parts(Translation3::from(*centre), rotation);
+            (Feature::Ellipsoid { radii: (*radii).into() }, pose)
+        }
     }
 }
 

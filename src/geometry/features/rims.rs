@@ -154,7 +154,7 @@ impl Joined {
         let placed =
             |[origin, axis]: [Vector3<f64>; 2]| Placed { origin: Triple(origin.into()), axis: Triple(axis.into()) };
         let [a, b] = self.placed.map(placed);
-        let Contact { gap, normal, point } = contact::<f64>(pairing, self.side, a, b);
+        let Contact { gap, normal, point } = contact::<f64>(pairing, self.side, a, b, || b.axis);
         let (normal, point) = (Vector3::from(normal.0), Vector3::from(point.0));
         let [[centre, axis], [other, along]] = &self.placed;
         let off_form = match partner {
@@ -172,7 +172,7 @@ impl Joined {
                 let tilted = if is_level { axis.dot(along).abs() - STILL_PARALLEL } else { f64::INFINITY };
                 radius * (own - rest / KEPT).min(own - 0.5 * TANGENT).min(tilted)
             }
-            Feature::Line { .. } | Feature::Plane => return None,
+            Feature::Line { .. } | Feature::Plane | Feature::Ellipsoid { .. } | Feature::Hollow { .. } => return None,
         };
         Some(Meeting { normal, points: [point - normal * gap, point + normal * pairing.radius], off_form })
     }

@@ -9,6 +9,7 @@
 //! | sphere, capsule | point, segment | its radius |
 //! | box, hull, triangle | polytope | 0 |
 //! | cylinder | cylinder: centre c, unit axis k, radius ρ, half length h | 0 |
+//! | ellipsoid | ellipsoid: centre c, axes e_i, semi-axes r_i; h(n) = n · c + √Σ r_i² (n · e_i)² | 0 |
 
 use crate::shapes::error::GeometryError;
 use crate::shapes::hull::{check_points, check_surface, convex_hull};
@@ -16,7 +17,7 @@ use crate::shapes::polytope::{Face, Polytope};
 use crate::shapes::prepared::Prepared;
 use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The prepared hulls.
@@ -41,6 +42,33 @@ pub struct Cylinder {
     pub half: f64,
 }
 
+/// An ellipsoid in the frame of its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid {
+    /// Its middle (m).
+    pub centre: Vector3<f64>,
+    /// Its axes, as columns.
+    pub axes: Matrix3<f64>,
+    /// Its semi-axes (m).
+    pub radii: Vector3<f64>,
+}
+
+impl Ellipsoid {
+    /// The point that is farthest along a direction (m), `c + Σ r_i² (n · e_i) e_i / √Σ r_i² (n · e_i)²`.
+    pub fn support_point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let scaled = self.axes.tr_mul(direction).component_mul(&self.radii);
+        match scaled.try_normalize(0.0) {
+            Some(unit) => self.centre + self.axes * unit.component_mul(&self.radii),
+            None => self.centre,
+        }
+    }
+
+    /// `max n · p` (m).
+    pub fn support(&self, normal: &Vector3<f64>) -> f64 {
+        normal.dot(&self.centre) + self.axes.tr_mul(normal).component_mul(&self.radii).norm()
+    }
+}
+
 /// The core of a convex shape: the shape without its radius.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Core {
@@ -48,6 +76,8 @@ pub enum Core {
     Polytope(Polytope),
     /// Two discs and a side.
     Cylinder(Cylinder),
+    /// A smooth surface.
+    Ellipsoid(Ellipsoid),
 }
 
 /// A convex shape.
@@ -97,6 +127,7 @@ impl Core {
         match self {
             Core::Polytope(polytope) => polytope.support(normal),
             Core::Cylinder(cylinder) => cylinder.support(normal),
+            Core::Ellipsoid(ellipsoid) => ellipsoid.support(normal),
         }
     }
 
@@ -105,6 +136,7 @@ impl Core {
         match self {
             Core::Polytope(polytope) => polytope.vertices[polytope.support_vertex(direction)],
             Core::Cylinder(cylinder) => cylinder.support_point(direction),
+            Core::Ellipsoid(ellipsoid) => ellipsoid.support_point(direction),
         }
     }
 }
@@ -124,7 +156,7 @@ impl Convex {
             Core::Polytope(polytope) => {
                 polytope.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max) + self.radius
             }
-            Core::Cylinder(_) => self.centre.norm() + self.size,
+            Core::Cylinder(_) | Core::Ellipsoid(_) => self.centre.norm() + self.size,
         }
     }
 
@@ -142,6 +174,7 @@ impl Convex {
                 if least.is_finite() { least.max(0.0) } else { 0.0 }
             }
             Core::Cylinder(cylinder) => cylinder.radius.min(cylinder.half),
+            Core::Ellipsoid(ellipsoid) => ellipsoid.radii.min(),
         };
         2.0 * (inside + self.radius)
     }
@@ -154,7 +187,7 @@ impl Convex {
         }
     }
 
-    /// A convex shape with its pose in the body; `None` for half spaces and meshes.
+    /// A convex shape with its pose in the body; `None` for half spaces, meshes and ropes.
     pub fn new(shape: &Shape, pose: &Pose) -> Result<Option<Self>, GeometryError> {
         let kind = kind(shape);
         check_pose(kind, pose)?;
@@ -166,6 +199,11 @@ impl Convex {
         let axis = pose.rotation * Vector3::z();
         Ok(Some(match shape {
             Shape::HalfSpace | Shape::Mesh(_) => return Ok(None),
+            Shape::Hollow { radius } => {
+                positive("length", *radius)?;
+                return Ok(None);
+            }
+            Shape::Point => Convex::round(Polytope::point(origin), 0.0),
             Shape::Sphere { radius } => Convex::round(Polytope::point(origin), positive("radius", *radius)?),
             Shape::Capsule { radius, half } => {
                 let (radius, half) = (positive("radius", *radius)?, positive("half length", *half)?);
@@ -180,6 +218,15 @@ impl Convex {
                 let half =
                     Vector3::new(positive("x size", half.x)?, positive("y size", half.y)?, positive("z size", half.z)?);
                 Convex::round(cuboid(&half, pose), 0.0)
+            }
+            Shape::Ellipsoid { radii } => {
+                let radii = Vector3::new(
+                    positive("first radius", radii.x)?,
+                    positive("second radius", radii.y)?,
+                    positive("third radius", radii.z)?,
+                );
+                let ellipsoid = Ellipsoid { centre: origin, axes: *pose.rotation.matrix(), radii };
+                Convex { core: Core::Ellipsoid(ellipsoid), radius: 0.0, centre: origin, size: radii.max() }
             }
             Shape::Hull(points) => Convex::of_hull(points, pose)?,
         }))
@@ -225,6 +272,9 @@ pub fn kind(shape: &Shape) -> &'static str {
         Shape::Capsule { .. } => "capsule",
         Shape::Cylinder { .. } => "cylinder",
         Shape::Box { .. } => "box",
+        Shape::Ellipsoid { .. } => "ellipsoid",
+        Shape::Hollow { .. } => "rope",
+        Shape::Point => "point",
         Shape::Hull(_) => "convex hull",
         Shape::Mesh(_) => "triangle mesh",
     }

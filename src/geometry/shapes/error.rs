@@ -96,6 +96,14 @@ pub enum GeometryError {
         /// m.
         limit: f64,
     },
+    /// An ellipsoid and a shape that is no half space.
+    #[error(
+        "contact of an ellipsoid with a {other} is not simulated, only with half spaces: leave the pair out with ignore = true"
+    )]
+    Ellipsoid {
+        /// The kind of the other shape.
+        other: &'static str,
+    },
     /// Two shapes of which neither is convex and bounded.
     #[error("contact of a {a} with a {b} is not possible: one of two shapes must be convex and bounded")]
     Obstacles {

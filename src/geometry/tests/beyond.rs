@@ -1,6 +1,6 @@
 //! The next contacts of shapes that touch at some places.
 
-use super::scenes::{cuboid, pair};
+use super::scenes::{cuboid, floor, pair};
 use crate::PlaceId;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Unit, Vector3};
@@ -20,7 +20,7 @@ fn a_plate_that_tilts_about_two_corners_of_what_it_shares_with_another_is_seen_t
             // One whose features are left where the plate tilts is an event of its own.
             let of = |identity: &PlaceId| {
                 let at = now.iter().find(|place| place.identity == *identity)?;
-                pair.beyond(identity, &identities, [&at.normal, &at.points[0]], &o, upper)
+                pair.beyond(identity, &identities, [&at.normal, &at.points[0]], [&o, upper], 10.0)
             };
             identities.iter().filter_map(of).reduce(f64::min)
         };
@@ -55,4 +55,29 @@ fn a_plate_that_tilts_about_two_corners_of_what_it_shares_with_another_is_seen_t
         assert_eq!(diagonals, corners * (corners - 3) / 2);
         assert!(looked > corners * (corners - 1) / 2, "{looked}");
     }
+}
+
+#[test]
+fn a_box_on_a_flat_mesh_is_as_far_from_all_but_its_corners_as_on_a_plane_and_one_beside_a_step_is_not_known() {
+    let o = Pose::identity();
+    // A box of 0.2 by 0.2 by 0.1 m lies 13 mm beside seams of the mesh; in the second one a step of 1 cm begins 0.3 m beside its middle.
+    let on = |mesh| pair(mesh, cuboid(0.1, 0.1, 0.05));
+    let flat = on(floor(20, 0.1, |_, _| 0.0));
+    let stepped = on(floor(20, 0.1, |x, _| if x > 0.35 { 0.01 } else { 0.0 }));
+    let lowest = |pair: &crate::PairGeometry, x: f64| {
+        let upper = Pose::from_parts(Translation3::new(x, 0.021, 0.05), Rotation3::identity());
+        let places = pair.touches(&o, &upper, 1e-9);
+        assert_eq!(places.len(), 4, "the corners");
+        let closed: Vec<PlaceId> = places.iter().map(|place| place.identity).collect();
+        let of = |place: &crate::TouchPlace| {
+            pair.beyond(&place.identity, &closed, [&place.normal, &place.points[0]], [&o, &upper], 10.0)
+        };
+        places.iter().map(of).collect::<Vec<_>>()
+    };
+    // The upper corners are 0.1 m over the plane.
+    assert!(lowest(&flat, 0.013).iter().all(|height| height.is_some_and(|height| (height - 0.1).abs() < 1e-15)));
+    // Far from the step the mesh is flat as far as a twentieth of the box's 0.15 m.
+    assert!(lowest(&stepped, 0.013).iter().all(|height| height.is_some_and(|height| (height - 0.0075).abs() < 1e-15)));
+    // A corner 5 mm beside the slope of the step.
+    assert!(lowest(&stepped, 0.195).iter().all(Option::is_none));
 }

@@ -61,6 +61,17 @@ fn distances_of_all_pairs_are_certified_at_a_kilometre() {
     all_certified(1e3, 300);
 }
 
+#[test]
+fn distances_of_ellipsoids_to_half_spaces_are_certified() {
+    // As of all pairs: a hundred roundings of coordinates about one size.
+    for (size, (one, other)) in
+        [1e-5, 1.0, 1e3].into_iter().zip([("half space", "ellipsoid"), ("ellipsoid", "half space")].into_iter().cycle())
+    {
+        let (worst, at) = worst_certificate(one, other, size, 0..600);
+        assert!(worst <= 1e-13, "{at}: {worst:.1e} of the size {size:e}");
+    }
+}
+
 /// An edge that leaves over a rim, with its normal 2.5e-4 rad from the axis: only the guess at one end of the edge leads to this place, and the guess
 /// of the normal there has the other sign. The points of the largest separation alone are 1.2e-13 of the size off.
 #[test]

@@ -9,4 +9,4 @@ mod margins;
 mod meshes;
 mod pieces;
 mod refused;
-mod scenes;
+pub(crate) mod scenes;

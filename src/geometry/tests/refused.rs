@@ -63,6 +63,9 @@ fn every_impossible_shape_is_refused_with_what_to_do() {
     assert!(error(Shape::Sphere { radius: 1e200 }).contains("below 1e150 m"));
     let two = PairGeometry::new(&at_origin(Shape::HalfSpace), &at_origin(floor(1, 1.0, |_, _| 0.0)));
     assert_eq!(two.expect_err("two obstacles"), GeometryError::Obstacles { a: "half space", b: "triangle mesh" });
+    let ball = at_origin(Shape::Sphere { radius: 1.0 });
+    let two = PairGeometry::new(&ball, &at_origin(Shape::Ellipsoid { radii: Vector3::repeat(1.0) }));
+    assert_eq!(two.expect_err("an ellipsoid and a ball"), GeometryError::Ellipsoid { other: "sphere" });
     assert_eq!(decompose(&Surface::default(), 4), Err(GeometryError::EmptyMesh));
     let mut turned = at_origin(cuboid(1.0, 1.0, 1.0));
     turned.pose = at(f64::NAN, 0.0, 0.0);

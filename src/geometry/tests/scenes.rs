@@ -46,15 +46,22 @@ pub fn collider(kind: &str, size: f64, numbers: &mut Numbers) -> Collider {
         "sphere" => Shape::Sphere { radius: length() },
         "capsule" => Shape::Capsule { radius: length(), half: length() },
         "cylinder" => Shape::Cylinder { radius: length(), half: length() },
+        "ellipsoid" => Shape::Ellipsoid { radii: Vector3::new(length(), length(), length()) },
         "box" => Shape::Box { half: Vector3::new(length(), length(), length()) },
         _ => Shape::Hull(Arc::new((0..40).map(|_| numbers.vector().normalize() * 0.2 * size).collect())),
     };
-    Collider { name: kind.into(), body: None, pose: numbers.pose(0.1 * size), shape }
+    Collider {
+        name: kind.into(),
+        body: None,
+        pose: numbers.pose(0.1 * size),
+        shape,
+        surface_velocity: Vector3::zeros(),
+    }
 }
 
 /// A collider at the origin of its body.
 pub fn at_origin(shape: Shape) -> Collider {
-    Collider { name: String::new(), body: None, pose: Pose::identity(), shape }
+    Collider { name: String::new(), body: None, pose: Pose::identity(), shape, surface_velocity: Vector3::zeros() }
 }
 
 /// A pair at the origins of their bodies.
@@ -99,8 +106,10 @@ pub fn support(shape: &Shape, pose: &Pose, normal: &Vector3<f64>) -> f64 {
         Shape::Capsule { radius, half } => radius + half * n.z.abs(),
         Shape::Cylinder { radius, half } => radius * flat + half * n.z.abs(),
         Shape::Box { half } => half.dot(&n.abs()),
+        Shape::Ellipsoid { radii } => radii.component_mul(&n).norm(),
         Shape::Hull(points) => points.iter().map(|point| point.dot(&n)).fold(f64::NEG_INFINITY, f64::max),
-        Shape::HalfSpace | Shape::Mesh(_) => f64::INFINITY,
+        Shape::Point => 0.0,
+        Shape::HalfSpace | Shape::Mesh(_) | Shape::Hollow { .. } => f64::INFINITY,
     };
     own + normal.dot(&pose.translation.vector)
 }

@@ -48,11 +48,33 @@ pub(crate) struct Impact {
     pub without_rebound: usize,
 }
 
+/// A round: the blocks that take part, its plastic answer, the answer of Newton's law if there is one, and σ.
+#[derive(Clone, Debug)]
+pub(crate) struct Round {
+    pub part: Vec<usize>,
+    pub plastic: Answer,
+    pub rebound: Option<Answer>,
+    pub share: f64,
+}
+
 /// The impact of a problem whose free rates are the rates before, with a restitution for each block.
 ///
 /// # Errors
 /// The errors of [`solve`], and if there is not one restitution between 0 and 1 for each block.
 pub(crate) fn impact(problem: &Problem, restitution: &[f64], solvers: &mut ContactSolvers) -> Result<Impact, Unsolved> {
+    impact_in_rounds(problem, restitution, solvers, &mut None)
+}
+
+/// The same, with its rounds.
+///
+/// # Errors
+/// The errors of [`impact`].
+pub(crate) fn impact_in_rounds(
+    problem: &Problem,
+    restitution: &[f64],
+    solvers: &mut ContactSolvers,
+    rounds: &mut Option<Vec<Round>>,
+) -> Result<Impact, Unsolved> {
     problem.check()?;
     let sound = |block: usize| restitution.get(block).is_some_and(|e| (0.0..=1.0).contains(e));
     if let Some(block) = (0..problem.laws.len()).find(|&block| !sound(block)) {
@@ -70,7 +92,7 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64], solvers: &mut Conta
             if state.rounds == asked {
                 let most = MOST / before.len().max(1);
                 let mut plastic = state.clone();
-                match round(problem, &starts, &all, None, &mut plastic, solvers) {
+                match round(problem, &starts, &all, None, &mut plastic, solvers, &mut None) {
                     Ok(()) => {
                         let left = plastic.lost - state.lost;
                         let tends = state.lost - lost >= TENDS * left;
@@ -92,10 +114,10 @@ pub(crate) fn impact(problem: &Problem, restitution: &[f64], solvers: &mut Conta
             // Blocks that hold both ways take part whenever another block approaches.
             let takes_part = |block: &usize| approach(block) || holds_both_ways(&problem.laws[*block]);
             let part: Vec<usize> = all.iter().copied().filter(takes_part).collect();
-            round(problem, &starts, &part, Some(restitution), &mut state, solvers)?;
+            round(problem, &starts, &part, Some(restitution), &mut state, solvers, rounds)?;
         }
     }
-    round(problem, &starts, &all, None, &mut state, solvers)?;
+    round(problem, &starts, &all, None, &mut state, solvers, rounds)?;
     Ok(state)
 }
 
@@ -140,6 +162,7 @@ fn round(
     restitution: Option<&[f64]>,
     state: &mut Impact,
     solvers: &mut ContactSolvers,
+    rounds: &mut Option<Vec<Round>>,
 ) -> Result<(), Unsolved> {
     let rows: Vec<usize> =
         part.iter().flat_map(|&block| starts[block]..starts[block] + problem.laws[block].rows()).collect();
@@ -158,20 +181,23 @@ fn round(
         })
         .collect();
     let round = Problem { mobility: &mobility, free: &free, laws: &laws };
-    let plastic = solve_counted(&round, None, solvers)?.forces;
+    let answer = solve_counted(&round, None, solvers)?;
+    let plastic = &answer.forces;
     let mut impulses = plastic.clone();
+    let (mut rebound, mut reached) = (None, 0.0);
     if let Some(restitution) = restitution {
         let mut target = free.clone();
         for (&block, (law, start)) in part.iter().zip(laws.iter().zip(round.starts())) {
             let approach = approach_rate(law, free[start]).min(0.0);
             target[start] += restitution[block] * if free[start] < 0.0 { approach } else { -approach };
         }
-        match solve_counted(&Problem { free: &target, ..round }, Some(&plastic), solvers) {
+        match solve_counted(&Problem { free: &target, ..round }, Some(plastic), solvers) {
             Ok(newton) => {
-                let share = largest_share(&round, &plastic, &newton.forces);
+                let share = largest_share(&round, plastic, &newton.forces);
                 for (impulse, newton) in impulses.iter_mut().zip(&newton.forces) {
                     *impulse = if share == 1.0 { *newton } else { *impulse + share * (newton - *impulse) };
                 }
+                (rebound, reached) = (Some(newton), share);
             }
             // Contacts that pinch a body cannot all rebound: v_N does not exist, and the round is plastic.
             Err(Unsolved::Stopped { .. }) => state.without_rebound += 1,
@@ -190,6 +216,9 @@ fn round(
     state.rates = problem.rates(&state.impulses);
     clear_rounding(problem, state);
     state.rounds += 1;
+    if let Some(rounds) = rounds {
+        rounds.push(Round { part: part.to_vec(), plastic: answer, rebound, share: reached });
+    }
     Ok(())
 }
 

@@ -30,6 +30,8 @@ pub(crate) struct Closing {
     projected: bool,
     /// The count of the closures in the first state.
     counted: Option<Arc<Counted>>,
+    /// The time of the state that was taken last (s).
+    time: f64,
 }
 
 impl Closing {
@@ -45,6 +47,7 @@ impl Closing {
                 decided: false,
                 projected: false,
                 counted: None,
+                time: 0.0,
             }
         })
     }
@@ -57,6 +60,7 @@ impl Closing {
     /// Takes a state.
     pub fn place(&mut self, mechanism: &Mechanism, state: &State) {
         self.start.set(mechanism, state);
+        self.time = state.time;
         self.projected = false;
         if !std::mem::replace(&mut self.decided, true) {
             let counted = self.counted.take().filter(|counted| counted.is_at(state));
@@ -75,17 +79,28 @@ impl Closing {
         accelerations: &mut [f64],
         room: &mut [BodyAcceleration],
     ) {
-        let Closing { projection, start, multipliers, projected, .. } = self;
+        let Closing { projection, start, multipliers, projected, time, .. } = self;
         *projected = false;
         projection.accelerations(start, accelerations, multipliers, |joints, gaps| {
             body_accelerations(mechanism, bodies, velocity, joints, room);
-            gap_accelerations(mechanism, bodies, joints, room, gaps);
+            gap_accelerations(mechanism, *time, bodies, joints, room, gaps);
         });
     }
 
-    /// Makes velocities fit the closures in the state that was taken last, with the least change in the metric of H. Later velocities in the same
-    /// state use the factors of the first.
+    /// Makes changes of velocities fit the closures in the state that was taken last, with the least change in the metric of H. Later ones in the
+    /// same state use the factors of the first.
+    pub fn changes(&mut self, mechanism: &Mechanism, velocity: &mut [f64]) {
+        self.projection.take_motions(false);
+        self.project(mechanism, velocity);
+    }
+
+    /// The same of velocities: joints that are moved in time have their rates.
     pub fn velocities(&mut self, mechanism: &Mechanism, velocity: &mut [f64]) {
+        self.projection.take_motions(true);
+        self.project(mechanism, velocity);
+    }
+
+    fn project(&mut self, mechanism: &Mechanism, velocity: &mut [f64]) {
         if std::mem::replace(&mut self.projected, true) {
             self.projection.velocities_again(mechanism, &self.start, velocity);
         } else {

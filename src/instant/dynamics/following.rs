@@ -27,10 +27,11 @@ pub(crate) struct Following {
 }
 
 impl Following {
-    /// The projection in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, or if the rows are not independent.
+    /// The projection in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, if joints
+    /// are moved in time, or if the rows are not independent.
     pub fn at(mechanism: &Mechanism, mut respond: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
         let several = mechanism.mimics.iter().any(|mimic| !mimic.more.is_empty());
-        if several || !mechanism.loops.is_empty() || mechanism.mimics.is_empty() {
+        if several || !mechanism.loops.is_empty() || mechanism.mimics.is_empty() || mechanism.moves_joints() {
             return None;
         }
         let row = |mimic: &Mimic| (mimic.follower.freedom, mimic.leader.freedom, mimic.multiplier);
@@ -106,6 +107,7 @@ mod tests {
             multiplier,
             offset: 0.0,
             more: Vec::new(),
+            over_time: None,
         });
         assert_eq!(leader, 6);
         mechanism.mimics = mimics.into();

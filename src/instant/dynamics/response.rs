@@ -15,6 +15,7 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::other_tree::OtherTree;
 use crate::stepping::trees::other_tree::other_tree;
 use nalgebra::DMatrix;
+use std::ops::Deref;
 
 /// The workspace of one mechanism.
 #[derive(Clone)]
@@ -104,7 +105,7 @@ impl Response {
     }
 
     /// Y Wᵀ (n × m) for rows W of efforts, at a state.
-    pub fn answers(&mut self, state: &State, rows: &[Vec<f64>]) -> DMatrix<f64> {
+    pub fn answers(&mut self, state: &State, rows: &[impl Deref<Target = [f64]>]) -> DMatrix<f64> {
         self.place(state);
         let mut columns = DMatrix::zeros(self.unit.len(), rows.len());
         let mut column = vec![0.0; self.unit.len()];

@@ -189,7 +189,7 @@ impl Exerted {
         let mut first = 0;
         for block in &*blocks {
             for (row, force) in block.rows.iter().zip(&forces[first..]) {
-                efforts.iter_mut().zip(row).for_each(|(effort, row)| *effort += row * force);
+                efforts.iter_mut().zip(row.iter()).for_each(|(effort, row)| *effort += row * force);
             }
             if let Of::Joint(index) = block.of {
                 in_joints[elements.joints[index].coordinate.freedom] += forces[first];

@@ -122,6 +122,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         if let Some((closing, state)) = closing {
             state.position.copy_from_slice(position);
             state.velocity.copy_from_slice(velocity);
+            state.time = self.time;
             closing.place(mechanism, state);
             closing.accelerations(mechanism, velocity, bodies, joint_accelerations, accelerations);
         }

@@ -35,7 +35,7 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
 
 /// The same where the closures were counted already.
 pub fn is_at_rest_counted(mechanism: &Mechanism, state: &State, counted: Option<Arc<Counted>>) -> bool {
-    if mechanism.forces.change() || mechanism.bodies.is_empty() || state.velocity.iter().any(|&rate| rate != 0.0) {
+    if mechanism.changes() || mechanism.bodies.is_empty() || state.velocity.iter().any(|&rate| rate != 0.0) {
         return false;
     }
     let bodies = body_states(mechanism, state);

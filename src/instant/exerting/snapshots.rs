@@ -27,6 +27,7 @@ impl View {
         let forces = &mechanism.forces;
         let only_joints = forces.point_springs.is_empty() && forces.wrenches.is_empty();
         let only_joints = only_joints && forces.drags.is_empty() && forces.link_loads.is_empty() && !forces.change();
+        let only_joints = only_joints && forces.gravity_compensations.is_empty();
         if only_joints && !mechanism.has_closures() && mechanism.nonsmooth.is_empty() {
             View::Lanes(instants_for(mechanism, links))
         } else {

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! A row is the vector of efforts along the freedoms that do the work of a unit force along the row ([`efforts_of_wrenches`]). Impulses and forces
-//! `r` along the rows change velocities and accelerations by `Y Wᵀ r`.
+//! `r` along the rows change velocities and accelerations by `Y Wᵀ r`. Surfaces that move over their bodies add their velocity w to the rates along
+//! tangents, `u = W v + w`, and their drives do the work `−w · r`.
 
 use crate::instant::cone::problem::Law;
 use crate::instant::dynamics::response::Response;
@@ -20,8 +21,9 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
+use crate::mechanism::motion::touches::{belt, tangents, touch_accelerations, touch_motion};
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::ops::Deref;
 
 /// An acceleration that is this part of the terms that cancel in it is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -43,14 +45,36 @@ pub(crate) enum Of {
 pub(crate) struct Block {
     pub of: Of,
     pub law: Law,
-    /// One entry a degree of freedom, each.
-    pub rows: Vec<Vec<f64>>,
+    /// Its rows.
+    pub rows: Vec<Row>,
+}
+
+/// A row of W: one entry a degree of freedom.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    entries: Vec<f64>,
+    /// w: the velocity along it that surfaces have over their bodies [m/s].
+    belt: f64,
+}
+
+impl From<Vec<f64>> for Row {
+    fn from(entries: Vec<f64>) -> Self {
+        Row { entries, belt: 0.0 }
+    }
+}
+
+impl Deref for Row {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.entries
+    }
 }
 
 /// The rows of blocks with their response.
 #[derive(Clone)]
 pub(crate) struct Rows {
-    rows: Vec<Vec<f64>>,
+    rows: Vec<Row>,
     /// Y Wᵀ.
     columns: DMatrix<f64>,
     /// D.
@@ -66,10 +90,10 @@ impl Block {
 }
 
 /// The row of one degree of freedom, with a sign.
-pub(crate) fn row_of_freedom(count: usize, freedom: usize, sign: f64) -> Vec<f64> {
+pub(crate) fn row_of_freedom(count: usize, freedom: usize, sign: f64) -> Row {
     let mut row = vec![0.0; count];
     row[freedom] = sign;
-    row
+    row.into()
 }
 
 /// The row of a force f on the second body at a point p of the world, and its opposite on the first.
@@ -79,7 +103,7 @@ pub(crate) fn row_of_force(
     joint: &TouchJoint,
     point: &Vector3<f64>,
     force: &Vector3<f64>,
-) -> Vec<f64> {
+) -> Row {
     let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
     for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
         if let Some(body) = end {
@@ -90,7 +114,7 @@ pub(crate) fn row_of_force(
     }
     let mut row = vec![0.0; mechanism.velocity_count];
     efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
-    row
+    row.into()
 }
 
 /// The rows of a contact: its normal, and with friction its two tangents.
@@ -99,14 +123,19 @@ pub(crate) fn rows_of_contact(
     bodies: &[BodyState],
     joint: &TouchJoint,
     friction: bool,
-) -> Vec<Vec<f64>> {
+) -> Vec<Row> {
     let touch = touch_motion(joint, bodies);
     let [first, second] = tangents(&touch.normal);
     let count = if friction { 3 } else { 1 };
-    [touch.normal, first, second][..count]
+    let mut rows: Vec<Row> = [touch.normal, first, second][..count]
         .iter()
         .map(|along| row_of_force(mechanism, bodies, joint, &touch.point, along))
-        .collect()
+        .collect();
+    if friction && joint.is_belt() {
+        let belt = belt(joint, bodies, &touch.normal);
+        (rows[1].belt, rows[2].belt) = (belt.dot(&first), belt.dot(&second));
+    }
+    rows
 }
 
 /// The fall `Σ |w a|` along a row w under accelerations a of the joints: bodies that fall freely beside each other press with the difference of these
@@ -159,10 +188,10 @@ impl Rows {
     }
 
     /// Rows at a state.
-    pub fn new(response: &mut Response, state: &State, rows: Vec<Vec<f64>>) -> Self {
+    pub fn new(response: &mut Response, state: &State, rows: Vec<Row>) -> Self {
         let columns = response.answers(state, &rows);
         // A contact has entries for the freedoms of two bodies and of what carries them.
-        let entries = |row: &Vec<f64>| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+        let entries = |row: &Row| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
         let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(entries).collect();
         let half = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
             entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
@@ -172,9 +201,19 @@ impl Rows {
         Rows { rows, columns, square }
     }
 
-    /// W v.
+    /// `u = W v + w`.
     pub fn rates(&self, velocity: &[f64]) -> Vec<f64> {
-        self.rows.iter().map(|row| row.iter().zip(velocity).map(|(a, b)| a * b).sum()).collect()
+        let rate = |row: &Row| {
+            let rate: f64 = row.iter().zip(velocity).map(|(a, b)| a * b).sum();
+            if row.belt == 0.0 { rate } else { rate + row.belt }
+        };
+        self.rows.iter().map(rate).collect()
+    }
+
+    /// The work of the drives of belts for impulses along the rows, `−w · P` (J).
+    pub fn work_of_belts(&self, impulses: &[f64]) -> f64 {
+        let driven = self.rows.iter().zip(impulses).filter(|(row, _)| row.belt != 0.0);
+        driven.map(|(row, impulse)| -row.belt * impulse).fold(0.0, |sum, work| sum + work)
     }
 
     /// v + Y Wᵀ r.
@@ -186,7 +225,7 @@ impl Rows {
     }
 
     /// W, one row after the other.
-    pub fn rows(&self) -> &[Vec<f64>] {
+    pub fn rows(&self) -> &[Row] {
         &self.rows
     }
 

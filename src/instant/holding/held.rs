@@ -129,7 +129,9 @@ impl Held {
         nonsmooth.speeds.retain_mut(|speed| coordinate(&mut speed.coordinate));
         for collider in &mut nonsmooth.colliders {
             if let Some(body) = collider.body {
+                let surface = collider.pose.rotation.inverse() * collider.surface_velocity;
                 (collider.body, collider.pose) = into.frame(body, &collider.pose);
+                collider.surface_velocity = collider.pose.rotation * surface;
             }
         }
         let colliders = &nonsmooth.colliders;
@@ -169,6 +171,8 @@ impl Held {
             })
             .collect();
         forces.joint_courses.retain_mut(|load| freedom(load.freedom).map(|own| load.freedom = own).is_some());
+        let holding = &mut forces.gravity_compensations;
+        holding.retain_mut(|holding| freedom(holding.freedom).map(|own| holding.freedom = own).is_some());
         let at = |body: usize, point: &Vector3<f64>| {
             let (body, frame) = into.frame(body, &Pose::from_parts(Translation3::from(*point), Rotation3::identity()));
             body.map(|body| (body, frame))
@@ -331,7 +335,7 @@ fn left_of(mimic: &Mimic, state: &State, coordinate: &impl Fn(Coordinate) -> Opt
     // One that is left alone follows itself no times.
     let (leader, multiplier) = ratios.next().unwrap_or((follower, 0.0));
     let (name, offset, more) = (mimic.name.clone(), offset / of_follower, ratios.collect());
-    Some(Mimic { name, follower, leader, multiplier, offset, more })
+    Some(Mimic { name, follower, leader, multiplier, offset, more, over_time: mimic.over_time.clone() })
 }
 
 /// The bodies that head groups, and the place of every body.

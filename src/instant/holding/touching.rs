@@ -32,6 +32,8 @@ pub(crate) struct Pair {
     geometry: PairGeometry,
     /// The bodies that they are fixed in.
     pub bodies: [Option<usize>; 2],
+    /// The velocities of their surfaces over the bodies, in the axes of the bodies or of the world [m/s].
+    surfaces: [Vector3<f64>; 2],
     /// The largest distance of each from the centre of mass of its body (m); infinite for a half space.
     pub reach: [f64; 2],
     /// μ and e.
@@ -144,7 +146,8 @@ impl Touching {
             let (extents, breadth) = (geometry.extents(), geometry.breadth());
             let (friction, restitution, number) = (pair.friction, pair.restitution, pair.number);
             let bodies = [a.body, b.body];
-            Some(Pair { geometry, bodies, reach, friction, restitution, number, extents, breadth })
+            let surfaces = [a.surface_velocity, b.surface_velocity];
+            Some(Pair { geometry, bodies, surfaces, reach, friction, restitution, number, extents, breadth })
         });
         Touching { pairs: pairs.collect() }
     }
@@ -191,7 +194,8 @@ impl Touching {
         }
         let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
         let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
-        places.into_iter().map(|place| (place.gap, place)).map(|(gap, place)| (contact(pair, of, place), gap)).collect()
+        let contacts = places.into_iter().map(|place| (place.gap, place));
+        contacts.map(|(gap, place)| (self.contact(pair, place), gap)).collect()
     }
 
     /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
@@ -199,14 +203,14 @@ impl Touching {
     pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {
         let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
         let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, likely);
-        (places.into_iter().map(|place| contact(pair, of, place)).collect(), apart)
+        (places.into_iter().map(|place| self.contact(pair, place)).collect(), apart)
     }
 
     /// The contact at the point of the same rim towards a direction in the world, if this contact is of a rim on a plane, or of a point of the rim.
     pub fn on_rim(&self, known: &Contact, towards: &Vector3<f64>, bodies: &[BodyState]) -> Option<Contact> {
         let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
         let place = geometry.rim_place(&known.place, towards, &pose(of[0], bodies), &pose(of[1], bodies))?;
-        Some(contact(known.pair, of, place))
+        Some(self.contact(known.pair, place))
     }
 
     /// The contact at the point of the same rim at a part of a turn from this one, and its gap (m), if this one is at a point of a rim on a plane.
@@ -215,10 +219,11 @@ impl Touching {
         let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
         let place = geometry.turned_place(&known.place, part, &pose(of[0], bodies), &pose(of[1], bodies))?;
         let gap = place.gap;
-        Some((contact(known.pair, of, place), gap))
+        Some((self.contact(known.pair, place), gap))
     }
 
-    /// How far from overlapping the rest of a pair is that is closed at these contacts (m), as far as `within`.
+    /// How far from overlapping the rest of a pair is that is closed at these contacts (m): as far as `within`, and on tangent planes as far as the pair is
+    /// large.
     pub fn beside(&self, closed: &[&Contact], within: f64, bodies: &[BodyState]) -> f64 {
         let Some(first) = closed.first() else { return within };
         let pair = first.pair;
@@ -228,11 +233,12 @@ impl Touching {
         if let Some(height) = geometry.lowest_beside(&features, &a, &b) {
             return height.min(within);
         }
-        let mut least = within;
+        let far = self.pairs[pair].size();
+        let mut least = far;
         for contact in closed {
             let TouchMotion { normal, point, .. } = touch_motion(&contact.joint, bodies);
             let normal = if contact.is_swapped() { -normal } else { normal };
-            match geometry.beyond(&contact.features, &features, [&normal, &point], &a, &b) {
+            match geometry.beyond(&contact.features, &features, [&normal, &point], [&a, &b], far) {
                 Some(height) => least = least.min(height),
                 None => {
                     let others = self.near(pair, bodies, within).into_iter();
@@ -257,18 +263,19 @@ impl Touching {
         let Pair { geometry, bodies: [a, b], .. } = &self.pairs[contact.pair];
         geometry.margin(&contact.place, &pose(*a, bodies), &pose(*b, bodies))
     }
-}
 
-/// The contact of a pair between these bodies at a place.
-fn contact(pair: usize, of: &[Option<usize>; 2], place: TouchPlace) -> Contact {
-    let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
-    let [a, b] = if place.swapped { [of[1], of[0]] } else { *of };
-    let joint = TouchJoint {
-        touch,
-        a: Attachment { body: a, frame: place.frames[0] },
-        b: Attachment { body: b, frame: place.frames[1] },
-    };
-    Contact { pair, features: place.identity, joint, place }
+    /// The contact of a pair at a place.
+    fn contact(&self, pair: usize, place: TouchPlace) -> Contact {
+        let Pair { bodies, surfaces, .. } = &self.pairs[pair];
+        let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
+        let swapped = usize::from(place.swapped);
+        let [a, b] = [0, 1].map(|side: usize| {
+            let (own, frame) = (side ^ swapped, place.frames[side]);
+            (Attachment { body: bodies[own], frame }, frame.rotation.inverse() * surfaces[own])
+        });
+        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1] };
+        Contact { pair, features: place.identity, joint, place }
+    }
 }
 
 /// The pose of a body, or of the world.

@@ -214,6 +214,7 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
         return Ok((correction, Some(Arc::new(counted))));
     }
     let mut projection = Projection::new(mechanism);
+    projection.take_motions(true);
     let mut start = Start::new(mechanism);
     // If the start is not closed yet, the directions nearby are taken.
     projection.heed(Counted::at(mechanism, state).known_nearby());

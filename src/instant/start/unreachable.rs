@@ -38,8 +38,10 @@ pub fn never_reached(mechanism: &Mechanism, start: &State) -> Vec<NeverReached> 
     let mut never = vec![NeverReached::default(); limits.len()];
     for (number, limit) in limits.iter().enumerate() {
         let freedom = limit.coordinate.freedom;
-        let in_relation =
-            mechanism.mimics.iter().any(|mimic| [mimic.leader.freedom, mimic.follower.freedom].contains(&freedom));
+        let in_relation = mechanism
+            .mimics
+            .iter()
+            .any(|mimic| !mimic.is_moved() && [mimic.leader.freedom, mimic.follower.freedom].contains(&freedom));
         if in_relation && mechanism.mimics.len() <= MOST_RELATIONS {
             let (low, high) = ranges(mechanism, Some(number))[freedom];
             let margin = |bound: f64| MARGIN * (1.0 + bound.abs());
@@ -54,6 +56,7 @@ pub fn never_reached(mechanism: &Mechanism, start: &State) -> Vec<NeverReached> 
             || !part.forces.wrenches.is_empty()
             || !part.forces.link_loads.is_empty()
             || !part.forces.joint_courses.is_empty()
+            || !part.forces.gravity_compensations.is_empty()
             || part.has_closures();
         if part.velocity_count != 1 || driven {
             continue;
@@ -97,7 +100,7 @@ fn ranges(mechanism: &Mechanism, without: Option<usize>) -> Vec<(f64, f64)> {
     // A range travels along one relation in each pass at least.
     for _ in 0..=mechanism.mimics.len() {
         let before = ranges.clone();
-        for mimic in mechanism.mimics.iter().filter(|mimic| mimic.more.is_empty()) {
+        for mimic in mechanism.mimics.iter().filter(|mimic| mimic.more.is_empty() && !mimic.is_moved()) {
             let (leader, follower) = (mimic.leader.freedom, mimic.follower.freedom);
             let (factor, offset) = (mimic.multiplier, mimic.offset);
             if factor == 0.0 {

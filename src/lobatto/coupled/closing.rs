@@ -7,6 +7,7 @@ use crate::coupled::projection::Projection;
 use crate::coupled::system::{Geometry, One};
 use crate::equations::braking::Lean;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
@@ -22,7 +23,8 @@ pub(crate) struct Closing<G: Geometry<One>> {
 
 impl<G: Geometry<One>> Closing<G> {
     /// Closures without counted ranks yet, with the projection for a mechanism.
-    pub fn new(mechanism: &Mechanism, projection: Projection<G>) -> Self {
+    pub fn new(mechanism: &Mechanism, mut projection: Projection<G>) -> Self {
+        projection.take_motions(true);
         Closing { projection, start: G::start(mechanism), state: State::zero(mechanism), counted: None }
     }
 
@@ -52,13 +54,13 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.lean(leans);
     }
 
-    /// Projects the velocities at the end of a step, which `start` has taken; returns the energy that friction dissipates there (J). Does not
-    /// allocate.
-    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> f64 {
+    /// Projects the velocities at the end of a step, which `start` has taken; returns the energy that friction dissipates there, and the work
+    /// of driven surfaces (J). Does not allocate.
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Exchange {
         self.projection.velocities(mechanism, start, velocity);
-        let braked = self.projection.braked();
+        let exchanged = self.projection.exchanged();
         self.projection.lean(&[]);
-        braked
+        exchanged
     }
 
     /// Number of equations that the others imply, or nearly imply, at the end that was projected last, if that had to be solved for.
@@ -66,9 +68,16 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.weak()
     }
 
-    /// Brings interpolated positions and velocities back on the closures. Does not allocate.
-    pub fn project(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+    /// Work of the joints that are moved in time at the end of the step that was projected last (J): their impulses times their rates.
+    pub fn moving_work(&self, start: &G::Start) -> f64 {
+        let impulses = &self.projection.impulses()[self.projection.mimic_rows()];
+        impulses.iter().zip(G::mimic_rates(start)).map(|(impulse, rate)| impulse * rate).sum()
+    }
+
+    /// Brings positions and velocities that were interpolated at a time (s) back on the closures. Does not allocate.
+    pub fn project(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let Closing { projection, start, state, .. } = self;
+        state.time = time;
         state.position.copy_from_slice(position);
         state.velocity.copy_from_slice(velocity);
         state.compensation.fill(0.0);

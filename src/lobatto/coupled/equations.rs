@@ -74,7 +74,7 @@ pub(crate) fn equations<G: Geometry<One>>(
             }
         }
         entries.sort_unstable_by_key(|(freedom, _)| *freedom);
-        Row { closure, entries, gap: one(coupled.gaps[row]).abs() / unit }
+        Row { closure, entries, gap: one(coupled.gaps[row]).abs() / unit, moves: false }
     };
     (0..loops).map(row).collect()
 }

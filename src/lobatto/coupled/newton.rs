@@ -6,16 +6,19 @@
 //!
 //! The twists of all bodies are η, their residuals `E_k` [kg m, kg m²: h² times a force and its torque], the multipliers of the closures
 //! `λ_k = h² Λ_k` and their gaps `g_i` (m, rad): [`crate::coupled::system`], which has the elimination. A mimic is a closure of two freedoms,
-//! `g = q_follower − ratio · q_leader − offset`.
+//! `g = q_follower − ratio · q_leader − offset`. A joint that is moved in time has `g_i = q_i − r(t₀ + c_i h)`, and its drive puts in the work
+//! `h Σ_k b_k Λ_k ṙ(t₀ + c_k h)` (J); the last stage is that of the projection of velocities.
 
 use crate::coupled::known::Known;
 use crate::coupled::system::{Coupled, Geometry, Screw};
 use crate::coupled::touching::Touching;
-use crate::numbers::lanes::{Lanes, in_lanes};
+use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::numbers::reductions::largest;
+use crate::stages::coefficients::row_stage;
 use crate::tableau::butcher::Tableau;
-use catena_mechanism::description::closure::{Coordinate, Mimic};
+use catena_mechanism::description::closure::Mimic;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 
 /// An iteration in which friction has not the direction of the slips is not the last, however small its increments are.
 const LAGS: f64 = 1e-9;
@@ -46,9 +49,9 @@ pub(crate) struct StageUnknowns<'s, V: Lanes, G: Geometry<V>> {
 
 impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
     /// The workspace, over a geometry of all stages with the lines of springs.
-    pub fn new(mechanism: &Mechanism, geometry: G, tableau: &Tableau) -> Self {
+    pub fn new(mechanism: &Mechanism, geometry: G, tableau: &'static Tableau) -> Self {
         let coupled = Coupled::of_stages(mechanism, &geometry, tableau);
-        Newton { coupled, geometry, mimics: Mimics::new(mechanism) }
+        Newton { coupled, geometry, mimics: Mimics::new(mechanism, tableau) }
     }
 
     /// Takes the start of a step, and the ranks and flags of its closures.
@@ -71,10 +74,27 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         self.geometry.touching().filter(|touching| !touching.leans().is_empty())
     }
 
-    /// Energy that friction dissipated in the rows of a solved step (J), after the bodies are placed.
-    pub fn braked(&self) -> f64 {
+    /// Whether contacts exchange energy with what is no body.
+    pub fn exchanges(&self) -> bool {
+        self.geometry.touching().is_some_and(Touching::exchanges)
+    }
+
+    /// Energy that friction dissipated in the rows of a solved step, and the work of driven surfaces (J), after the bodies are placed.
+    pub fn exchanged(&self) -> Exchange {
         let Coupled { multipliers, .. } = &self.coupled;
-        self.rubbing().map_or(0.0, |touching| touching.braked(self.coupled.rows_of_touches(touching), multipliers))
+        let touching = self.geometry.touching();
+        let of = |touching: &Touching<V>| touching.exchanged(self.coupled.rows_of_touches(touching), multipliers);
+        touching.map_or(Exchange::default(), of)
+    }
+
+    /// Takes the time at the start of the next step (s).
+    pub fn clock(&mut self, time: f64) {
+        self.mimics.time = time;
+    }
+
+    /// Work of the joints that are moved in time in the rows of a solved step (J).
+    pub fn moving_work(&self) -> f64 {
+        self.mimics.work(&self.coupled)
     }
 
     /// One iteration, after the bodies are placed: fills the increments, advances the multipliers; returns the largest increment.
@@ -104,29 +124,59 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
     }
 }
 
-/// Follower, leader and ratio of every mimic, and its other leaders with their ratios.
+/// The mimics of a mechanism, at the stages of a step.
 #[derive(Clone)]
-struct Mimics(Vec<(Coordinate, Coordinate, f64, Leaders)>);
-
-/// Coordinates with their ratios.
-type Leaders = Vec<(Coordinate, f64)>;
+struct Mimics {
+    all: Vec<Mimic>,
+    tableau: &'static Tableau,
+    /// At the start of the step (s).
+    time: f64,
+}
 
 impl Mimics {
     /// The method for a mechanism.
-    fn new(mechanism: &Mechanism) -> Self {
-        let ratios = |mimic: &Mimic| (mimic.follower, mimic.leader, mimic.multiplier, mimic.more.clone());
-        let mimics = mechanism.mimics.iter().map(ratios);
-        Mimics(mimics.collect())
+    fn new(mechanism: &Mechanism, tableau: &'static Tableau) -> Self {
+        Mimics { all: mechanism.mimics.clone(), tableau, time: 0.0 }
     }
 
     /// Their gaps at all stages, from the gaps at the start of the step and the displacements since.
     fn gaps<V: Lanes>(&self, coupled: &mut Coupled<V>, start: &[f64], displacement: &[V]) {
-        for (row, (&gap, (follower, leader, ratio, more))) in coupled.mimic_rows().zip(start.iter().zip(&self.0)) {
-            let (follows, leads) = (displacement[follower.freedom], displacement[leader.freedom]);
-            coupled.gaps[row] = leads.neg_mul_add(V::splat(*ratio), follows + V::splat(gap));
-            for (own, ratio) in more {
+        for (row, (&gap, mimic)) in coupled.mimic_rows().zip(start.iter().zip(&self.all)) {
+            let (follows, leads) = (displacement[mimic.follower.freedom], displacement[mimic.leader.freedom]);
+            coupled.gaps[row] = leads.neg_mul_add(V::splat(mimic.multiplier), follows + V::splat(gap));
+            for (own, ratio) in &mimic.more {
                 coupled.gaps[row] = displacement[own.freedom].neg_mul_add(V::splat(*ratio), coupled.gaps[row]);
             }
+            if mimic.is_moved() {
+                let [place, ..] = mimic.motion(self.time, self.time);
+                let moved =
+                    self.at_stages(coupled.step, |stage| stage + 1, |time| mimic.motion(self.time, time)[0] - place);
+                coupled.gaps[row] = coupled.gaps[row] - moved;
+            }
         }
+    }
+
+    /// A function of time at a stage of each lane.
+    fn at_stages<V: Lanes>(&self, step: f64, stage: impl Fn(usize) -> usize, value: impl Fn(f64) -> f64) -> V {
+        let mut lanes = [0.0; MAX_LANES];
+        let active = self.tableau.stages - 1;
+        for (lane, own) in lanes[..active].iter_mut().enumerate() {
+            *own = value(self.time + step * self.tableau.nodes[stage(lane)]);
+        }
+        V::from_slice(&lanes[..active])
+    }
+
+    /// `h⁻¹ Σ_k b_k λ_k ṙ_k` over the rows (J).
+    fn work<V: Lanes>(&self, coupled: &Coupled<V>) -> f64 {
+        let active = self.tableau.stages - 1;
+        let mut work = 0.0;
+        for (row, mimic) in coupled.mimic_rows().zip(&self.all).filter(|(_, mimic)| mimic.is_moved()) {
+            let stage = |lane: usize| row_stage(lane, active);
+            let rates: V = self.at_stages(coupled.step, stage, |time| mimic.motion(self.time, time)[1]);
+            let powers = (coupled.multipliers[row] * rates).to_array();
+            let powers = powers.as_ref()[..active].iter().enumerate();
+            work += powers.map(|(lane, power)| self.tableau.weights[stage(lane)] * power).sum::<f64>() / coupled.step;
+        }
+        work
     }
 }

@@ -17,6 +17,7 @@ use crate::numbers::lanes::Lanes;
 use crate::plan::tree::Plan;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::rows::{Row, circuit};
 use nalgebra::Vector3;
@@ -51,6 +52,8 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     impulses: Vec<f64>,
     /// Whether velocities that were projected last had to be solved for.
     solved: bool,
+    /// Whether velocities are those of joints that are moved in time, and no changes of velocities.
+    moving: bool,
     /// Whether the factors at hand are good where positions were projected last.
     near: bool,
     /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
@@ -101,6 +104,7 @@ impl<G: Geometry<One>> Projection<G> {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
             impulses: vec![0.0; coupled.closure_of_row().len()],
             solved: false,
+            moving: false,
             near: false,
             nearest: [vec![0.0; mechanism.position_count], vec![0.0; mechanism.position_count]],
             circuits: mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect(),
@@ -132,11 +136,34 @@ impl<G: Geometry<One>> Projection<G> {
     fn evaluate_rates(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &[f64]) {
         self.coupled.twists_of(&self.geometry, &self.plan, start, velocity);
         self.coupled.rates();
-        for (row, mimic) in self.coupled.mimic_rows().zip(&mechanism.mimics) {
+        let moved = G::mimic_rates(start);
+        for ((row, mimic), moved) in self.coupled.mimic_rows().zip(&mechanism.mimics).zip(moved) {
             let rate = velocity[mimic.follower.freedom] - mimic.multiplier * velocity[mimic.leader.freedom];
             let rate = mimic.more.iter().fold(rate, |rate, (own, ratio)| rate - ratio * velocity[own.freedom]);
-            self.coupled.gaps[row] = One::splat(rate);
+            self.coupled.gaps[row] = One::splat(if self.moving { rate - moved } else { rate });
         }
+        if let Some(touching) = self.geometry.touching().filter(|touching| touching.exchanges()) {
+            let Coupled { gaps, rows_of_loop, loops, .. } = &mut self.coupled;
+            for (first, carried) in touching.carried(&rows_of_loop[*loops - touching.len()..*loops]) {
+                carried.into_iter().enumerate().for_each(|(axis, rate)| gaps[first + axis] = gaps[first + axis] + rate);
+            }
+        }
+    }
+
+    /// Whether the velocities that follow are those of joints that are moved in time. Else they are changes of velocities, such as the answer to an
+    /// impulse, and joints that are moved have none.
+    pub fn take_motions(&mut self, moving: bool) {
+        self.moving = moving;
+    }
+
+    /// The impulse of every equation on the velocities that were projected last [N s or N m s].
+    pub(crate) fn impulses(&self) -> &[f64] {
+        &self.impulses
+    }
+
+    /// The rows of the mimics.
+    pub(crate) fn mimic_rows(&self) -> std::ops::Range<usize> {
+        self.coupled.mimic_rows()
     }
 
     /// The largest gap as of the latest evaluation, and the closure that has it.
@@ -329,11 +356,20 @@ impl<G: Geometry<One>> Projection<G> {
         }
     }
 
-    /// Energy that the friction at the end of a step dissipated in the latest projection of velocities (J).
-    pub(crate) fn braked(&self) -> f64 {
-        let Some(touching) = self.geometry.touching() else { return 0.0 };
-        let leans = touching.leaning().iter().zip(self.coupled.rows_of_touches(touching));
-        leans.filter(|(_, rows)| !rows.is_empty()).map(|(lean, rows)| lean.slip * self.impulses[rows.start]).sum()
+    /// Energy that the friction at the end of a step dissipated in the latest projection of velocities, and the work of driven surfaces (J).
+    pub(crate) fn exchanged(&self) -> Exchange {
+        let mut exchange = Exchange::default();
+        let Some(touching) = self.geometry.touching() else { return exchange };
+        let touches = self.coupled.rows_of_touches(touching);
+        for (lean, rows) in touching.leaning().iter().zip(touches).filter(|(_, rows)| !rows.is_empty()) {
+            exchange.friction += lean.slip * self.impulses[rows.start];
+            exchange.work += lean.belt * self.impulses[rows.start];
+        }
+        for (first, carried) in touching.carried(touches) {
+            let [along, across] = carried.map(one);
+            exchange.work -= along * self.impulses[first] + across * self.impulses[first + 1];
+        }
+        exchange
     }
 
     /// Takes over the flags from kinematics, but for the equations that are empty, which every solve finds itself.

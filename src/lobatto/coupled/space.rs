@@ -165,6 +165,10 @@ impl<V: Lanes> Geometry<V> for Space<V> {
         &start.mimic_gaps
     }
 
+    fn mimic_rates(start: &Start) -> &[f64] {
+        &start.mimic_rates
+    }
+
     fn rows(&self) -> Vec<usize> {
         let loops = self.closures[..self.loops].iter().map(|closure| closure.start.equations.len());
         loops.chain(self.touching.rows()).collect()

@@ -65,6 +65,8 @@ pub trait Geometry<V: Lanes> {
     fn place(plan: &Self::Plan, start: &mut Self::Start, mechanism: &Mechanism, state: &State);
     /// `q_follower − multiplier · q_leader − offset` of every mimic at the start.
     fn mimic_gaps(start: &Self::Start) -> &[f64];
+    /// The rates of joints that are moved in time, one entry a mimic.
+    fn mimic_rates(start: &Self::Start) -> &[f64];
     /// Number of equations of every loop, then of every contact.
     fn rows(&self) -> Vec<usize>;
     /// Takes the start of a step.

@@ -3,7 +3,7 @@
 //! ```text
 //!     a step            gaps φ_i and creeps, gradients at the columns' stages, pushes n − μ t at the rows'       [`crate::equations::touches`]
 //!     its end           H dv = G̃ᵀ π,  G (v + dv) = 0,  G̃ = n − μ t with t of the last stage                      (2.5.11h) with friction
-//!     dissipated        h Σ_k b_k Λ_k μ t_k · u_k + π μ t_s · u_s   [J],   π = h b_s Λ_s
+//!     dissipated        h Σ_k b_k Λ_k μ t_k · u_k + π μ t_s · u_s   [J],   π = h b_s Λ_s       and the work of belts likewise
 //! ```
 //!
 //! The change of friction as slips turn is in rows of its own, after the rows of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
@@ -19,6 +19,7 @@ use crate::plan::elimination::TWIST;
 use crate::stages::start::Start;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use std::ops::Range;
 
 /// The closed contacts, in the order of their equations.
@@ -166,11 +167,26 @@ impl<V: Lanes> Touching<V> {
         lags
     }
 
-    /// Energy that friction dissipated in the rows of the step for which the bodies are placed, for the multipliers `λ = h² Λ` (J).
-    pub(crate) fn braked(&self, touches: &[Range<usize>], multipliers: &[V]) -> f64 {
-        let Some(mixing) = &self.mixing else { return 0.0 };
-        let rubbing = self.touches.iter().zip(touches).filter(|(touch, _)| touch.friction() != 0.0);
-        rubbing.map(|(touch, rows)| touch.braked(mixing, multipliers[rows.start])).sum::<f64>() / self.step
+    /// Whether contacts exchange energy with what is no body: by friction, or by surfaces that are driven.
+    pub(crate) fn exchanges(&self) -> bool {
+        self.touches.iter().any(SpatialTouch::exchanges)
+    }
+
+    /// Energy that friction dissipated in the rows of the step for which the bodies are placed, and the work of driven surfaces, for the multipliers
+    /// `λ = h² Λ` (J).
+    pub(crate) fn exchanged(&self, touches: &[Range<usize>], multipliers: &[V]) -> Exchange {
+        let mut sum = Exchange::default();
+        let Some(mixing) = &self.mixing else { return sum };
+        for (touch, rows) in self.touches.iter().zip(touches).filter(|(touch, _)| touch.exchanges()) {
+            sum += touch.exchanged(mixing, &multipliers[rows.clone()]);
+        }
+        Exchange { friction: sum.friction / self.step, work: sum.work / self.step, ..sum }
+    }
+
+    /// The velocities of driven surfaces along the tangents of contacts that roll, with the first row of each, where its bodies are placed [m/s].
+    pub(crate) fn carried(&self, touches: &[Range<usize>]) -> impl Iterator<Item = (usize, [V; 2])> {
+        let belts = self.touches.iter().zip(touches).filter(|(touch, _)| touch.exchanges() && touch.rows() == 3);
+        belts.map(|(touch, rows)| (rows.start + 1, touch.carried(0)))
     }
 
     /// Friction at the end of the step for which the bodies are placed, contact by contact; empty without friction.

@@ -42,6 +42,8 @@ pub struct Lean {
     pub along: [f64; 3],
     /// `μ t · u` with the slip velocity u at the end of the step: the dissipation of an impulse [m/s].
     pub slip: f64,
+    /// `μ t · w` with the velocity w of belts there: the work of their drives for an impulse [m/s].
+    pub belt: f64,
 }
 
 /// The slip of a contact at the columns' or the rows' stages.
@@ -182,8 +184,8 @@ impl<V: Lanes> Braking<V> {
         speed.as_ref()[..self.active].iter().fold(0.0, |most, speed| most.max(speed.abs()))
     }
 
-    /// Its friction at the end of the step, from the slips at the columns' and the rows' stages.
-    pub fn lean(&self, mixing: &StageMixing<V>, [columns, rows]: [Slipping<V>; 2]) -> Lean {
+    /// Its friction at the end of the step, from the slips at the columns' and the rows' stages, and the velocity of belts at the columns' [m/s].
+    pub fn lean(&self, mixing: &StageMixing<V>, [columns, rows]: [Slipping<V>; 2], belt: Vector<V>) -> Lean {
         let lane = |vector: Vector<V>, lane: usize| {
             Vector3::from(vector.0.map(|component| component.to_array().as_ref()[lane]))
         };
@@ -196,7 +198,7 @@ impl<V: Lanes> Braking<V> {
             Vector3::from(ahead).try_normalize(0.5).unwrap_or(self.reference)
         };
         let along = direction * self.friction;
-        Lean { along: along.into(), slip: along.dot(&slip) }
+        Lean { along: along.into(), slip: along.dot(&slip), belt: along.dot(&lane(belt, self.active - 1)) }
     }
 
     /// `Σ_k b_k λ_k μ t_k · u_k` over the rows, for the multipliers of the gap.

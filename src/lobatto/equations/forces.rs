@@ -30,6 +30,7 @@
 //! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
 //! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
 
+use crate::equations::holding::add_holding;
 use crate::equations::loads::{LoadedBodies, add_loads};
 use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::algebra::{Matrix, Vector};
@@ -187,6 +188,8 @@ impl<V: Lanes> Applied<V> {
                 work = torque.dot_plus(angular_velocity(pose, spin, times, inverse, place), work);
             }
         }
+        let holding = self.plan.holding.iter().zip(&start.applied.holding);
+        work = add_holding(stages, holding, &self.plan.gravity, &motion, place, &mut self.efforts, work);
         let loads = self.plan.on_bodies.iter().zip(&start.applied.loads);
         (dissipated, work) = add_loads(stages, loads, &motion, place, &mut self.wrenches, (dissipated, work));
         if account {

@@ -7,6 +7,8 @@
 //!     gap of a stage        φ_i = 0                              gradient: the force n_i on b with its torque p_i × n_i, opposites on a
 //!     push of a row         f_k = n_k − μ t_k                    at p_k; t has the direction of u ([`crate::equations::braking`])
 //!     rolling               h Σ_j a_ij e_j · u_j = 0             two tangents e; gradient and push e_i, because A Ā B = 1
+//!     belts                 u_k + w_k − n_k (n_k · w_k)          w = R_b w_b − R_a w_a at the stage
+//!     work of belts         h Σ_k b_k f_k · (v_k − u_k) = −h Σ_k b_k f_k · w_k   [J]      of a sliding contact  h Σ_k b_k Λ_k μ t_k · w_k
 //! ```
 //!
 //! Source: the forced scheme with constraints on velocities, L. O. Jay, SIAM J. Sci. Comput. 20 (1998); the gradients of gaps:
@@ -22,8 +24,9 @@ use crate::numbers::lanes::Lanes;
 use crate::numbers::smooth_lanes::{triple, vector};
 use crate::stages::start::Start;
 use catena_mechanism::description::contact::{Cores, Grip, Pairing, TouchJoint};
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::contact_geometry::{Contact, Placed, contact};
-use catena_mechanism::motion::touches::{tangents, touch_motion};
+use catena_mechanism::motion::touches::{belt, tangents, touch_motion};
 use nalgebra::Vector3;
 
 /// A closed contact in a step.
@@ -40,6 +43,8 @@ pub(crate) struct SpatialTouch<V> {
     creep: [V; 2],
     /// The changes of their rates.
     rolling: [[[V; 6]; 2]; 2],
+    /// Whether a surface moves over its body.
+    is_belt: bool,
     /// The place of the origin of the second feature at the columns' stages, from the common origin (m).
     center: Vector<V>,
     /// Its friction.
@@ -52,6 +57,9 @@ struct TouchEnd {
     point: [f64; 3],
     arm: [f64; 3],
     axis: [f64; 3],
+    /// The x axis, and the velocity of its surface over the body [m/s].
+    first_axis: [f64; 3],
+    surface: [f64; 3],
 }
 
 /// The rates of a body and where its anchor is, from the common origin (m), at the columns' and at the rows' stages.
@@ -64,13 +72,18 @@ struct AtStages<V> {
     normal: Vector<V>,
     point: Vector<V>,
     slip: Vector<V>,
+    /// `w` along the tangents, of belts [m/s].
+    belt: Vector<V>,
+    /// The velocities over their bodies of the surfaces of a and of b [m/s].
+    surfaces: [Vector<V>; 2],
 }
 
 impl<V: Lanes> SpatialTouch<V> {
     /// The contacts of a mechanism under gravity of this size [m/s²].
     pub fn all(joints: &[TouchJoint], gravity: f64) -> Vec<Self> {
         let zero = Vector::zero();
-        let nowhere = AtStages { gap: V::zero(), normal: zero, point: zero, slip: zero };
+        let nowhere =
+            AtStages { gap: V::zero(), normal: zero, point: zero, slip: zero, belt: zero, surfaces: [zero; 2] };
         let new = |joint: &TouchJoint| SpatialTouch {
             joint: joint.clone(),
             pairing: joint.touch.pairing(),
@@ -79,6 +92,7 @@ impl<V: Lanes> SpatialTouch<V> {
             at: [nowhere; 2],
             creep: [V::zero(); 2],
             rolling: [[[V::zero(); 6]; 2]; 2],
+            is_belt: joint.is_belt(),
             center: zero,
             braking: Braking::new(joint.touch.friction(), gravity),
         };
@@ -114,7 +128,19 @@ impl<V: Lanes> SpatialTouch<V> {
     /// Takes the start of a step; `origin` is the common origin (m).
     pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
         let ends = [self.joint.a, self.joint.b].map(|end| End::new(&end, start, origin));
-        self.ends = ends.map(|End { point, arm, axes }| TouchEnd { point, arm, axis: axes[2] });
+        self.ends = ends.map(|End { point, arm, axes }| TouchEnd {
+            point,
+            arm,
+            axis: axes[2],
+            first_axis: axes[0],
+            surface: [0.0; 3],
+        });
+        if self.is_belt {
+            let attachments = [&self.joint.a, &self.joint.b].into_iter().zip(self.joint.surfaces);
+            for (end, (attachment, surface)) in self.ends.iter_mut().zip(attachments) {
+                end.surface = (attachment.axes(start.body_states()) * surface).into();
+            }
+        }
         let motion = touch_motion(&self.joint, start.body_states());
         self.tangents = tangents(&motion.normal).map(Into::into);
         let speed = |body: Option<usize>| {
@@ -124,11 +150,12 @@ impl<V: Lanes> SpatialTouch<V> {
             })
         };
         let [a, b] = self.bodies().map(speed);
+        let carried = if self.is_belt { belt(&self.joint, start.body_states(), &motion.normal).norm() } else { 0.0 };
         let given = match self.joint.touch.grip {
             Grip::Slides { direction, .. } => direction,
             Grip::Rolls => Vector3::zeros(),
         };
-        self.braking.begin(&motion.slip, a + b, given);
+        self.braking.begin(&motion.slip, a + b + carried, given);
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         self.place([[&still; 2]; 2]);
     }
@@ -152,8 +179,19 @@ impl<V: Lanes> SpatialTouch<V> {
             if number == 0 {
                 self.center = vector(b.origin);
             }
-            let Contact { gap, normal, point } = contact(pairing, self.joint.touch.side, a, b);
+            let Contact { gap, normal, point } = contact(pairing, self.joint.touch.side, a, b, || {
+                let axis = &ends[1].first_axis;
+                triple(if bodies[1].is_none() { Vector::splat(axis) } else { moved[1].turn(axis) })
+            });
             (at.gap, at.normal, at.point) = (gap.0, vector(normal), vector(point));
+            if self.is_belt {
+                at.surfaces = [0, 1].map(|side: usize| match bodies[side] {
+                    Some(_) => moved[side].turn(&ends[side].surface),
+                    None => Vector::splat(&ends[side].surface),
+                });
+                let surface = at.surfaces[1].minus(at.surfaces[0]);
+                at.belt = at.normal.times_minus(at.normal.dot(surface), surface);
+            }
         }
     }
 
@@ -169,6 +207,9 @@ impl<V: Lanes> SpatialTouch<V> {
                     at.slip = rate.at(at.point.minus(*anchor)).times_plus(V::splat(sign), at.slip);
                 }
             }
+        }
+        if self.is_belt {
+            self.at.iter_mut().for_each(|at| at.slip = at.slip.plus(at.belt));
         }
         match self.joint.touch.grip {
             Grip::Rolls => {
@@ -192,12 +233,14 @@ impl<V: Lanes> SpatialTouch<V> {
     ///     δ vel_b(p) = (η_b(p))˙ + η_ω × (vel_b(p) − ṗ) − ω_b × (η_b(p) − δp)        and the same of a
     /// ```
     ///
-    /// where p moves about as the core c of b, `δp = η_b(c)`: exact where n does not turn.
+    /// where p moves about as the core c of b, `δp = η_b(c)`: exact where n does not turn. Surfaces turn with their bodies, `δw = η_ω × w`.
     #[inline(always)]
     fn roll(&mut self, bodies: [Option<BodySides<V>>; 2]) {
         let AtStages { normal, point, .. } = self.at[0];
         let arm = match self.pairing {
-            Some(Pairing { cores: Cores::PlaneRim(_) | Cores::LineRim(_), .. }) => point.minus(self.center),
+            Some(Pairing { cores: Cores::PlaneRim(_) | Cores::LineRim(_) | Cores::PlaneEllipsoid(_), .. }) => {
+                point.minus(self.center)
+            }
             Some(Pairing { radius, .. }) => normal.times(V::splat(-radius)),
             None => Vector::zero(),
         };
@@ -216,6 +259,14 @@ impl<V: Lanes> SpatialTouch<V> {
             let of_a = force.joined(point.cross(force).minus(passes.cross(along)));
             let torque = spin[1].cross(arm.cross(along)).minus(core.cross(force));
             self.rolling[axis] = [of_a, zero.minus(force).joined(torque)];
+            if self.is_belt {
+                let [of_a, of_b] = self.at[0].surfaces.map(|surface| zero.joined(surface.cross(along)));
+                let [own_a, own_b] = &mut self.rolling[axis];
+                for component in 0..6 {
+                    own_a[component] = own_a[component] - of_a[component];
+                    own_b[component] = own_b[component] + of_b[component];
+                }
+            }
         }
     }
 
@@ -256,13 +307,42 @@ impl<V: Lanes> SpatialTouch<V> {
 
     /// Its friction at the end of the step.
     pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
-        self.braking.lean(mixing, [self.slipping(0), self.slipping(1)])
+        self.braking.lean(mixing, [self.slipping(0), self.slipping(1)], self.at[0].belt)
     }
 
-    /// Energy that its friction dissipates over the rows, for the multipliers of the gap ([`Braking::dissipated`]).
+    /// Whether its forces exchange energy with what is no body: it has friction, or a surface that is driven.
+    pub fn exchanges(&self) -> bool {
+        self.friction() != 0.0 || self.is_belt && self.feels_slip()
+    }
+
+    /// Energy that its friction dissipates over the rows ([`Braking::dissipated`]), and the work of the drives of its surfaces, for the multipliers of
+    /// its equations.
     #[inline(always)]
-    pub fn braked(&self, mixing: &StageMixing<V>, multiplier: V) -> f64 {
-        self.braking.dissipated(self.slipping(1), mixing, multiplier)
+    pub fn exchanged(&self, mixing: &StageMixing<V>, multipliers: &[V]) -> Exchange {
+        let mut exchange = Exchange::default();
+        if self.friction() != 0.0 {
+            exchange.friction = self.braking.dissipated(self.slipping(1), mixing, multipliers[0]);
+        }
+        if self.is_belt {
+            let driven = match self.joint.touch.grip {
+                Grip::Slides { .. } => self.braking.of_rows().dot(self.at[1].belt) * multipliers[0],
+                Grip::Rolls => {
+                    let along = self.carried(1);
+                    V::zero() - along[0] * multipliers[1] - along[1] * multipliers[2]
+                }
+            };
+            exchange.work = (driven * mixing.weights).sum();
+        }
+        exchange
+    }
+
+    /// `e · w` of a contact with belts that rolls, along both tangents at the columns' or the rows' stages [m/s]; zero of all others.
+    #[inline(always)]
+    pub fn carried(&self, side: usize) -> [V; 2] {
+        if !self.is_belt || self.joint.touch.grip != Grip::Rolls {
+            return [V::zero(); 2];
+        }
+        [0, 1].map(|axis: usize| self.tangent(axis, side).dot(self.at[side].belt))
     }
 
     /// A tangent at the columns' or the rows' stages: the one at the start, kept square to the normal.

@@ -257,7 +257,7 @@ impl<V: Lanes> Instants for LaneInstants<V> {
             for instant in 0..count {
                 let position = &positions[instant * position_count..][..position_count];
                 let velocity = &velocities[instant * velocity_count..][..velocity_count];
-                joint_efforts(&self.mechanism, 0.0, position, velocity, &mut self.scratch);
+                joint_efforts(&self.mechanism, 0.0, (position, velocity), &[], &mut self.scratch);
                 self.efforts.iter_mut().zip(&self.scratch).for_each(|(row, &effort)| row[instant] = effort);
             }
         }

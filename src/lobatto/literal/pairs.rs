@@ -27,7 +27,7 @@
 //! the oracle. Both agree at places where features touch, as do their gradients.
 
 use catena_mechanism::description::contact::{Feature, LEVEL, Touch};
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
 /// Iterations for the nearest points of a rim and another core, which are near at the start.
@@ -42,6 +42,8 @@ pub(crate) struct Placed {
     pub(crate) origin: Vector3<f64>,
     /// z.
     pub(crate) axis: Vector3<f64>,
+    /// x, y and z as columns.
+    pub(crate) axes: Matrix3<f64>,
 }
 
 /// How two features are to each other.
@@ -78,6 +80,16 @@ pub(crate) fn meet(touch: &Touch, a: Placed, b: Placed) -> Option<Meeting> {
             let cosine = a.axis.dot(&b.axis);
             let down = (a.axis - b.axis * cosine) / (1.0 - cosine * cosine).sqrt();
             meeting([a.origin, b.origin - down * rim], a.axis, [0.0; 2])
+        }
+        [Feature::Hollow { radius }, Feature::Point { .. }] => {
+            let apart = b.origin - a.origin;
+            Meeting { gap: radius - apart.norm(), normal: -apart.normalize(), point: b.origin }
+        }
+        [Feature::Plane, Feature::Ellipsoid { radii }] => {
+            // The lowest point is the image of that of the unit ball under the map x → A x, whose tangent planes turn by A⁻¹.
+            let stretch = b.axes * Matrix3::from_diagonal(&Vector3::from(radii)) * b.axes.transpose();
+            let lowest = stretch * -(stretch * a.axis).normalize();
+            meeting([a.origin, b.origin + lowest], a.axis, [0.0; 2])
         }
         [Feature::Line { radius: 0.0 }, Feature::Rim { radius: rim }] => {
             let through = (b.origin - a.origin).dot(&b.axis) / a.axis.dot(&b.axis);

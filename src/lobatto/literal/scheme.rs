@@ -273,9 +273,11 @@ impl<'a> Literal<'a> {
         }
         // Twice, so that the rounding error of the first solution is projected away too.
         let gradient = stacked(&self.constraint_jacobian(&stage_coordinates[s - 1]), &touching.ends);
+        let carried = touching.carried.clone().insert_rows(0, self.constraints.len(), 0.0);
         for _ in 0..2 {
-            let correction =
-                self.project(&gradient, &jacobians[s - 1], &end_momentum).ok_or(LiteralError::Singular { step })?;
+            let correction = self
+                .project(&gradient, &jacobians[s - 1], &end_momentum, &carried)
+                .ok_or(LiteralError::Singular { step })?;
             end_momentum -= jacobians[s - 1].tr_mul(&correction);
             multipliers[s - 1] += correction / (step * b[s - 1]);
         }
@@ -291,19 +293,20 @@ impl<'a> Literal<'a> {
         })
     }
 
-    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = 0` for the gradients G and the directions G̃ in which multipliers push; `None` if the rows depend on
-    /// each other.
+    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = w` for the gradients G, the directions G̃ in which multipliers push and the rates w of belts; `None` if
+    /// the rows depend on each other.
     fn project(
         &self,
         gradient: &DMatrix<f64>,
         directions: &DMatrix<f64>,
         momentum: &DVector<f64>,
+        carried: &DVector<f64>,
     ) -> Option<DVector<f64>> {
         let mut weighted = gradient.clone();
         for (mut column, mass) in weighted.column_iter_mut().zip(self.mass.iter()) {
             column /= *mass;
         }
-        (&weighted * directions.transpose()).lu().solve(&(weighted * momentum))
+        (&weighted * directions.transpose()).lu().solve(&(weighted * momentum - carried))
     }
 
     /// The mechanism this scheme was written out for.

@@ -8,6 +8,7 @@
 //!     rolling            h Σ_j a_ij K_e(Q_j) Q̇_j = 0            i = 2..s         pushes with  Λ_k K_e(Q_k)ᵀ               e = e_1, e_2
 //!     end of the step    K_n(q̄) M⁻¹ p̄ = 0,  K_e(q̄) M⁻¹ p̄ = 0                  pushes as above with the stage s
 //!     slip               u = ẋ + ω × (p − x) of b less that of a,   u_T = u − (n·u) n,   t = ± u_T/|u_T|
+//!     belts              u_T + w_T,  K_e(q) q̇ + e · w_T         w_T = w − (n·w) n,  w = R_b w_b − R_a w_a
 //! ```
 //!
 //! The sign of t is the sign of u_T along its direction at the start of the step. If a step starts without slip, that direction is the one given to
@@ -49,8 +50,9 @@ pub(crate) struct TouchStages {
     pub(crate) rows: Vec<DVector<f64>>,
     /// For every stage the opposites of the directions in which multipliers push, as a Jacobian of constraints has them (m × 12 n).
     pub(crate) pulls: Vec<DMatrix<f64>>,
-    /// The opposites of K at the end of the step (m × 12 n).
+    /// The opposites of K at the end of the step (m × 12 n), and the rates that belts add to them there (m).
     pub(crate) ends: DMatrix<f64>,
+    pub(crate) carried: DVector<f64>,
 }
 
 /// One contact at all stages: the equations it has, and the directions e of K for each of them.
@@ -58,6 +60,7 @@ struct OneTouch {
     rows: Vec<Vec<f64>>,
     pushes: Vec<Vec<DVector<f64>>>,
     ends: Vec<DVector<f64>>,
+    carried: Vec<f64>,
 }
 
 impl TouchStep<'_> {
@@ -82,6 +85,7 @@ impl TouchStep<'_> {
                 .collect(),
             pulls: stages.map(|k| matrix(&mut all.iter().flat_map(|touch| &touch.pushes[k]))).collect(),
             ends: matrix(&mut all.iter().flat_map(|touch| &touch.ends)),
+            carried: DVector::from_iterator(count, all.iter().flat_map(|touch| touch.carried.iter().copied())),
         })
     }
 
@@ -141,8 +145,10 @@ impl TouchStep<'_> {
             rows.push(vec![here.gap]);
             let Meeting { normal, .. } = here;
             if joint.touch.grip == Grip::Rolls {
-                let along = tangents(normal, &first).map(|along| row(joint, here, &positions[k], &along));
-                creeping.push(along.each_ref().map(|along| along.dot(&rates[k])));
+                let along = tangents(normal, &first);
+                let belts = along.map(|along| along.dot(&belt(joint, here, &positions[k])));
+                let along = along.map(|along| row(joint, here, &positions[k], &along));
+                creeping.push([0, 1].map(|axis: usize| along[axis].dot(&rates[k]) + belts[axis]));
                 let [one, two] = along;
                 pushes.push(vec![row(joint, here, &positions[k], normal), one, two]);
             } else {
@@ -160,15 +166,18 @@ impl TouchStep<'_> {
         }
         let (last, q) = (&meetings[s - 1], &positions[s - 1]);
         let mut ends = vec![row(joint, last, q, &last.normal)];
+        let mut carried = vec![0.0];
         if joint.touch.grip == Grip::Rolls {
             for (i, rows) in rows.iter_mut().enumerate() {
                 let creep =
                     |e: usize| (0..s).map(|j| self.step * self.tableau.a[i * s + j] * creeping[j][e]).sum::<f64>();
                 rows.extend([0, 1].map(creep));
             }
-            ends.extend(tangents(&last.normal, &first).map(|along| row(joint, last, q, &along)));
+            let along = tangents(&last.normal, &first);
+            ends.extend(along.map(|along| row(joint, last, q, &along)));
+            carried.extend(along.map(|along| along.dot(&belt(joint, last, q))));
         }
-        Some(OneTouch { rows, pushes, ends })
+        Some(OneTouch { rows, pushes, ends, carried })
     }
 }
 
@@ -183,9 +192,12 @@ fn pose(end: &Attachment, q: &DVector<f64>) -> Option<(usize, Vector3<f64>, Matr
 fn meeting(joint: &TouchJoint, q: &DVector<f64>) -> Option<Meeting> {
     let place = |end: &Attachment| {
         let (origin, axis) = (end.frame.translation.vector, end.frame.rotation * Vector3::z());
+        let axes = *end.frame.rotation.matrix();
         match pose(end, q) {
-            None => Placed { origin, axis },
-            Some((_, position, rotation)) => Placed { origin: position + rotation * origin, axis: rotation * axis },
+            None => Placed { origin, axis, axes },
+            Some((_, position, rotation)) => {
+                Placed { origin: position + rotation * origin, axis: rotation * axis, axes: rotation * axes }
+            }
         }
     };
     meet(&joint.touch, place(&joint.a), place(&joint.b))
@@ -210,7 +222,17 @@ fn row(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>, along: &Vector3<f64
 /// `u_T` [m/s].
 fn slip(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>, rates: &DVector<f64>) -> Vector3<f64> {
     let along = |axis: usize| row(joint, here, q, &Vector3::ith(axis, 1.0)).dot(rates);
-    across(&here.normal, Vector3::from_fn(|axis, _| along(axis)))
+    across(&here.normal, Vector3::from_fn(|axis, _| along(axis))) + belt(joint, here, q)
+}
+
+/// `w_T` [m/s].
+fn belt(joint: &TouchJoint, here: &Meeting, q: &DVector<f64>) -> Vector3<f64> {
+    let [surface_a, surface_b] =
+        [(&joint.a, joint.surfaces[0]), (&joint.b, joint.surfaces[1])].map(|(end, surface)| {
+            let surface = end.frame.rotation * surface;
+            pose(end, q).map_or(surface, |(_, _, rotation)| rotation * surface)
+        });
+    across(&here.normal, surface_b - surface_a)
 }
 
 /// The part of a vector that is orthogonal to a unit vector.

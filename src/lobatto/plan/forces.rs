@@ -3,11 +3,12 @@
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::course::Course;
 use catena_mechanism::description::forces::{Drag, PointSpring};
+use catena_mechanism::description::joint::JointKind;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::line_of_action::common_end;
 use catena_mechanism::forces::point_spring::Line;
 use catena_mechanism::forces::total::scalar_coordinate;
-use catena_mechanism::ground::matrices::{cross, times};
+use catena_mechanism::ground::matrices::{column, cross, times};
 use catena_mechanism::motion::state::State;
 use nalgebra::Vector3;
 
@@ -29,6 +30,63 @@ pub(crate) struct AppliedPlan {
     pub(crate) courses: Vec<(usize, f64, Course)>,
     /// The body of each load that changes or turns, then of each drag, and its law.
     pub(crate) on_bodies: Vec<(usize, LoadLaw)>,
+    /// Efforts that hold weights, and gravity [m/s²].
+    pub(crate) holding: Vec<HoldingPlan>,
+    pub(crate) gravity: [f64; 3],
+}
+
+/// An effort that holds a part of the weight beyond a joint.
+#[derive(Clone)]
+pub(crate) struct HoldingPlan {
+    pub(crate) freedom: usize,
+    /// The body of the joint.
+    pub(crate) head: usize,
+    /// Whether the joint turns about its axis; else it slides along it.
+    pub(crate) turns: bool,
+    /// f.
+    pub(crate) factor: f64,
+    /// The bodies beyond, with their masses (kg).
+    pub(crate) beyond: Vec<(usize, f64)>,
+    /// The sum of these (kg).
+    pub(crate) mass: f64,
+}
+
+/// The same at the start of a step, in the components `C` of the world or of a plane, with torques `T`.
+#[derive(Clone, Default)]
+pub(crate) struct HoldingStart<C, T> {
+    /// The axis of a joint that slides.
+    pub(crate) slide: C,
+    /// The axis of a joint that turns.
+    pub(crate) axis: T,
+    /// Vectors from the anchors of the bodies beyond to their centres of mass (m).
+    pub(crate) arms: Vec<C>,
+    /// S [kg m].
+    pub(crate) moment: C,
+}
+
+impl HoldingPlan {
+    /// The plans of a mechanism.
+    pub(crate) fn all_of(mechanism: &Mechanism) -> Vec<Self> {
+        let plans = mechanism.forces.gravity_compensations.iter().filter_map(|holding| {
+            let head = mechanism.body_of_freedom(holding.freedom)?;
+            let beyond: Vec<_> = mechanism.subtree(head).map(|body| (body, mechanism.bodies[body].mass)).collect();
+            let mass = beyond.iter().map(|(_, mass)| mass).sum();
+            let turns = mechanism.bodies[head].joint.kind != JointKind::Prismatic;
+            Some(HoldingPlan { freedom: holding.freedom, head, turns, factor: holding.factor, beyond, mass })
+        });
+        plans.collect()
+    }
+
+    /// Room for the start of each.
+    pub(crate) fn starts<C: Clone + Default, T: Clone + Default>(mechanism: &Mechanism) -> Vec<HoldingStart<C, T>> {
+        let room = |plan: HoldingPlan| HoldingStart {
+            arms: vec![C::default(); plan.beyond.len()],
+            slide: C::default(),
+            axis: T::default(),
+            moment: C::default(),
+        };
+        HoldingPlan::all_of(mechanism).into_iter().map(room).collect()
+    }
 }
 
 /// How a load on a body follows from its start, its time and its motion.
@@ -106,6 +164,8 @@ pub struct AppliedStart {
     pub(crate) arms: Vec<[f64; 3]>,
     /// Loads that change or turn, then drag.
     pub(crate) loads: Vec<LoadStart<[f64; 3], [f64; 3]>>,
+    /// Efforts that hold weights.
+    pub(crate) holding: Vec<HoldingStart<[f64; 3], [f64; 3]>>,
 }
 
 /// A spring between points at the start of a step, in the components `C` of the world or of a plane.
@@ -133,6 +193,7 @@ impl AppliedStart {
             lines: vec![LineStart::default(); forces.point_springs.len()],
             arms: vec![[0.0; 3]; forces.wrenches.len()],
             loads: vec![LoadStart::default(); forces.link_loads.len() + forces.drags.len()],
+            holding: HoldingPlan::starts(mechanism),
         }
     }
 
@@ -186,6 +247,18 @@ impl AppliedStart {
             start.arm = arm(drag.body, &drag.point).into();
             start.velocity = velocity(drag.body, &drag.point).into();
         }
+        for (start, holding) in self.holding.iter_mut().zip(&forces.gravity_compensations) {
+            let Some(head) = mechanism.body_of_freedom(holding.freedom) else { continue };
+            let on_child = mechanism.bodies[head].joint.on_child.rotation;
+            let axis = times(&bodies[head].rotation, &column(on_child.matrix(), 2));
+            (start.axis, start.slide) = (axis.into(), axis.into());
+            let (from, mut moment) = (anchor(head), Vector3::zeros());
+            for (own, body) in start.arms.iter_mut().zip(mechanism.subtree(head)) {
+                *own = arm(body, &Vector3::zeros()).into();
+                moment += mechanism.bodies[body].mass * (bodies[body].position - from);
+            }
+            start.moment = moment.into();
+        }
     }
 }
 
@@ -202,6 +275,8 @@ impl AppliedPlan {
             driven: Vec::new(),
             courses: forces.joint_courses.iter().map(|load| (load.freedom, load.effort, load.course.clone())).collect(),
             on_bodies: Vec::new(),
+            holding: HoldingPlan::all_of(mechanism),
+            gravity: mechanism.gravity.into(),
         };
         for load in &forces.link_loads {
             plan.on_bodies.push((load.body, LoadLaw::Given { turns: load.turns, course: load.course.clone() }));

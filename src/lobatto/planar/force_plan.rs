@@ -3,7 +3,7 @@
 //! Only components in the plane act: the projection of a force, the part of a torque about the normal, and the projection `d` of a line between two
 //! points. Its height z, the difference of their places along the normal, is constant: `ℓ² = |d|² + z²`.
 
-use crate::plan::forces::{LineStart, LoadStart, SpringLaw};
+use crate::plan::forces::{HoldingPlan, HoldingStart, LineStart, LoadStart, SpringLaw};
 use crate::planar::body::{PlanarBody, turned};
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::closure::Attachment;
@@ -11,6 +11,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::line_of_action::common_end;
 use catena_mechanism::forces::point_spring::NO_LENGTH;
 use catena_mechanism::forces::total::{Stored, scalar_coordinate};
+use catena_mechanism::ground::matrices::column;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
 use nalgebra::Vector3;
@@ -22,6 +23,19 @@ pub(crate) struct ForcesPlan {
     pub wrenches: Vec<WrenchPlan>,
     /// Loads that change or turn, then drag.
     pub loads: Vec<LoadPlan>,
+    /// Efforts that hold weights.
+    holding: Vec<HeldWeight>,
+}
+
+/// An effort that holds a weight, at zero displacement.
+#[derive(Clone)]
+struct HeldWeight {
+    head: usize,
+    /// The direction of a slide, and the sign of a turn about the normal.
+    slide: [f64; 2],
+    sign: f64,
+    /// Vectors from the anchors of the bodies beyond to their centres of mass (m), and their masses (kg).
+    beyond: Vec<([f64; 2], f64)>,
 }
 
 /// A load on a body in the plane.
@@ -100,6 +114,7 @@ pub(crate) struct ForcesStart {
     /// Vectors from the anchor to the point of each wrench (m).
     pub arms: Vec<[f64; 2]>,
     pub loads: Vec<LoadStart<[f64; 2], f64>>,
+    pub holding: Vec<HoldingStart<[f64; 2], f64>>,
 }
 
 impl ForcesPlan {
@@ -138,12 +153,23 @@ impl ForcesPlan {
             turns: false,
         });
         let loads = loads.chain(drags).collect();
-        ForcesPlan { lines: lines.collect(), wrenches: wrenches.collect(), loads }
+        let holding = HoldingPlan::all_of(mechanism).into_iter().map(|plan| {
+            let on_child = mechanism.bodies[plan.head].joint.on_child.rotation;
+            let axis = zero[plan.head].rotation * column(on_child.matrix(), 2);
+            let arm = |&(body, mass): &(usize, f64)| (ends.arm_of(body, &Vector3::zeros()), mass);
+            HeldWeight {
+                head: plan.head,
+                slide: plane.flat(&axis),
+                sign: if axis.dot(&normal) < 0.0 { -1.0 } else { 1.0 },
+                beyond: plan.beyond.iter().map(arm).collect(),
+            }
+        });
+        ForcesPlan { lines: lines.collect(), wrenches: wrenches.collect(), loads, holding: holding.collect() }
     }
 
     /// Whether there are any.
     pub fn is_empty(&self) -> bool {
-        self.lines.is_empty() && self.wrenches.is_empty() && self.loads.is_empty()
+        self.lines.is_empty() && self.wrenches.is_empty() && self.loads.is_empty() && self.holding.is_empty()
     }
 }
 
@@ -156,6 +182,7 @@ impl ForcesStart {
             lines: vec![LineStart::default(); forces.point_springs.len()],
             arms: vec![[0.0; 2]; forces.wrenches.len()],
             loads: vec![LoadStart::default(); forces.link_loads.len() + forces.drags.len()],
+            holding: HoldingPlan::starts(mechanism),
         }
     }
 
@@ -209,6 +236,17 @@ impl ForcesStart {
             let (arm, _, velocity) = point(body, &load.arm);
             let force = if load.turns { turned(&body.turn, &load.force) } else { load.force };
             *start = LoadStart { arm, velocity, force, torque: load.torque };
+        }
+        for (start, held) in self.holding.iter_mut().zip(&plan.holding) {
+            let from = bodies[held.head].position;
+            (start.slide, start.axis) = (turned(&bodies[held.head].turn, &held.slide), held.sign);
+            start.moment = [0.0; 2];
+            for (offset, (own, (arm, mass))) in start.arms.iter_mut().zip(&held.beyond).enumerate() {
+                let (arm, place, _) = point(&bodies[held.head + offset], arm);
+                *own = arm;
+                start.moment[0] += mass * (place[0] - from[0]);
+                start.moment[1] += mass * (place[1] - from[1]);
+            }
         }
         stored
     }

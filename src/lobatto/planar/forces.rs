@@ -7,6 +7,7 @@
 //!
 //! with `φ̇` from the rates of cosine and sine, `κ̇` and `σ̇`, by the scheme: `φ̇ = (1 + κ) σ̇ − σ κ̇`.
 
+use crate::equations::holding::add_holding;
 use crate::equations::loads::{LoadedBodies, add_loads};
 use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::lanes::Lanes;
@@ -74,7 +75,7 @@ impl<V: Lanes> PlanarStages<V> {
         end: bool,
         account: bool,
     ) -> Exchange {
-        let ForcesStart { extensions, lines, arms, loads } = &self.start.applied;
+        let ForcesStart { extensions, lines, arms, loads, holding } = &self.start.applied;
         let motion = Motion {
             displacement: &self.displacement,
             rates: &self.start.rates,
@@ -108,6 +109,9 @@ impl<V: Lanes> PlanarStages<V> {
                 work = torque.mul_add(spin, work);
             }
         }
+        let [x, y, _] = self.plan.gravity;
+        let holding = applied.plan.holding.iter().zip(holding);
+        work = add_holding(self, holding, &[x, y], &motion, place, &mut applied.efforts, work);
         let loads = applied.plan.on_bodies.iter().zip(loads);
         (dissipated, work) = add_loads(self, loads, &motion, place, &mut acting, (dissipated, work));
         self.acting = acting;

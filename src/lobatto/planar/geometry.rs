@@ -128,6 +128,10 @@ impl<V: Lanes> Geometry<V> for Flat<V> {
         &start.mimic_gaps
     }
 
+    fn mimic_rates(start: &PlanarStart) -> &[f64] {
+        &start.mimic_rates
+    }
+
     fn rows(&self) -> Vec<usize> {
         self.closures[..self.loops].iter().map(|closure| closure.start.equations.len()).collect()
     }

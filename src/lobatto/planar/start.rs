@@ -69,6 +69,8 @@ pub(crate) struct PlanarStart {
     pub rates: Vec<f64>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
+    /// ṙ of every mimic whose joint is moved in time [rad/s or m/s]; else zero.
+    pub mimic_rates: Vec<f64>,
     /// Quantities of the forces.
     pub applied: ForcesStart,
     /// Energy of the state.
@@ -131,6 +133,7 @@ impl PlanarStart {
             axes: vec![[0.0; 2]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
+            mimic_rates: vec![0.0; mechanism.mimics.len()],
             applied: ForcesStart::new(mechanism),
             energy: Energy::default(),
             own_unit: mechanism.is_plain_tree(),
@@ -185,7 +188,7 @@ impl PlanarStart {
             let heavy = [mass * com[0], mass * com[1]];
             self.bodies[index] = PlanarBody { arm, mass, inertia, heavy, spin, sliding, turn, position, velocity };
         }
-        mimic_gaps(mechanism, state, &mut self.mimic_gaps);
+        mimic_gaps(mechanism, state, [&mut self.mimic_gaps, &mut self.mimic_rates]);
         if !mechanism.forces.is_empty() {
             let stored = self.applied.set(&plan.forces, mechanism, state, &self.bodies);
             (energy.spring, energy.load) = (stored.spring, stored.load);

@@ -91,6 +91,8 @@ pub struct Start<R = f64> {
     pub rates: Vec<R>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
+    /// ṙ of every mimic whose joint is moved in time [rad/s or m/s]; else zero.
+    pub mimic_rates: Vec<f64>,
     /// Quantities of the forces.
     pub applied: AppliedStart,
     /// Energy of the state.
@@ -117,6 +119,7 @@ impl<R: Copy + Default> Start<R> {
             axes: vec![[R::default(); 3]; mechanism.velocity_count],
             rates: vec![R::default(); mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
+            mimic_rates: vec![0.0; mechanism.mimics.len()],
             applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
             units: 1.0,
@@ -260,7 +263,7 @@ impl Start {
             *inverse = turned_diagonal(&self.states[0].rotation, &moments.map(|moment| 1.0 / moment));
         }
         self.set_pivots(mechanism);
-        mimic_gaps(mechanism, state, &mut self.mimic_gaps);
+        mimic_gaps(mechanism, state, [&mut self.mimic_gaps, &mut self.mimic_rates]);
         if !mechanism.forces.is_empty() {
             self.applied.set(mechanism, state, &self.states);
             let stored = stored(mechanism, &state.position, &self.states);
@@ -290,9 +293,10 @@ pub(crate) fn units_per_kilogram(rates: &[f64]) -> f64 {
     f64::from_bits(1.0_f64.to_bits() | mantissa)
 }
 
-/// Writes `q_follower − multiplier · q_leader − offset` of every mimic in a state.
-pub(crate) fn mimic_gaps(mechanism: &Mechanism, state: &State, gaps: &mut [f64]) {
-    for (gap, mimic) in gaps.iter_mut().zip(&mechanism.mimics) {
+/// Writes `q_follower − multiplier · q_leader − offset` of every mimic in a state, and the rates of joints that are moved in time.
+pub(crate) fn mimic_gaps(mechanism: &Mechanism, state: &State, [gaps, rates]: [&mut [f64]; 2]) {
+    for ((gap, rate), mimic) in gaps.iter_mut().zip(rates).zip(&mechanism.mimics) {
         *gap = mimic_gap(mimic, state).0;
+        *rate = mimic.motion(state.time, state.time)[1];
     }
 }

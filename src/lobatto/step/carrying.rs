@@ -26,6 +26,7 @@ use crate::step::carried::Carried;
 use crate::step::kernel::{Kernel, land};
 use crate::step::workspace::Workspace;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
@@ -92,7 +93,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         }
         let mut carried = self.carried.take()?;
         let (active, refined, chord) = (self.active(), self.refined, self.chord);
-        self.friction = 0.0;
+        self.at_contacts = Exchange::default();
         self.workspace.record_end(refined, 0);
         write_ends(self.workspace.displacement(), active, &mut self.displaced);
         carried.part_from(&mut self.workspace);

@@ -63,7 +63,7 @@ pub trait Step: Send + Sync {
     /// there.
     fn redundant(&self) -> Option<usize>;
     /// Brings positions and velocities near the closures, if there are any, on them.
-    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
+    fn close(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
     /// Carries a second motion beside this one from its next step on, from this state; without effect in steps of 32 digits.
     fn begin_to_carry(&mut self, _mechanism: &Mechanism, _state: &State) {}
     /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.

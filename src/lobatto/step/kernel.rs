@@ -31,6 +31,7 @@ use crate::step::carried::Carried;
 use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
 
 /// [`Step`](crate::step::interface::Step) with the lanes of `V`, over the equations of `W`.
@@ -53,8 +54,13 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
-    /// Energy that dry friction of contacts took from the finished step (J).
-    pub(crate) friction: f64,
+    /// Energy that dry friction of contacts took from the finished step, and the work of driven surfaces (J).
+    pub(crate) at_contacts: Exchange,
+    /// Work of the joints that are moved in time in the finished step (J).
+    pub(crate) moving: f64,
+    /// The time at the start of the step and its length (s), for motions in time.
+    pub(crate) time: f64,
+    pub(crate) length: f64,
     /// The motion carried beside the motion of the run.
     pub(crate) carried: Option<Box<Carried<V, W::Start>>>,
     /// The end of the finished step.
@@ -81,7 +87,10 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             refined: false,
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
-            friction: 0.0,
+            at_contacts: Exchange::default(),
+            moving: 0.0,
+            time: 0.0,
+            length: 0.0,
             carried: None,
             end: W::new_start(mechanism),
             workspace,
@@ -96,6 +105,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
     /// Solves the stage equations of a step of length `step` from the start and a guess.
     pub(crate) fn solve(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
         self.workspace.set_step(step);
+        self.length = step;
         self.workspace.begin_attempt(rule);
         self.refined = rule.increment < REFINED_BELOW;
         let attempt = iteration::attempt(self, mechanism, rule, guess);
@@ -217,10 +227,11 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         self.make_exact(mechanism);
-        let Kernel { workspace, newton: Some(newton), closing, .. } = self else {
+        let Kernel { workspace, newton: Some(newton), closing, time, .. } = self else {
             return Attempt::Failed { iterations: 0, freedom: 0, increment: f64::NAN };
         };
         workspace.begin_exactly();
+        newton.clock(*time);
         let StageUnknowns { plan, start, .. } = workspace.stage_unknowns();
         newton.begin(plan, start, closing.as_ref().map(Closing::known));
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))

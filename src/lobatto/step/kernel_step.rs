@@ -83,6 +83,7 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         if let Some(applied) = self.workspace.applied_mut() {
             applied.clock(time);
         }
+        self.time = time;
     }
 
     fn change(&mut self, freedoms: &[usize], at_stages: &[f64]) {
@@ -123,30 +124,38 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let active = self.active();
-        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, refined, .. } = self;
-        *friction = 0.0;
-        if let (Some(newton), Some(closing)) = (newton, &mut *closing)
-            && newton.rubbing().is_some()
+        let Kernel {
+            workspace, velocity, displaced, end, closing, newton, at_contacts, refined, moving, length, ..
+        } = self;
+        (*at_contacts, *moving) = (Exchange::default(), 0.0);
+        // The end knows its time: joints may be moved in time.
+        state.time += *length;
+        if let (Some(newton), Some(closing)) = (&mut *newton, &mut *closing)
+            && newton.exchanges()
         {
             // At the solution: the bodies are where they were in the last iteration.
             let (geometry, bias) = newton.bodies();
             workspace.place_stages(geometry, bias);
-            *friction = newton.braked();
+            *at_contacts = newton.exchanged();
             closing.lean(newton.rubbing().map_or(&[], Touching::leans));
         }
         let square = workspace.end_velocities(*refined, velocity);
         write_ends(workspace.displacement(), active, displaced);
         land(workspace, square, displaced, velocity, mechanism, state, end);
         if let Some(closing) = closing {
-            *friction += closing.velocities(mechanism, end, &mut state.velocity);
+            *at_contacts += closing.velocities(mechanism, end, &mut state.velocity);
             workspace.set_end(end, mechanism, state);
+            if mechanism.moves_joints() {
+                *moving = closing.moving_work(end) + newton.as_ref().map_or(0.0, |newton| newton.moving_work());
+            }
         }
         W::energy(end)
     }
 
     fn exchange(&self) -> Exchange {
         let exchange = self.workspace.applied().map_or(Exchange::default(), |applied| applied.exchange);
-        Exchange { friction: self.friction, ..exchange }
+        let Exchange { friction, work, .. } = self.at_contacts;
+        Exchange { friction, work: exchange.work + work + self.moving, ..exchange }
     }
 
     fn take_kept(&mut self) -> usize {
@@ -161,9 +170,9 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         self.closing.as_ref().and_then(Closing::weak)
     }
 
-    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+    fn close(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         if let Some(closing) = &mut self.closing {
-            closing.project(mechanism, position, velocity);
+            closing.project(mechanism, time, position, velocity);
         }
     }
 

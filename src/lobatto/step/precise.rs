@@ -187,7 +187,7 @@ impl<V: Lanes> Step for Precise<V> {
         None
     }
 
-    fn close(&mut self, _: &Mechanism, _: &mut [f64], _: &mut [f64]) {}
+    fn close(&mut self, _: &Mechanism, _: f64, _: &mut [f64], _: &mut [f64]) {}
 
     fn accept(&mut self) {
         self.coarse.accept();

@@ -16,6 +16,7 @@
 
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::Pose;
+use crate::description::target::Target;
 use crate::ground::matrices::{cross, product, times};
 use nalgebra::{Matrix3, Vector3};
 
@@ -139,7 +140,8 @@ pub struct Coordinate {
 }
 
 /// `g(q) = q_follower − multiplier · q_leader − offset = 0` between two scalar joint coordinates (rad or m, unwrapped), or with more leaders
-/// `g(q) = q_follower − Σ multiplier_i · q_i − offset = 0`.
+/// `g(q) = q_follower − Σ multiplier_i · q_i − offset = 0`. A joint that is moved in time leads itself with the multiplier zero:
+/// `g(q, t) = q − r(t) = 0`, so that the hidden equation is `q̇ = ṙ(t)`, and that of accelerations `q̈ = r̈(t)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mimic {
     /// Name of the following joint.
@@ -154,13 +156,32 @@ pub struct Mimic {
     pub offset: f64,
     /// More leaders, each with the ratio of the displacements; mostly there are none.
     pub more: Vec<(Coordinate, f64)>,
+    /// r(t), which adds to the offset: the joint is moved in time.
+    pub over_time: Option<Target>,
 }
 
 impl Mimic {
     /// The coordinates of the relation with their coefficients in g: the follower first.
     pub fn terms(&self) -> impl Iterator<Item = (Coordinate, f64)> {
         let more = self.more.iter().map(|&(own, ratio)| (own, -ratio));
-        [(self.follower, 1.0), (self.leader, -self.multiplier)].into_iter().chain(more)
+        let leader = (!self.is_moved()).then_some((self.leader, -self.multiplier));
+        std::iter::once((self.follower, 1.0)).chain(leader).chain(more)
+    }
+
+    /// The equation of a joint that is moved in time.
+    pub fn moved(name: String, joint: Coordinate, motion: Target) -> Self {
+        let (follower, leader) = (joint, joint);
+        Mimic { name, follower, leader, multiplier: 0.0, offset: 0.0, more: Vec::new(), over_time: Some(motion) }
+    }
+
+    /// Whether its joint is moved in time.
+    pub fn is_moved(&self) -> bool {
+        self.over_time.is_some()
+    }
+
+    /// r, ṙ and r̈ at a time, of the curve that begins at or before `since` (s); zeros if no joint is moved.
+    pub fn motion(&self, since: f64, time: f64) -> [f64; 3] {
+        self.over_time.as_ref().map_or([0.0; 3], |motion| motion.motion(since, time))
     }
 }
 

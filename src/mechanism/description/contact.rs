@@ -8,6 +8,8 @@
 //! | line | an edge (r = 0), the side of a cylinder or capsule | P + s z |
 //! | plane | a face, a half space: z points out of the body | (P, z) |
 //! | rim | the edge of the end of a cylinder, of radius ρ | the circle about z through P |
+//! | hollow ball | a ball from inside, as a rope holds it, of radius L | the sphere about P |
+//! | ellipsoid | its surface, with semi-axes along x, y, z | the ellipsoid about P |
 //!
 //! The unit normal n points from a to b, and the points of contact `p_a`, `p_b` are on the surfaces. The gap and its rate are
 //!
@@ -17,8 +19,15 @@
 //!
 //! with the velocities of the bodies' material at p, whatever the features: the turning of n and the motion of p on the surfaces do not contribute.
 //! So the gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A closed contact is the equation φ = 0 with a
-//! multiplier λ ≥ 0; its friction is a [`Grip`].
+//! multiplier λ ≥ 0; its friction is a [`Grip`]. A surface that moves over its body, as a belt does, changes the slip and no gap:
+//!
+//! ```text
+//!     u_T = (1 − n nᵀ)(v_b(p) + w_b − v_a(p) − w_a)  [m/s]          the drive of a belt does the work −f · (w_b − w_a)  [W]
+//! ```
+//!
+//! with the surface velocities w and the force f of the contact on b.
 
+use crate::description::body_state::BodyState;
 use crate::description::closure::Attachment;
 use crate::description::joint::Pose;
 use nalgebra::Vector3;
@@ -53,6 +62,18 @@ pub enum Shape {
         /// m.
         half: Vector3<f64>,
     },
+    /// About the origin.
+    Ellipsoid {
+        /// Its semi-axes along x, y and z (m).
+        radii: Vector3<f64>,
+    },
+    /// A ball from inside, about the origin: a rope of this length holds in it all that it is tied to.
+    Hollow {
+        /// The length of the rope (m).
+        radius: f64,
+    },
+    /// The origin alone, to which a rope is tied.
+    Point,
     /// The convex hull of these points (m).
     Hull(Arc<Vec<Vector3<f64>>>),
     /// A surface of triangles, counterclockwise from outside (m).
@@ -79,6 +100,8 @@ pub struct Collider {
     pub pose: Pose,
     /// Its shape.
     pub shape: Shape,
+    /// Velocity of its surface over its body, as of a belt, in the axes of the body or of the world [m/s].
+    pub surface_velocity: Vector3<f64>,
 }
 
 /// Two colliders that may touch.
@@ -116,12 +139,22 @@ pub enum Feature {
         /// ρ (m).
         radius: f64,
     },
+    /// A ball from inside, about the origin of its frame.
+    Hollow {
+        /// Its radius (m).
+        radius: f64,
+    },
+    /// An ellipsoid about the origin of its frame.
+    Ellipsoid {
+        /// Its semi-axes along x, y and z (m).
+        radii: [f64; 3],
+    },
 }
 
 /// The tangential force of a closed contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grip {
-    /// It brakes the slip: `f = λ (n − μ t)` with `t = u_T/|u_T|` of the slip velocity `u_T = (1 − n nᵀ)(v_b(p) − v_a(p))` of the same instant.
+    /// It brakes the slip: `f = λ (n − μ t)` with `t = u_T/|u_T|` of the slip velocity `u_T` of the same instant.
     Slides {
         /// μ; zero for no friction.
         friction: f64,
@@ -138,7 +171,7 @@ pub const LEVEL: f64 = 2.0;
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, plane–ellipsoid, hollow–point, rim–point and rim–line, both with a radius, rim–rim; line–rim for
     /// an edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
     /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as
@@ -173,6 +206,10 @@ pub enum Cores {
     Lines,
     /// A plane and a circle of this radius (m).
     PlaneRim(f64),
+    /// A sphere from inside and a point.
+    Hollow,
+    /// A plane and an ellipsoid of these semi-axes (m).
+    PlaneEllipsoid([f64; 3]),
     /// A line and a circle of this radius (m), whose plane the line goes through.
     LineRim(f64),
     /// A circle of this radius (m) and a line, which goes through the cylinder above it, outwards.
@@ -196,6 +233,8 @@ impl Touch {
             [Feature::Line { radius: a }, Feature::Point { radius }] => (Cores::LinePoint, a + radius, radius),
             [Feature::Line { radius: a }, Feature::Line { radius }] => (Cores::Lines, a + radius, radius),
             [Feature::Plane, Feature::Rim { radius }] => (Cores::PlaneRim(radius), 0.0, 0.0),
+            [Feature::Hollow { radius }, Feature::Point { radius: 0.0 }] => (Cores::Hollow, radius, 0.0),
+            [Feature::Plane, Feature::Ellipsoid { radii }] => (Cores::PlaneEllipsoid(radii), 0.0, 0.0),
             [Feature::Line { radius: 0.0 }, Feature::Rim { radius }] => (Cores::LineRim(radius), 0.0, 0.0),
             [Feature::Rim { radius }, Feature::Line { radius: 0.0 }] => (Cores::RimLine(radius), 0.0, 0.0),
             [Feature::Rim { radius: rim }, Feature::Line { radius }] => (Cores::RimBesideLine(rim), radius, radius),
@@ -238,4 +277,18 @@ pub struct TouchJoint {
     pub a: Attachment,
     /// The frame of the second.
     pub b: Attachment,
+    /// The velocities of both surfaces over their bodies, in the axes of the frames [m/s].
+    pub surfaces: [Vector3<f64>; 2],
+}
+
+impl TouchJoint {
+    /// Whether a surface moves over its body.
+    pub fn is_belt(&self) -> bool {
+        self.surfaces != [Vector3::zeros(); 2]
+    }
+
+    /// `w_b − w_a`: the velocity of the second surface over its body less that of the first, in the world [m/s].
+    pub fn surface_velocity(&self, bodies: &[BodyState]) -> Vector3<f64> {
+        self.b.axes(bodies) * self.surfaces[1] - self.a.axes(bodies) * self.surfaces[0]
+    }
 }

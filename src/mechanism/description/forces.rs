@@ -1,8 +1,8 @@
 //! Smooth forces besides gravity: springs, dampers and loads. A mechanism without forces has empty lists alone.
 //!
 //! The data is here, the physics of each force in a file of its own: `joint_damper`, `joint_spring`,
-//! `joint_load`, `point_spring`, `wrench`, `link_load`, `drag`. `total` sums them up for a state; the scheme has its own evaluation
-//! for all stages at once (`lobatto::equations::forces`).
+//! `joint_load`, `point_spring`, `wrench`, `link_load`, `drag`, `gravity_compensation`. `total` sums them up for a state; the scheme has its own
+//! evaluation for all stages at once (`lobatto::equations::forces`).
 
 use crate::description::closure::{Attachment, Coordinate};
 use crate::description::course::Course;
@@ -27,6 +27,8 @@ pub struct Forces {
     pub link_loads: Vec<LinkLoad>,
     /// Drag of bodies.
     pub drags: Vec<Drag>,
+    /// Efforts in joints against the weight of the bodies beyond them.
+    pub gravity_compensations: Vec<GravityCompensation>,
     /// Whether efforts are handed to every step ([`crate::motion::inputs::Inputs`]): simplifications that hold under gravity alone are then not
     /// allowed.
     pub driven: bool,
@@ -137,6 +139,15 @@ pub struct Drag {
     pub angular_quadratic: f64,
 }
 
+/// The effort along a joint of one freedom that holds a part of the weight of all bodies beyond it, in every pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GravityCompensation {
+    /// Entry of the velocity vector.
+    pub freedom: usize,
+    /// Part of the weight; one holds all of it.
+    pub factor: f64,
+}
+
 impl Forces {
     /// The next instant after `time` at which a force jumps or has a kink (s).
     pub fn next_instant(&self, time: f64) -> f64 {
@@ -157,7 +168,7 @@ impl Forces {
     #[inline]
     pub fn are_those_of(&self, other: &Forces) -> bool {
         let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, .. } = self;
-        let Forces { joint_courses, link_loads, drags, .. } = self;
+        let Forces { joint_courses, link_loads, drags, gravity_compensations, .. } = self;
         *joint_dampers == other.joint_dampers
             && *joint_springs == other.joint_springs
             && *joint_loads == other.joint_loads
@@ -166,13 +177,14 @@ impl Forces {
             && *joint_courses == other.joint_courses
             && *link_loads == other.link_loads
             && *drags == other.drags
+            && *gravity_compensations == other.gravity_compensations
     }
 
     /// Whether there are no forces.
     #[inline]
     pub fn is_empty(&self) -> bool {
         let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven, .. } = self;
-        let Forces { joint_courses, link_loads, drags, .. } = self;
+        let Forces { joint_courses, link_loads, drags, gravity_compensations, .. } = self;
         joint_dampers.is_empty()
             && joint_springs.is_empty()
             && joint_loads.is_empty()
@@ -181,6 +193,7 @@ impl Forces {
             && joint_courses.is_empty()
             && link_loads.is_empty()
             && drags.is_empty()
+            && gravity_compensations.is_empty()
             && !driven
     }
 }

@@ -130,6 +130,22 @@ impl Mechanism {
         !self.loops.is_empty() || !self.touches.is_empty() || !self.mimics.is_empty()
     }
 
+    /// The next instant after `time` at which a force or a motion in time jumps or has a kink (s).
+    pub fn next_instant(&self, time: f64) -> f64 {
+        let moved = self.mimics.iter().filter_map(|mimic| mimic.over_time.as_ref());
+        moved.map(|motion| motion.next_knot(time)).fold(self.forces.next_instant(time), f64::min)
+    }
+
+    /// Whether forces change in time or joints are moved.
+    pub fn changes(&self) -> bool {
+        self.forces.change() || self.moves_joints()
+    }
+
+    /// Whether joints are moved in time.
+    pub fn moves_joints(&self) -> bool {
+        self.mimics.iter().any(Mimic::is_moved)
+    }
+
     /// The two ends of every loop joint and then of every closed contact, in the order of their equations.
     pub fn closing_ends(&self) -> impl Iterator<Item = [&Attachment; 2]> {
         let loops = self.loops.iter().map(|joint| [&joint.a, &joint.b]);
@@ -156,6 +172,13 @@ impl Mechanism {
     /// The name of the joint that has this degree of freedom; empty if there is none.
     pub fn joint_of_freedom(&self, freedom: usize) -> &str {
         self.body_of_freedom(freedom).map_or("", |body| &self.bodies[body].joint.name)
+    }
+
+    /// A body and all bodies beyond its joint in the tree.
+    pub fn subtree(&self, head: usize) -> std::ops::Range<usize> {
+        let is_beyond = |body: &Body| body.parent.is_some_and(|parent| parent >= head);
+        let after = self.bodies.iter().skip(head + 1).take_while(|body| is_beyond(body)).count();
+        head..head + 1 + after
     }
 
     /// Total mass of the moving bodies (kg).

@@ -5,6 +5,8 @@ pub mod closure;
 pub mod contact;
 pub mod course;
 pub mod forces;
+pub mod formula;
+mod formula_text;
 pub mod joint;
 pub mod mechanism;
 pub mod nonsmooth;

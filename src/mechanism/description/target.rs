@@ -1,4 +1,4 @@
-//! The target of a motor: a number, or values at given instants with a curve between them.
+//! The target of a motor: a number, values at given instants with a curve between them, or a formula of time.
 //!
 //! ```text
 //!     hold     r(t) = r_i                                  t_i ≤ t < t_{i+1}
@@ -8,6 +8,8 @@
 //!
 //! Before the first instant and after the last the value is held. Source of the spline: C. de Boor, A Practical Guide to Splines,
 //! Springer 2001, chapter IV (second derivatives zero at both ends).
+
+use crate::description::formula::Formula;
 
 /// How values between given instants come about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +33,8 @@ pub struct Target {
     interpolation: Interpolation,
     /// Whether all values are the same.
     constant: bool,
+    /// In place of the values.
+    formula: Option<Formula>,
 }
 
 /// Why values over time are no target.
@@ -65,7 +69,22 @@ impl Target {
     /// A number that does not change.
     pub fn constant(value: f64) -> Self {
         let (times, values, interpolation) = (vec![0.0], vec![value], Interpolation::Hold);
-        Target { times, values, slopes: Vec::new(), interpolation, constant: true }
+        Target { times, values, slopes: Vec::new(), interpolation, constant: true, formula: None }
+    }
+
+    /// A formula of time, which is smooth.
+    pub fn formula(formula: Formula) -> Self {
+        Target { constant: formula.is_constant(), formula: Some(formula), ..Target::constant(0.0) }
+    }
+
+    /// Its formula, if it is one.
+    pub fn as_formula(&self) -> Option<&Formula> {
+        self.formula.as_ref()
+    }
+
+    /// The same to be changed.
+    pub fn as_formula_mut(&mut self) -> Option<&mut Formula> {
+        self.formula.as_mut()
     }
 
     /// Values at instants (s), which must increase.
@@ -87,7 +106,7 @@ impl Target {
         let (times, values): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
         let slopes = if interpolation == Interpolation::Cubic { spline_slopes(&times, &values) } else { Vec::new() };
         let constant = values.iter().all(|&value| value == values[0]);
-        Ok(Target { times, values, slopes, interpolation, constant })
+        Ok(Target { times, values, slopes, interpolation, constant, formula: None })
     }
 
     /// A number that a program may change at any time.
@@ -97,7 +116,7 @@ impl Target {
 
     /// Whether a program may change it.
     pub fn is_commanded(&self) -> bool {
-        !self.constant && self.times.len() == 1
+        !self.constant && self.times.len() == 1 && self.formula.is_none()
     }
 
     /// The program gives it another value, without allocation.
@@ -111,6 +130,7 @@ impl Target {
         self.values.clone_from(&other.values);
         self.slopes.clone_from(&other.slopes);
         (self.interpolation, self.constant) = (other.interpolation, other.constant);
+        self.formula.clone_from(&other.formula);
     }
 
     /// Whether it never changes.
@@ -128,6 +148,34 @@ impl Target {
         self.at(time, time).1
     }
 
+    /// A curve through values at instants (s) with continuous rate, which is zero at both ends: of a joint that is moved.
+    ///
+    /// # Errors
+    /// As [`Target::table`].
+    pub fn smooth(points: &[(f64, f64)]) -> Result<Self, TargetError> {
+        let mut target = Target::table(points, Interpolation::Cubic)?;
+        target.slopes = slopes_between(&target.times, &target.values, [Some(0.0); 2]);
+        Ok(target)
+    }
+
+    /// Value, rate and rate of the rate at a time, of the curve that begins at or before `since` (s).
+    pub fn motion(&self, since: f64, time: f64) -> [f64; 3] {
+        if let Some(formula) = &self.formula {
+            return formula.at(time);
+        }
+        let (value, rate) = self.at(since, time);
+        let piece = self.times.partition_point(|&knot| knot <= since + 1e-12 * since.abs().max(1.0));
+        if self.interpolation != Interpolation::Cubic || piece == 0 || piece == self.times.len() {
+            return [value, rate, 0.0];
+        }
+        let left = piece - 1;
+        let (step, change) = (self.times[piece] - self.times[left], self.values[piece] - self.values[left]);
+        let (first, second) = (step * self.slopes[left], step * self.slopes[piece]);
+        let (square, cubic) = (3.0 * change - 2.0 * first - second, first + second - 2.0 * change);
+        let x = (time - self.times[left]) / step;
+        [value, rate, (2.0 * square + 6.0 * cubic * x) / (step * step)]
+    }
+
     /// Value and rate at a time, of the curve that begins at or before `since` (s): where that ends, the values before the jump.
     pub fn piece(&self, since: f64, time: f64) -> (f64, f64) {
         self.at(since, time)
@@ -135,7 +183,7 @@ impl Target {
 
     /// The next given instant after `time` (s).
     pub fn next_knot(&self, time: f64) -> f64 {
-        if self.is_constant() {
+        if self.is_constant() || self.formula.is_some() {
             return f64::INFINITY;
         }
         let next = self.times.partition_point(|&knot| knot <= time + 1e-12 * time.abs().max(1.0));
@@ -143,6 +191,10 @@ impl Target {
     }
 
     fn at(&self, since: f64, time: f64) -> (f64, f64) {
+        if let Some(formula) = &self.formula {
+            let [value, rate, _] = formula.at(time);
+            return (value, rate);
+        }
         // An instant that a step has reached but for a rounding is reached.
         let piece = self.times.partition_point(|&knot| knot <= since + 1e-12 * since.abs().max(1.0));
         let last = self.times.len() - 1;
@@ -171,6 +223,11 @@ impl Target {
 /// Slopes of the natural cubic spline: `m_{i−1}/h_{i−1} + 2 m_i (1/h_{i−1} + 1/h_i) + m_{i+1}/h_i = 3 (d_{i−1}/h_{i−1} + d_i/h_i)`, with
 /// `d_i = (r_{i+1} − r_i)/h_i`, and `2 m_0 + m_1 = 3 d_0` at the ends.
 fn spline_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
+    slopes_between(times, values, [None; 2])
+}
+
+/// The same with given slopes at the first and the last instant.
+fn slopes_between(times: &[f64], values: &[f64], ends: [Option<f64>; 2]) -> Vec<f64> {
     let count = times.len();
     if count == 1 {
         return vec![0.0];
@@ -179,6 +236,10 @@ fn spline_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let slope: Vec<f64> =
         values.windows(2).zip(&inverse).map(|(pair, inverse)| (pair[1] - pair[0]) * inverse).collect();
     let row = |index: usize| {
+        let given = if index == 0 { ends[0] } else { ends[1].filter(|_| index + 1 == count) };
+        if let Some(slope) = given {
+            return (0.0, 1.0, 0.0, slope);
+        }
         let before = if index > 0 { inverse[index - 1] } else { 0.0 };
         let after = if index + 1 < count { inverse[index] } else { 0.0 };
         let left = if index > 0 { slope[index - 1] * before } else { 0.0 };

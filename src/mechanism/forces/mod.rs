@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod differences;
 pub mod drag;
+pub mod gravity_compensation;
 pub mod joint_damper;
 pub mod joint_load;
 pub mod joint_spring;

@@ -67,8 +67,15 @@ pub fn scalar_coordinate(mechanism: &Mechanism, freedom: usize) -> Option<Coordi
     (offset < scalars).then_some(Coordinate { body, position: joint.position_index + offset, freedom })
 }
 
-/// At a time (s) the efforts of all forces in joints along the degrees of freedom [N m or N], written into `efforts`.
-pub fn joint_efforts(mechanism: &Mechanism, time: f64, position: &[f64], velocity: &[f64], efforts: &mut [f64]) {
+/// At a time (s) the efforts of all forces in joints along the degrees of freedom [N m or N], written into `efforts`, at positions which place the
+/// bodies.
+pub fn joint_efforts(
+    mechanism: &Mechanism,
+    time: f64,
+    (position, velocity): (&[f64], &[f64]),
+    bodies: &[BodyState],
+    efforts: &mut [f64],
+) {
     let forces = &mechanism.forces;
     efforts.fill(0.0);
     for damper in &forces.joint_dampers {
@@ -82,6 +89,9 @@ pub fn joint_efforts(mechanism: &Mechanism, time: f64, position: &[f64], velocit
     }
     for load in &forces.joint_courses {
         efforts[load.freedom] += load.effort * load.course.value(time, time);
+    }
+    for holding in &forces.gravity_compensations {
+        efforts[holding.freedom] += holding.effort(mechanism, bodies);
     }
 }
 
@@ -163,6 +173,9 @@ pub fn powers(mechanism: &Mechanism, time: f64, velocity: &[f64], bodies: &[Body
     }
     for drag in &forces.drags {
         powers.dissipated += drag.dissipated_power(&bodies[drag.body]);
+    }
+    for holding in &forces.gravity_compensations {
+        powers.work += holding.effort(mechanism, bodies) * velocity[holding.freedom];
     }
     powers
 }

@@ -9,7 +9,11 @@
 //!     line–point:    q = d − (d·z_a) z_a,  n = q/|q|  φ = |q| − R                p = b − r n
 //!     line–line:     n = side (z_a × z_b)/|z_a × z_b| φ = n·d − R                p = b + t z_b − r n
 //!     plane–rim:     n = z_a,  m = n − (n·z_b) z_b    φ = n·d − ρ |m|            p = b − ρ m/|m|
+//!     hollow–point:  n = −d/|d|                       φ = L − |d|                p = b
+//!     plane–ellipsoid: n = z_a,  m_i = r_i² (n·e_i),  s = √Σ r_i² (n·e_i)²        φ = n·d − s    p = b − Σ m_i e_i / s
 //! ```
+//!
+//! with the semi-axes r_i (m) of an ellipsoid along the axes e_i of its frame, and the length L (m) of a rope.
 //!
 //! where `b + t z_b` is the point of the second line that is nearest to the first: `t = ((d·z_a) e − d·z_b)/(1 − e²)`, `e = z_a·z_b`.
 //! n points from a to b. A rim that lies flat in the plane (m = 0) touches in all its points; p is its centre then.
@@ -68,9 +72,16 @@ pub struct Contact<S> {
     pub point: Triple<S>,
 }
 
-/// The contact of two features, with [`crate::description::contact::Touch::side`].
+/// The contact of two features, with [`crate::description::contact::Touch::side`]; `first_axis` is asked for the x axis of b where the feature of b is
+/// not round about z.
 #[inline(always)]
-pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S>) -> Contact<S> {
+pub fn contact<S: Smooth>(
+    pairing: Pairing,
+    side: f64,
+    a: Placed<S>,
+    b: Placed<S>,
+    first_axis: impl FnOnce() -> Triple<S>,
+) -> Contact<S> {
     let apart = b.origin.minus(a.origin);
     let (reach, radius) = (S::constant(pairing.reach), S::constant(pairing.radius));
     let between = |vector: Triple<S>| {
@@ -100,6 +111,22 @@ pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S
             let length = length(down);
             let point = b.origin.minus(down.times(rim * length.reciprocal()));
             Contact { gap: apart.dot(normal) - rim * length, normal, point }
+        }
+        Cores::Hollow => {
+            let length = length(apart);
+            let normal = apart.times(S::constant(-1.0) * length.reciprocal());
+            Contact { gap: reach - length, normal, point: b.origin }
+        }
+        Cores::PlaneEllipsoid(radii) => {
+            let first = first_axis();
+            let axes = [first, b.axis.cross(first), b.axis];
+            let normal = a.axis;
+            let tilts = axes.map(|axis| normal.dot(axis));
+            let squares = radii.map(|radius| S::constant(radius * radius));
+            let [x, y, z] = [0, 1, 2].map(|axis: usize| squares[axis] * tilts[axis]);
+            let height = (x * tilts[0] + y * tilts[1] + z * tilts[2]).square_root();
+            let arm = axes[0].times(x).plus(axes[1].times(y)).plus(axes[2].times(z)).times(height.reciprocal());
+            Contact { gap: apart.dot(normal) - height, normal, point: b.origin.minus(arm) }
         }
         Cores::LineRim(rim) => {
             let (along, axis, rim) = (a.axis, b.axis, S::constant(rim));

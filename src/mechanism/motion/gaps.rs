@@ -146,10 +146,11 @@ pub fn touch_gaps(joint: &TouchJoint, bodies: &[BodyState]) -> Gaps {
     gaps
 }
 
-/// The second derivatives of the equations of all closures, loops before contacts before mimics, for given accelerations of the joints and
-/// of the bodies.
+/// The second derivatives of the equations of all closures at a time (s), loops before contacts before mimics, for given accelerations of the joints
+/// and of the bodies.
 pub fn gap_accelerations(
     mechanism: &Mechanism,
+    time: f64,
     bodies: &[BodyState],
     joints: &[f64],
     accelerations: &[BodyAcceleration],
@@ -172,6 +173,7 @@ pub fn gap_accelerations(
     }
     for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
         *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];
+        *out -= mimic.motion(time, time)[2];
         mimic.more.iter().for_each(|(own, ratio)| *out -= ratio * joints[own.freedom]);
     }
 }
@@ -183,6 +185,13 @@ pub fn mimic_gap(mimic: &Mimic, state: &State) -> (f64, f64) {
     let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
     let gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
     let rate = state.velocity[mimic.follower.freedom] - mimic.multiplier * state.velocity[mimic.leader.freedom];
+    let (gap, rate) = match &mimic.over_time {
+        None => (gap, rate),
+        Some(motion) => {
+            let [place, speed, _] = motion.motion(state.time, state.time);
+            (gap - place, rate - speed)
+        }
+    };
     mimic.more.iter().fold((gap, rate), |(gap, rate), (own, ratio)| {
         let (position, rest) = (state.position[own.position], state.compensation[own.position]);
         (gap - ratio * position - ratio * rest, rate - ratio * state.velocity[own.freedom])

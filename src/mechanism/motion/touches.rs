@@ -8,6 +8,12 @@
 //!     (u · e)˙ = u̇ · e + u · (ω_a × e)                   along a tangent e that turns with a
 //! ```
 //!
+//! Surfaces that move over their bodies add `w = R_b w_b − R_a w_a`, along the tangents alone:
+//!
+//! ```text
+//!     u_T + w − n (n · w)                    (w · e − (n · w)(n · e))˙ = ẇ · e + w · ė − (n · w)(ṅ · e + n · ė),    ė = ω_a × e
+//! ```
+//!
 //! φ, n and p are differentiated exactly: [`crate::motion::contact_geometry`] in numbers with derivatives ([`crate::ground::smooth`]). A contact with
 //! features that make no pair has zeros.
 
@@ -30,7 +36,7 @@ pub struct TouchMotion {
     pub normal: Vector3<f64>,
     /// p in the world (m).
     pub point: Vector3<f64>,
-    /// `u_T`: the slip of the material of b on the material of a at p [m/s].
+    /// `u_T`: the slip of the surface of b on the surface of a at p [m/s].
     pub slip: Vector3<f64>,
 }
 
@@ -41,11 +47,21 @@ pub fn touch_motion(joint: &TouchJoint, bodies: &[BodyState]) -> TouchMotion {
         let (origin, axes) = end.place(bodies);
         Placed { origin: Triple(origin.into()), axis: Triple(axes.column(2).into_owned().into()) }
     };
-    let Contact { gap, normal, point } = contact::<f64>(pairing, joint.touch.side, place(&joint.a), place(&joint.b));
+    let first_axis = || Triple(joint.b.axes(bodies).column(0).into_owned().into());
+    let Contact { gap, normal, point } =
+        contact::<f64>(pairing, joint.touch.side, place(&joint.a), place(&joint.b), first_axis);
     let (normal, point) = (Vector3::from(normal.0), Vector3::from(point.0));
     let velocity = material(&joint.b, bodies, &point) - material(&joint.a, bodies, &point);
     let rate = normal.dot(&velocity);
-    TouchMotion { gap, rate, normal, point, slip: velocity - normal * rate }
+    let slip = velocity - normal * rate;
+    let slip = if joint.is_belt() { slip + belt(joint, bodies, &normal) } else { slip };
+    TouchMotion { gap, rate, normal, point, slip }
+}
+
+/// The part of the surface velocities along the tangents of a contact with this normal, in the world [m/s].
+pub fn belt(joint: &TouchJoint, bodies: &[BodyState], normal: &Vector3<f64>) -> Vector3<f64> {
+    let surface = joint.surface_velocity(bodies);
+    surface - normal * normal.dot(&surface)
 }
 
 /// Velocity of the material of a body at a point of the world [m/s].
@@ -65,14 +81,26 @@ pub fn touch_accelerations(
     let Some(pairing) = joint.touch.pairing() else { return [0.0; 3] };
     let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
     let [a, b] = ends.each_ref().map(|end| end.placed);
-    let Contact { gap, point, .. } = contact(pairing, joint.touch.side, a, b);
+    let Contact { gap, point, normal } = contact(pairing, joint.touch.side, a, b, || ends[1].axis(&joint.b, bodies, 0));
     let here = Vector3::from(point.0.map(|component| component.value));
     let moves = Vector3::from(point.0.map(|component| component.rate));
     let [of_a, of_b] = ends.each_ref().map(|end| end.material(&here, &moves));
     let (velocity, acceleration) = (of_b.0 - of_a.0, of_b.1 - of_a.1);
-    let along = |tangent: &Vector3<f64>| {
-        acceleration.dot(tangent) + velocity.dot(&ends[0].body.angular_velocity.cross(tangent))
-    };
+    let turning = |tangent: &Vector3<f64>| ends[0].body.angular_velocity.cross(tangent);
+    let along = |tangent: &Vector3<f64>| acceleration.dot(tangent) + velocity.dot(&turning(tangent));
+    if joint.is_belt() {
+        let surfaces = [joint.a.axes(bodies) * joint.surfaces[0], joint.b.axes(bodies) * joint.surfaces[1]];
+        let spins = ends.each_ref().map(|end| end.body.angular_velocity);
+        let surface = surfaces[1] - surfaces[0];
+        let change = spins[1].cross(&surfaces[1]) - spins[0].cross(&surfaces[0]);
+        let [normal, turns] = [normal.0.map(|part| part.value), normal.0.map(|part| part.rate)].map(Vector3::from);
+        let carried = |tangent: &Vector3<f64>| {
+            let tangent_turns = turning(tangent);
+            change.dot(tangent) + surface.dot(&tangent_turns)
+                - normal.dot(&surface) * (turns.dot(tangent) + normal.dot(&tangent_turns))
+        };
+        return [gap.second, along(&tangents[0]) + carried(&tangents[0]), along(&tangents[1]) + carried(&tangents[1])];
+    }
     [gap.second, along(&tangents[0]), along(&tangents[1])]
 }
 
@@ -88,20 +116,17 @@ impl<'b> Moving<'b> {
         let body = end.body.map_or(&WORLD, |body| &bodies[body]);
         let acceleration = end.body.map_or((Vector3::zeros(), Vector3::zeros()), |body| accelerations[body]);
         let (linear, angular) = acceleration;
-        // A vector fixed in the body, from its centre of mass.
-        let turned = |arm: &Vector3<f64>| {
-            let rate = body.angular_velocity.cross(arm);
-            [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]
-        };
-        let jets = |[value, rate, second]: [Vector3<f64>; 3]| {
-            Triple([0, 1, 2].map(|i| Jet { value: value[i], rate: rate[i], second: second[i] }))
-        };
         let (origin, axes) = end.place(bodies);
-        let arm = turned(&(origin - body.position));
+        let arm = turned(body, &angular, &(origin - body.position));
         let center = [body.position, body.velocity, linear];
         let origin = jets([center[0] + arm[0], center[1] + arm[1], center[2] + arm[2]]);
-        let axis = jets(turned(&axes.column(2).into_owned()));
+        let axis = jets(turned(body, &angular, &axes.column(2).into_owned()));
         Moving { body, acceleration, placed: Placed { origin, axis } }
+    }
+
+    /// An axis of the frame of this end with its derivatives.
+    fn axis(&self, end: &Attachment, bodies: &[BodyState], axis: usize) -> Triple<Jet> {
+        jets(turned(self.body, &self.acceleration.1, &end.axes(bodies).column(axis).into_owned()))
     }
 
     /// Velocity of the material at a point [m/s], and the derivative of it while the point moves [m/s²].
@@ -112,6 +137,17 @@ impl<'b> Moving<'b> {
         let acceleration = linear + angular.cross(&arm) + angular_velocity.cross(&(moves - velocity));
         (velocity + angular_velocity.cross(&arm), acceleration)
     }
+}
+
+/// A vector fixed in a body with this angular acceleration [rad/s²], and its first and second derivatives.
+fn turned(body: &BodyState, angular: &Vector3<f64>, arm: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    let rate = body.angular_velocity.cross(arm);
+    [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]
+}
+
+/// A vector with its derivatives as jets.
+fn jets([value, rate, second]: [Vector3<f64>; 3]) -> Triple<Jet> {
+    Triple([0, 1, 2].map(|i| Jet { value: value[i], rate: rate[i], second: second[i] }))
 }
 
 /// Two unit vectors that are square to a normal and to each other: the same ones for the same normal.

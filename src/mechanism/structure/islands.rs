@@ -172,6 +172,7 @@ impl Island {
         forces.joint_courses.retain(|load| acts_here(load.freedom));
         forces.link_loads.retain(|load| here(load.body));
         forces.drags.retain(|drag| here(drag.body));
+        forces.gravity_compensations.retain(|holding| acts_here(holding.freedom));
 
         mechanism.nonsmooth.keep_bodies(|body| here(body).then(|| into.body(body)));
         let Nonsmooth { limits, friction, motors, speeds, colliders: _, pairs: _ } = &mut mechanism.nonsmooth;

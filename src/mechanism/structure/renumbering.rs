@@ -44,6 +44,8 @@ impl Renumbering<'_> {
         forces.wrenches.iter_mut().for_each(|wrench| wrench.body = (self.body)(wrench.body));
         forces.joint_courses.iter_mut().for_each(|load| load.freedom = (self.freedom)(load.freedom));
         forces.link_loads.iter_mut().for_each(|load| load.body = (self.body)(load.body));
+        let holding = forces.gravity_compensations.iter_mut();
+        holding.for_each(|holding| holding.freedom = (self.freedom)(holding.freedom));
         forces.drags.iter_mut().for_each(|drag| drag.body = (self.body)(drag.body));
     }
 }

@@ -131,7 +131,7 @@ impl Graph {
             |ends: [Option<usize>; 2], rows: usize| Link { edge: None, ends, freedoms: 0, rows, fixed: false };
         let contacts = mechanism.touches.iter();
         links.extend(contacts.map(|joint| only_closes([joint.a.body, joint.b.body], joint.touch.rows())));
-        let mimics = mechanism.mimics.iter();
+        let mimics = mechanism.mimics.iter().filter(|mimic| !mimic.is_moved());
         links.extend(mimics.map(|mimic| only_closes([Some(mimic.follower.body), Some(mimic.leader.body)], 1)));
         let more =
             mechanism.mimics.iter().flat_map(|mimic| mimic.more.iter().map(|(own, _)| (mimic.follower.body, own.body)));
@@ -169,6 +169,7 @@ fn fixed_joints(mechanism: &Mechanism) -> Vec<bool> {
     let freedoms = forces.joint_dampers.iter().map(|damper| damper.freedom);
     let freedoms = freedoms.chain(forces.joint_loads.iter().map(|load| load.freedom));
     let freedoms = freedoms.chain(forces.joint_courses.iter().map(|load| load.freedom));
+    let freedoms = freedoms.chain(forces.gravity_compensations.iter().map(|holding| holding.freedom));
     let bodies = freedoms.filter_map(|freedom| mechanism.body_of_freedom(freedom));
     let bodies = bodies.chain(forces.joint_springs.iter().map(|spring| spring.coordinate.body));
     let Nonsmooth { friction, motors, .. } = &mechanism.nonsmooth;

@@ -3,7 +3,8 @@
 //! `L` is the frame of a link in the body that carries it, and `S` the frame of a shape in the link. The shape lies at `L S` in the body, or in the
 //! world if the link does not move. Shapes are not read if contacts are impossible (no obstacle, or `pairs = "none"`).
 
-use crate::mechanism::description::contact::Collider;
+use crate::geometry::kind;
+use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::coupling::overlaps::number;
@@ -15,13 +16,14 @@ use crate::model::description::never_touch::NeverTouch;
 use crate::model::description::robot_model::Model;
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Warning, listed};
+use nalgebra::Vector3;
 
 impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
     ///
     /// # Errors
-    /// [`ModelError`] for shapes of links without size, meshes that are there and cannot be used, unknown names, and obstacles with the name of a
-    /// link. Meshes of links that are not found are left out, with a warning.
+    /// [`ModelError`] for shapes of links without size, meshes that are there and cannot be used, unknown names, obstacles with the name of a
+    /// link, and ellipsoids that may touch anything but half spaces. Meshes of links that are not found are left out, with a warning.
     pub fn set_contact(&mut self, settings: &ContactSettings) -> Result<(), ModelError> {
         let of_rules = self.check_contact_names(settings)?;
         let robots = self.robots.len();
@@ -35,19 +37,36 @@ impl Model {
             }
             for (index, obstacle) in settings.obstacles.iter().enumerate() {
                 let (name, shape) = (obstacle.name.clone(), obstacle.shape.clone());
-                colliders.push(Collider { name, body: None, pose: obstacle.pose, shape });
+                let surface_velocity = obstacle.surface_velocity_in_world();
+                colliders.push(Collider { name, body: None, pose: obstacle.pose, shape, surface_velocity });
                 owners.push(Owner::Obstacle(index));
-                surfaces.push(Surface { friction: obstacle.friction, restitution: obstacle.restitution });
+                let (friction, restitution) = (obstacle.friction, obstacle.restitution);
+                surfaces.push(Surface { friction, restitution, velocity: None });
             }
         }
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
-        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
+        let (mut pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
+        for pair in &pairs {
+            for [own, other] in [[pair.a, pair.b], [pair.b, pair.a]].map(|pair| pair.map(|of| &colliders[of])) {
+                if matches!(own.shape, Shape::Ellipsoid { .. }) && other.shape != Shape::HalfSpace {
+                    let (a, b) = (own.name.clone(), other.name.clone());
+                    return Err(ModelError::EllipsoidTouches { a, b, other: kind(&other.shape) });
+                }
+            }
+        }
+        let ropes = std::mem::take(&mut self.contact.ropes);
+        for (index, rope) in ropes.iter().enumerate() {
+            let (a, number) = (colliders.len(), pairs.len());
+            colliders.extend(rope.colliders.iter().cloned());
+            owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
+            pairs.push(ContactPair { number, a, b: a + 1, friction: 0.0, restitution: rope.restitution });
+        }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
         self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
-        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes };
+        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes, ropes };
         Ok(())
     }
 
@@ -95,7 +114,10 @@ impl Model {
                 let pose = frame.in_body * given.origin;
                 let names = [link.name.as_str(), frame.name.as_str()];
                 let shapes = reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice)?;
-                let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
+                let surface_velocity =
+                    link.surface.velocity.map_or(Vector3::zeros(), |own| frame.in_body.rotation * own);
+                let (name, body) = (&frame.name, frame.body);
+                let collider = |shape| Collider { name: name.clone(), body, pose, shape, surface_velocity };
                 colliders.extend(shapes.into_iter().map(collider));
                 surfaces.resize(colliders.len(), link.surface);
             }

@@ -58,6 +58,10 @@ impl ShapeReader {
                 radius: positive("radius of its capsule", *radius)?,
                 half: 0.5 * positive("length of its capsule", *length)?,
             },
+            Geometry::Ellipsoid { radii } => {
+                radii.iter().try_for_each(|&radius| positive("semi-axis of its ellipsoid", radius).map(drop))?;
+                Shape::Ellipsoid { radii: *radii }
+            }
             Geometry::Mesh(mesh) => {
                 let unusable = |problem: String| CouplingProblem::Mesh {
                     mesh: mesh.path.as_str().into(),

@@ -8,6 +8,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::coupling::builder::Builder;
 use crate::model::coupling::forces::{Load, Spring};
+use crate::model::description::contact_pairs::RopeRecord;
 use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
 use crate::scene::{Scene, UrdfJointKind, Warning};
@@ -24,6 +25,7 @@ impl Model {
         let mut warnings = Vec::new();
         let mut mimics = builder.urdf_mimics(&mut warnings)?;
         mimics.extend(builder.relations()?);
+        mimics.extend(builder.motions()?);
         let limits = builder.limits(&mut warnings);
         let rotors = builder.rotors(&mut warnings);
         self.mechanism.mimics = mimics;
@@ -68,6 +70,8 @@ impl Model {
         for drag in scene.iter().flat_map(|scene| &scene.drags) {
             forces.drags.push(builder.drag(drag)?);
         }
+        let ropes = scene.iter().flat_map(|scene| &scene.ropes).map(|rope| builder.rope(rope));
+        let ropes = ropes.collect::<Result<Vec<RopeRecord>, ModelError>>()?;
         let mut warnings = Vec::new();
         let springs_dampers = forces.joint_dampers.len();
         forces.joint_dampers.extend(builder.dampers(&mut warnings));
@@ -75,6 +79,7 @@ impl Model {
         let mut unbounded = Vec::new();
         let (motors, at_start) = builder.motors(&mut unbounded)?;
         warnings.extend(Warning::of_kind(unbounded, "motor", "motors"));
+        forces.gravity_compensations = builder.gravity_compensations(&loops)?;
         let nonsmooth = Nonsmooth {
             limits: self.mechanism.nonsmooth.limits.clone(),
             friction: builder.friction(&mut warnings),
@@ -85,6 +90,7 @@ impl Model {
         self.mechanism.loops = loops;
         self.mechanism.nonsmooth = nonsmooth;
         self.mechanism.forces = forces;
+        self.contact.ropes = ropes;
         self.damping = damping;
         self.at_start = at_start;
         self.warnings.extend(warnings);

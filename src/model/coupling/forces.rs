@@ -103,11 +103,12 @@ fn course_of(load: &SceneLoad) -> Option<Course> {
         // The reader has checked the table.
         Factor::Table(table) => Course::table(table.target().unwrap_or_else(|_| Target::constant(0.0))),
         Factor::Wave(wave) => Course::wave(*wave),
+        Factor::Formula(formula) => Course::table(Target::formula(formula.clone())),
     };
     Some(course.between(load.from.unwrap_or(f64::NEG_INFINITY), load.until.unwrap_or(f64::INFINITY)))
 }
 
 /// A frame at a point, parallel to what the point is given in.
-fn frame_at(point: &Vector3<f64>) -> Pose {
+pub(crate) fn frame_at(point: &Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(*point), Rotation3::identity())
 }

@@ -71,6 +71,7 @@ impl Builder<'_> {
                 multiplier: mimic.multiplier,
                 offset: mimic.offset,
                 more: Vec::new(),
+                over_time: None,
             });
         }
         warnings.extend(Warning::of_kind(still, "joint", "joints"));
@@ -145,6 +146,7 @@ mod tests {
             multiplier: -2.0,
             offset: 0.5,
             more: Vec::new(),
+            over_time: None,
         };
         assert_eq!(mimics.expect("good relations"), [expected]);
     }

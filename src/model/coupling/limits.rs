@@ -27,11 +27,16 @@ impl Builder<'_> {
     /// The limits of all joints that turn about or slide along an axis.
     pub(crate) fn limits(&self, warnings: &mut Vec<Warning>) -> Vec<JointLimit> {
         let mut limits = Vec::new();
-        let (mut empty, mut idle) = (Vec::new(), Vec::new());
+        let (mut empty, mut idle, mut moved) = (Vec::new(), Vec::new(), Vec::new());
         for of in self.urdf_joints() {
             let joint = of.joint;
             let Some(coordinate) = of.coordinate(self) else { continue };
             let said = self.said(of.robot, &joint.name);
+            if self.is_moved(&of) {
+                let has_limits = said.is_some_and(|said| said.limit.is_some()) || joint.own_limits().is_some();
+                moved.extend(has_limits.then(|| self.left_out(&of, "limits are")));
+                continue;
+            }
             let range = match said.and_then(|said| said.limit) {
                 Some(LimitChoice::Unlimited) => None,
                 Some(LimitChoice::Range(lower, upper)) => {
@@ -57,6 +62,7 @@ impl Builder<'_> {
         }
         warnings.extend(Warning::of_kind(empty, "joint", "joints"));
         warnings.extend(idle);
+        warnings.extend(Warning::of_kind(moved, "joint", "joints"));
         limits
     }
 }

@@ -10,11 +10,12 @@ impl Builder<'_> {
     /// The dry friction of `<dynamics friction>`, or what a `[[joint]]` says instead.
     pub(crate) fn friction(&self, warnings: &mut Vec<Warning>) -> Vec<DryFriction> {
         let mut all = Vec::new();
-        let mut unsimulated = Vec::new();
+        let (mut unsimulated, mut moved) = (Vec::new(), Vec::new());
         for of in self.urdf_joints() {
             let of_urdf = of.joint.dynamics.map_or(0.0, |dynamics| dynamics.friction);
             let effort = self.said(of.robot, &of.joint.name).and_then(|said| said.friction).unwrap_or(of_urdf);
             match of.coordinate(self) {
+                Some(_) if effort > 0.0 && self.is_moved(&of) => moved.push(self.left_out(&of, "friction is")),
                 Some(coordinate) if effort > 0.0 => all.push(DryFriction { coordinate, effort }),
                 None if effort > 0.0 && of.moves() => {
                     let message = "its friction is not simulated: only joints that turn about or slide along an axis have friction";
@@ -24,6 +25,7 @@ impl Builder<'_> {
             }
         }
         warnings.extend(Warning::of_kind(unsimulated, "joint", "joints"));
+        warnings.extend(Warning::of_kind(moved, "joint", "joints"));
         all
     }
 

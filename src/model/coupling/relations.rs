@@ -28,6 +28,7 @@ impl Builder<'_> {
                 multiplier: -second / first,
                 offset: coupling.offset / first,
                 more: more.iter().map(|&(own, coefficient)| (own, -coefficient / first)).collect(),
+                over_time: None,
             });
         }
         Ok(relations)

@@ -16,6 +16,7 @@
 use crate::mechanism::description::contact::{Collider, Shape};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::matrices::times;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -49,65 +50,106 @@ pub(crate) fn ball_about(collider: &Collider) -> Ball {
         Shape::Capsule { radius, half } => (Vector3::zeros(), radius + half),
         Shape::Cylinder { radius, half } => (Vector3::zeros(), radius.hypot(*half)),
         Shape::Box { half } => (Vector3::zeros(), half.norm()),
+        Shape::Ellipsoid { radii } => (Vector3::zeros(), radii.max()),
+        Shape::Hollow { .. } => (Vector3::zeros(), f64::INFINITY),
+        Shape::Point => (Vector3::zeros(), 0.0),
         Shape::Hull(points) => about(points),
         Shape::Mesh(surface) => about(&surface.vertices),
     };
     Ball { center: (collider.pose * Point3::from(middle)).coords, radius }
 }
 
-/// The positions of a joint: middle and half width (rad, m).
+/// The positions of a joint: middle and half width (rad, m), and the sines and cosines of both, which boxes share.
 #[derive(Clone, Copy, Debug)]
 struct Interval {
     middle: f64,
     half: f64,
+    /// Sine and cosine of the middle.
+    turn: (f64, f64),
+    /// r cos δ and r sin δ over r, where the joint turns.
+    shrink: f64,
+    grow: f64,
+}
+
+impl Interval {
+    fn new(middle: f64, half: f64) -> Self {
+        let (shrink, grow) = if half < FRAC_PI_2 { (half.cos(), half.sin()) } else { (0.0, 1.0) };
+        Interval { middle, half, turn: middle.sin_cos(), shrink, grow }
+    }
+
+    /// The middle alone.
+    fn centre(self) -> Self {
+        Interval { half: 0.0, shrink: 1.0, grow: 0.0, ..self }
+    }
+
+    /// Its lower and its upper half.
+    fn halves(self) -> [Self; 2] {
+        let low = Interval::new(self.middle - 0.5 * self.half, 0.5 * self.half);
+        let middle = self.middle + 0.5 * self.half;
+        [low, Interval { middle, turn: middle.sin_cos(), ..low }]
+    }
+}
+
+/// A joint on the way up.
+struct Link {
+    /// The body that hangs on it.
+    body: usize,
+    kind: JointKind,
+    /// The poses that lead from the axes of that body to those of the joint, and on to those of the body before it.
+    into: Pose,
+    out: Pose,
 }
 
 /// The joints from a body up to a common ancestor.
 struct Chain {
-    joints: Vec<usize>,
+    joints: Vec<Link>,
 }
 
 /// Whether no position of the joints within their limits brings two shapes of one tree together.
-pub(crate) fn never_meet_within_limits(mechanism: &Mechanism, a: &Collider, b: &Collider) -> bool {
-    let [up_a, up_b] = chains(mechanism, [a.body, b.body]);
-    let joints: Vec<usize> = up_a.joints.iter().chain(&up_b.joints).copied().collect();
-    let (ball_a, ball_b) = (ball_about(a), ball_about(b));
+pub(crate) fn never_meet_within_limits(
+    mechanism: &Mechanism,
+    bodies: [Option<usize>; 2],
+    [ball_a, ball_b]: [Ball; 2],
+) -> bool {
+    let [up_a, up_b] = chains(mechanism, bodies);
+    let joints: Vec<&Link> = up_a.joints.iter().chain(&up_b.joints).collect();
     if joints.len() > JOINTS || !(ball_a.radius + ball_b.radius).is_finite() {
         return false;
     }
-    let Some(first) = joints.iter().map(|&body| interval(mechanism, body)).collect::<Option<Vec<Interval>>>() else {
+    let Some(first) = joints.iter().map(|joint| interval(mechanism, joint.body)).collect::<Option<Vec<Interval>>>()
+    else {
         return false;
     };
     let count = up_a.joints.len();
     // The radii that the joints add, and by how much the balls are apart.
     let apart = |intervals: &[Interval], radii: &mut Vec<f64>| {
         radii.clear();
-        let center_a = climb(mechanism, &up_a, &intervals[..count], ball_a.center, radii);
-        let center_b = climb(mechanism, &up_b, &intervals[count..], ball_b.center, radii);
+        let center_a = climb(&up_a, &intervals[..count], ball_a.center, radii);
+        let center_b = climb(&up_b, &intervals[count..], ball_b.center, radii);
         let reach = radii.iter().sum::<f64>() + ball_a.radius + ball_b.radius;
         let scale = reach + center_a.norm() + center_b.norm();
         (center_a - center_b).norm() - reach - MARGIN * scale
     };
     let mut left = vec![first];
     let mut radii = Vec::with_capacity(joints.len());
+    let mut middles = Vec::with_capacity(joints.len());
     for _ in 0..BOXES {
-        let Some(intervals) = left.pop() else { return true };
+        let Some(mut intervals) = left.pop() else { return true };
         if apart(&intervals, &mut radii) > 0.0 {
             continue;
         }
-        let splits = |joint: &usize| mechanism.bodies[joints[*joint]].joint.kind != JointKind::Spherical;
+        let splits = |joint: &usize| joints[*joint].kind != JointKind::Spherical;
         let widest = (0..joints.len()).filter(splits).max_by(|&one, &other| radii[one].total_cmp(&radii[other]));
-        let middles: Vec<Interval> = intervals.iter().map(|of| Interval { half: 0.0, ..*of }).collect();
+        middles.clear();
+        middles.extend(intervals.iter().map(|of| of.centre()));
         let Some(widest) = widest.filter(|&widest| radii[widest] > 0.0) else { return false };
         if apart(&middles, &mut radii) <= 0.0 {
             return false;
         }
-        for side in [-0.5, 0.5] {
-            let mut half = intervals.clone();
-            let Interval { middle, half: width } = intervals[widest];
-            half[widest] = Interval { middle: middle + side * width, half: 0.5 * width };
-            left.push(half);
-        }
+        let mut other = intervals.clone();
+        let [low, high] = intervals[widest].halves();
+        (intervals[widest], other[widest]) = (low, high);
+        left.extend([intervals, other]);
     }
     false
 }
@@ -120,7 +162,8 @@ fn chains(mechanism: &Mechanism, ends: [Option<usize>; 2]) -> [Chain; 2] {
     while here[0] != here[1] {
         let side = usize::from(here[1] > here[0]);
         let Some(body) = here[side] else { break };
-        chains[side].joints.push(body);
+        let Joint { kind, on_parent, on_child, .. } = &mechanism.bodies[body].joint;
+        chains[side].joints.push(Link { body, kind: *kind, into: on_child.inverse(), out: *on_parent });
         here[side] = mechanism.bodies[body].parent;
     }
     chains
@@ -132,39 +175,30 @@ fn interval(mechanism: &Mechanism, body: usize) -> Option<Interval> {
     let [lower, upper] = limit.map_or([f64::NEG_INFINITY, f64::INFINITY], |limit| [limit.lower, limit.upper]);
     let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
     match mechanism.bodies[body].joint.kind {
-        JointKind::Revolute if half < PI => Some(Interval { middle, half }),
-        JointKind::Revolute => Some(Interval { middle: 0.0, half: PI }),
-        JointKind::Prismatic if half.is_finite() => Some(Interval { middle, half }),
-        JointKind::Spherical => Some(Interval { middle: 0.0, half: PI }),
+        JointKind::Revolute if half < PI => Some(Interval::new(middle, half)),
+        JointKind::Revolute => Some(Interval::new(0.0, PI)),
+        JointKind::Prismatic if half.is_finite() => Some(Interval::new(middle, half)),
+        JointKind::Spherical => Some(Interval::new(0.0, PI)),
         _ => None,
     }
 }
 
 /// Takes the center of a ball up a chain of joints, each with an interval of positions, whose radii are added to the list.
-fn climb(
-    mechanism: &Mechanism,
-    chain: &Chain,
-    intervals: &[Interval],
-    center: Vector3<f64>,
-    radii: &mut Vec<f64>,
-) -> Vector3<f64> {
-    chain.joints.iter().zip(intervals).fold(center, |center, (&body, interval)| {
-        let Joint { kind, on_parent, on_child, .. } = &mechanism.bodies[body].joint;
-        let at = |frame: &Pose, point: Vector3<f64>| (frame * Point3::from(point)).coords;
-        let local = at(&on_child.inverse(), center);
-        let (middle, radius) = swept(*kind, local, *interval);
+fn climb(chain: &Chain, intervals: &[Interval], center: Vector3<f64>, radii: &mut Vec<f64>) -> Vector3<f64> {
+    let at = |frame: &Pose, point: Vector3<f64>| times(frame.rotation.matrix(), &point) + frame.translation.vector;
+    chain.joints.iter().zip(intervals).fold(center, |center, (link, interval)| {
+        let (middle, radius) = swept(link.kind, at(&link.into, center), interval);
         radii.push(radius);
-        at(on_parent, middle)
+        at(&link.out, middle)
     })
 }
 
 /// The ball about all places of a point in the frame of a joint.
-fn swept(kind: JointKind, point: Vector3<f64>, Interval { middle, half }: Interval) -> (Vector3<f64>, f64) {
+fn swept(kind: JointKind, point: Vector3<f64>, interval: &Interval) -> (Vector3<f64>, f64) {
+    let Interval { middle, half, turn: (sin, cos), shrink, grow } = *interval;
     match kind {
         JointKind::Revolute => {
-            let (sin, cos) = middle.sin_cos();
             let turned = Vector3::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y, 0.0);
-            let (shrink, grow) = if half < FRAC_PI_2 { (half.cos(), half.sin()) } else { (0.0, 1.0) };
             (turned * shrink + Vector3::new(0.0, 0.0, point.z), point.xy().norm() * grow)
         }
         JointKind::Prismatic => (point + Vector3::new(0.0, 0.0, middle), half),
@@ -215,7 +249,17 @@ mod tests {
     }
 
     fn ball(body: usize, radius: f64) -> Collider {
-        Collider { name: String::new(), body: Some(body), pose: at(0.5, 0.0, 0.0), shape: Shape::Sphere { radius } }
+        Collider {
+            name: String::new(),
+            body: Some(body),
+            pose: at(0.5, 0.0, 0.0),
+            shape: Shape::Sphere { radius },
+            surface_velocity: Vector3::zeros(),
+        }
+    }
+
+    fn never_meet(mechanism: &Mechanism, one: &Collider, other: &Collider) -> bool {
+        never_meet_within_limits(mechanism, [one.body, other.body], [one, other].map(ball_about))
     }
 
     #[test]
@@ -225,11 +269,11 @@ mod tests {
             let least = 2.0 * f64::cos(0.5 * limit);
             for (radius, never) in [(0.4 * least, true), (0.51 * least, false)] {
                 let (one, other) = (ball(0, radius), ball(2, radius));
-                assert_eq!(never_meet_within_limits(&arm([PI, limit]), &one, &other), never, "{limit} {radius}");
+                assert_eq!(never_meet(&arm([PI, limit]), &one, &other), never, "{limit} {radius}");
             }
         }
         // Without limits they meet.
-        assert!(!never_meet_within_limits(&arm([f64::INFINITY; 2]), &ball(0, 0.01), &ball(2, 0.01)));
+        assert!(!never_meet(&arm([f64::INFINITY; 2]), &ball(0, 0.01), &ball(2, 0.01)));
     }
 
     #[test]
@@ -250,7 +294,7 @@ mod tests {
                     least = least.min((place(&one, 0) - place(&other, 2)).norm() - 2.0 * radius);
                 }
             }
-            assert_eq!(never_meet_within_limits(&mechanism, &one, &other), least > 0.0, "{limits:?} {least}");
+            assert_eq!(never_meet(&mechanism, &one, &other), least > 0.0, "{limits:?} {least}");
         }
     }
 }

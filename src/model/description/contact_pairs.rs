@@ -5,7 +5,7 @@
 //! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
 
 use crate::mechanism::description::contact::{Collider, ContactPair};
-use crate::model::description::chain_reach::never_meet_within_limits;
+use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within_limits};
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::kinship::Kinship;
 use crate::model::description::never_touch::NeverTouch;
@@ -28,6 +28,25 @@ pub enum Owner {
     Robot(usize),
     /// An obstacle, by number.
     Obstacle(usize),
+    /// The first end of a rope, with its length, by number.
+    Rope(usize),
+    /// The second end.
+    RopeEnd(usize),
+}
+
+/// A rope between two points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RopeRecord {
+    /// Its name.
+    pub name: String,
+    /// The links of its ends.
+    pub links: [String; 2],
+    /// The ball in which it holds its second end, and that end.
+    pub colliders: [Collider; 2],
+    /// m.
+    pub length: f64,
+    /// e.
+    pub restitution: f64,
 }
 
 /// The record of the shapes of a model.
@@ -41,6 +60,8 @@ pub struct ContactRecord {
     pub left_out: Vec<LeftOutPair>,
     /// The meshes of links that were read.
     pub meshes: Vec<MeshSource>,
+    /// The ropes, whose ends are the last colliders and pairs.
+    pub ropes: Vec<RopeRecord>,
 }
 
 /// The pairs of colliders that may touch, and those that never do.
@@ -55,6 +76,7 @@ pub(crate) fn contact_pairs(
     let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
     let kinship = Kinship::new(reach.mechanism());
     let itself = settings.touches_itself(robots);
+    let balls: Vec<Ball> = if itself { colliders.iter().map(ball_about).collect() } else { Vec::new() };
     for (a, one) in colliders.iter().enumerate() {
         for (b, other) in colliders.iter().enumerate().skip(a + 1) {
             let own = owners[a] == owners[b];
@@ -68,8 +90,9 @@ pub(crate) fn contact_pairs(
                 manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
             let joined = || if own { kinship.reason([one.body, other.body]) } else { None };
-            let apart =
-                || reach.never_meet(one, other) || (own && never_meet_within_limits(reach.mechanism(), one, other));
+            let within_limits =
+                || never_meet_within_limits(reach.mechanism(), [one.body, other.body], [balls[a], balls[b]]);
+            let apart = || reach.never_meet(one, other) || (own && within_limits());
             let because = match ignored {
                 _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
                 Some(line) => Some(NeverTouch::Ignored(line)),

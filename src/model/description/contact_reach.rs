@@ -148,6 +148,9 @@ fn radius(shape: &Shape) -> f64 {
         Shape::Capsule { radius, half } => radius + half,
         Shape::Cylinder { radius, half } => radius.hypot(*half),
         Shape::Box { half } => half.norm(),
+        Shape::Ellipsoid { radii } => radii.max(),
+        Shape::Hollow { .. } => f64::INFINITY,
+        Shape::Point => 0.0,
         Shape::Hull(points) => farthest(points),
         Shape::Mesh(surface) => farthest(&surface.vertices),
     }
@@ -162,6 +165,9 @@ fn extent(shape: &Shape, direction: &Vector3<f64>) -> f64 {
         Shape::Capsule { radius, half } => radius + half * direction.z.abs(),
         Shape::Cylinder { radius, half } => radius * direction.xy().norm() + half * direction.z.abs(),
         Shape::Box { half } => half.dot(&direction.abs()),
+        Shape::Ellipsoid { radii } => radii.component_mul(direction).norm(),
+        Shape::Hollow { .. } => f64::INFINITY,
+        Shape::Point => 0.0,
         Shape::Hull(points) => farthest(points),
         Shape::Mesh(surface) => farthest(&surface.vertices),
     }
@@ -217,7 +223,7 @@ mod tests {
     }
 
     fn collider(body: Option<usize>, shape: Shape, pose: Pose) -> Collider {
-        Collider { name: String::new(), body, pose, shape }
+        Collider { name: String::new(), body, pose, shape, surface_velocity: Vector3::zeros() }
     }
 
     #[test]

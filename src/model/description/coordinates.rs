@@ -95,6 +95,13 @@ impl Model {
             }
         }
         let mimics = &self.mechanism.mimics;
+        let moved = || mimics.iter().filter(|mimic| mimic.is_moved());
+        for mimic in moved() {
+            if std::mem::replace(&mut given[mimic.follower.body], true) {
+                return Err(ModelError::Moved(mimic.name.clone()));
+            }
+            state.position[mimic.follower.position] = mimic.motion(0.0, 0.0)[0];
+        }
         let place = |of: Coordinate| of.position;
         Followed { values: &mut state.position, place, offsets: true }.decide(mimics, given);
         let mut given = vec![false; self.mechanism.bodies.len()];
@@ -107,6 +114,12 @@ impl Model {
             let (record, body) = self.moving_joint(name)?;
             self.set_velocity(&mut state, record, values)?;
             given[body] = true;
+        }
+        for mimic in moved() {
+            if std::mem::replace(&mut given[mimic.follower.body], true) {
+                return Err(ModelError::Moved(mimic.name.clone()));
+            }
+            state.velocity[mimic.follower.freedom] = mimic.motion(0.0, 0.0)[1];
         }
         let place = |of: Coordinate| of.freedom;
         Followed { values: &mut state.velocity, place, offsets: false }.decide(mimics, given);

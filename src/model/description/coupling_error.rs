@@ -58,12 +58,20 @@ pub enum CouplingProblem {
     /// A spring between two points of one body.
     #[error("links {a:?} and {b:?} are fixed to each other, so the spring does nothing; leave it out")]
     IdleSpring { a: String, b: String },
+    /// A rope between two points of one body.
+    #[error("its points are on {a:?} and {b:?}, which do not move against each other; leave it out")]
+    IdleRope { a: String, b: String },
     /// A load on a fixed link.
     #[error("link {0:?} is fixed in the world, so the load does nothing; leave it out")]
     IdleLoad(String),
     /// A joint that has no displacement of one number.
     #[error("joint {joint:?} {reason}; one that turns about or slides along its axis is needed")]
     NotScalar { joint: String, reason: &'static str },
+    /// A loop that leads around a joint whose weight is to be held.
+    #[error(
+        "loop {closing:?} leads around joint {joint:?}, so that the joint has no weight of its own; leave out gravity_compensation here"
+    )]
+    WeightInLoop { joint: String, closing: String },
     /// A collision shape without size.
     #[error("the {what} is {size} m; it must be greater than zero")]
     ShapeSize { what: &'static str, size: f64 },

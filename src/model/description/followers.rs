@@ -92,6 +92,7 @@ mod tests {
             multiplier,
             offset,
             more: Vec::new(),
+            over_time: None,
         };
         // Joint 2 follows 1, 1 follows 0; joint 3 follows 0 and is listed first.
         let mimics = [mimic(3, 0, 4.0, 0.0), mimic(2, 1, 2.0, -0.3), mimic(1, 0, 0.5, 0.1)];

@@ -50,6 +50,9 @@ pub enum ModelError {
     /// A quaternion without a direction.
     #[error("the position of joint {joint:?} is no rotation: its quaternion w, x, y, z has no length")]
     NoRotation { joint: String },
+    /// A start of a joint that is moved in time.
+    #[error("joint {0:?} starts where its [[motion]] puts it; leave out the position and the velocity that are given")]
+    Moved(String),
     /// An angle whose digits do not say where the joint is.
     #[error(
         "the position of joint {joint:?} is {angle:e} rad; above {largest:e} rad, double precision does not resolve the angle within a \
@@ -74,6 +77,12 @@ pub enum ModelError {
          direction; start it elsewhere, or give it no rest length"
     )]
     UndirectedSpring { spring: String, rest_length: f64 },
+    /// An ellipsoid and a shape with which its contact is not simulated.
+    #[error(
+        "{a:?} and {b:?} may touch, but contact of an ellipsoid with a {other} is not simulated, only with half spaces; leave the pair out: \
+         [[contact.pair]] with a = {a:?}, b = {b:?}, ignore = true"
+    )]
+    EllipsoidTouches { a: String, b: String, other: &'static str },
     /// An obstacle that reports could not tell from a link.
     #[error("obstacle {0:?} has the name of a link; give it another")]
     ObstacleNamedAsLink(String),

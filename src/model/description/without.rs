@@ -61,6 +61,7 @@ impl Model {
                 Left::Friction => mechanism.nonsmooth.friction.clear(),
                 Left::Motors => {
                     mechanism.nonsmooth.motors.clear();
+                    mechanism.forces.gravity_compensations.clear();
                     self.at_start.clear();
                 }
                 Left::Damping => {

@@ -1,6 +1,7 @@
 //! The numbers of joints in a log, each with its quantity, its joint and its unit.
 
 use crate::model::Model;
+use crate::output::log::messages::motors::OF_GRAVITY;
 use crate::output::log::reading::decode::MultiDofStates;
 use crate::output::log::reading::frames::Frame;
 use crate::scene::UrdfJointKind;
@@ -128,12 +129,16 @@ pub fn joint_values(frame: &Frame, kinds: &JointKinds) -> Vec<JointValue> {
         }
     }
     for (joint, &effort) in frame.motors.names.iter().zip(&frame.motors.efforts) {
+        let (joint, what) = match joint.strip_suffix(OF_GRAVITY) {
+            Some(held) => (held, "gravity_compensation"),
+            None => (joint.as_str(), "motor_effort"),
+        };
         let quantity = match kinds.get(joint) {
             Some(UrdfJointKind::Prismatic) => Quantity::MotorForce,
             Some(_) => Quantity::MotorTorque,
             None => Quantity::MotorEffort,
         };
-        add(joint, "motor_effort", "", quantity, effort);
+        add(joint, what, "", quantity, effort);
     }
     for (index, joint) in frame.multi_dof.names.iter().enumerate() {
         let slides = kinds.get(joint) != Some(&UrdfJointKind::Spherical);

@@ -16,29 +16,32 @@ use serde::Serialize;
 
 /// An obstacle, or a collision shape of a link.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct DrawnCollider {
+pub(in crate::output) struct DrawnCollider {
     /// The obstacle or link.
-    name: String,
+    pub name: String,
     /// The body that carries it; `None` is the world.
     #[serde(skip_serializing_if = "Option::is_none")]
-    body: Option<usize>,
+    pub body: Option<usize>,
     /// `half_space`, `box` (edges), `sphere` (radius), `cylinder` and `capsule` (radius, length; axis z), `mesh` (scale).
-    kind: &'static str,
+    pub kind: &'static str,
     /// Lengths (m) or factors, as the kind says.
-    size: Vec<f64>,
+    pub size: Vec<f64>,
     /// Its frame in the body, or in the world: x, y, z (m), then w, x, y, z.
-    pose: [f64; 7],
+    pub pose: [f64; 7],
     /// The mesh, by its number.
     #[serde(skip_serializing_if = "Option::is_none")]
-    mesh: Option<usize>,
+    pub mesh: Option<usize>,
 }
 
 /// Gathers the obstacles of a model and the collision shapes of its links, and adds their meshes to the meshes of the robots; `with_meshes` false
 /// leaves meshes out.
-pub(super) fn colliders(model: &Model, looks: &mut Looks, with_meshes: bool) -> [Vec<DrawnCollider>; 2] {
+pub(in crate::output) fn colliders(model: &Model, looks: &mut Looks, with_meshes: bool) -> [Vec<DrawnCollider>; 2] {
     let (mut left_out, mut drawn) = ([0; 2], [Vec::new(), Vec::new()]);
     for (collider, owner) in model.mechanism.nonsmooth.colliders.iter().zip(&model.contact.owners) {
         let of_link = usize::from(matches!(owner, Owner::Robot(_)));
+        if matches!(owner, Owner::Rope(_) | Owner::RopeEnd(_)) {
+            continue;
+        }
         match drawn_collider(collider, looks, with_meshes) {
             Some(one) => drawn[of_link].push(one),
             None => left_out[of_link] += 1,
@@ -70,6 +73,8 @@ fn drawn_collider(collider: &Collider, looks: &mut Looks, with_meshes: bool) -> 
         Shape::Capsule { radius, half } => ("capsule", vec![*radius, 2.0 * half]),
         Shape::Cylinder { radius, half } => ("cylinder", vec![*radius, 2.0 * half]),
         Shape::Box { half } => ("box", half.iter().map(|half| 2.0 * half).collect()),
+        Shape::Hollow { .. } | Shape::Point => return None,
+        Shape::Ellipsoid { radii } => ("ellipsoid", radii.iter().copied().collect()),
         Shape::Mesh(surface) => add(surface)?,
         // Points without a hull touch no other shape.
         Shape::Hull(points) => add(&hull_surface(points).unwrap_or_default())?,

@@ -8,8 +8,9 @@
 //! | all other `.js`         | ours, in the order of [`SCRIPTS`]; each begins with what it does |
 
 /// Our scripts, each of which uses those before it alone.
-const SCRIPTS: [&str; 14] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("assets/packed.js"),
+    include_str!("assets/theme.js"),
     include_str!("assets/poses.js"),
     include_str!("assets/surfaces.js"),
     include_str!("assets/view.js"),
@@ -18,8 +19,11 @@ const SCRIPTS: [&str; 14] = [
     include_str!("assets/collision_shapes.js"),
     include_str!("assets/forces.js"),
     include_str!("assets/arrows.js"),
+    include_str!("assets/trails.js"),
     include_str!("assets/curves.js"),
+    include_str!("assets/phase.js"),
     include_str!("assets/timeline.js"),
+    include_str!("assets/second.js"),
     include_str!("assets/panels.js"),
     include_str!("assets/joints.js"),
     include_str!("assets/main.js"),

@@ -16,28 +16,35 @@ use serde::Serialize;
 /// Gives the file of a mesh: of this link, the visual that is its so-manieth with a mesh, from 0.
 ///
 /// The error is the reason of its absence, without the name of the file.
-pub(super) type MeshSource<'s> = dyn Fn(&str, usize, &MeshFile) -> Result<MeshData, String> + 's;
+pub(in crate::output) type MeshSource<'s> = dyn Fn(&str, usize, &MeshFile) -> Result<MeshData, String> + 's;
 
 /// Something drawn on a link.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct DrawnShape {
+pub(in crate::output) struct DrawnShape {
     /// The link, by its number in the model.
-    link: usize,
+    pub link: usize,
     /// `box` (edges), `sphere` (radius), `cylinder` and `capsule` (radius, length; axis z), `mesh` (scale).
-    kind: &'static str,
+    pub kind: &'static str,
     /// Lengths (m) or factors, as the kind says.
-    size: Vec<f64>,
+    pub size: Vec<f64>,
     /// The frame of the shape in the link frame: x, y, z (m), then w, x, y, z.
-    pose: [f64; 7],
+    pub pose: [f64; 7],
     /// Red, green, blue, opacity in 0..1; `null`: the page's own grey.
-    color: Option<[f64; 4]>,
+    pub color: Option<[f64; 4]>,
     /// The mesh, by its number.
     #[serde(skip_serializing_if = "Option::is_none")]
-    mesh: Option<usize>,
+    pub mesh: Option<usize>,
+    /// Whether its quarters about z have two colours in turn, so that its rolling is seen.
+    #[serde(skip_serializing_if = "is_false")]
+    pub seam: bool,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// Everything that is drawn.
-pub(super) struct Looks {
+pub(in crate::output) struct Looks {
     /// Shapes of all links.
     pub shapes: Vec<DrawnShape>,
     /// The meshes that they name.
@@ -47,7 +54,7 @@ pub(super) struct Looks {
 }
 
 /// Gathers the looks of all robots of a model; `with_meshes` false leaves all meshes out.
-pub(super) fn looks(model: &Model, source: &MeshSource, with_meshes: bool) -> Looks {
+pub(in crate::output) fn looks(model: &Model, source: &MeshSource, with_meshes: bool) -> Looks {
     let mut looks = Looks { shapes: Vec::new(), meshes: SharedMeshes::default(), notes: Vec::new() };
     let mut missing: Vec<String> = Vec::new();
     let (mut left_out, mut boxes) = (0, 0);
@@ -57,9 +64,10 @@ pub(super) fn looks(model: &Model, source: &MeshSource, with_meshes: bool) -> Lo
         for (number, link) in drawable.robot.links.iter_mut().enumerate() {
             let index = placed.links.start + number;
             let mut with_mesh = 0;
+            let is_alone = link.visuals.len() == 1;
             link.visuals.retain(|visual| {
                 let Geometry::Mesh(mesh) = &visual.geometry else {
-                    looks.shapes.push(primitive(index, visual));
+                    looks.shapes.push(DrawnShape { seam: is_alone && rolls(visual), ..primitive(index, visual) });
                     return true;
                 };
                 with_mesh += 1;
@@ -108,17 +116,27 @@ pub(super) fn looks(model: &Model, source: &MeshSource, with_meshes: bool) -> Lo
     looks
 }
 
+/// Whether a shape, which is all of its link, looks the same while it rolls: a ball, or a disc that is thinner than its radius.
+fn rolls(visual: &Shape) -> bool {
+    match visual.geometry {
+        Geometry::Sphere { .. } => true,
+        Geometry::Cylinder { radius, length } => length < radius,
+        _ => false,
+    }
+}
+
 fn primitive(link: usize, visual: &Shape) -> DrawnShape {
     let (kind, size): (_, &[f64]) = match &visual.geometry {
         Geometry::Box { size } => ("box", size.as_slice()),
         Geometry::Sphere { radius } => ("sphere", &[*radius]),
         Geometry::Cylinder { radius, length } => ("cylinder", &[*radius, *length]),
         Geometry::Capsule { radius, length } => ("capsule", &[*radius, *length]),
+        Geometry::Ellipsoid { radii } => ("ellipsoid", radii.as_slice()),
         Geometry::Mesh(mesh) => ("mesh", mesh.scale.as_slice()),
     };
     shape(link, kind, size, &visual.origin, visual.color)
 }
 
 fn shape(link: usize, kind: &'static str, size: &[f64], origin: &Pose, color: Option<[f64; 4]>) -> DrawnShape {
-    DrawnShape { link, kind, size: size.to_vec(), pose: pose_numbers(origin), color, mesh: None }
+    DrawnShape { link, kind, size: size.to_vec(), pose: pose_numbers(origin), color, mesh: None, seam: false }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     log ─ inspection/summary.rs ─▶ facts.rs                     figures and warnings in words
-//!         ─ log/reading/frames.rs ─▶ motion.rs, contacts.rs       poses, curves, contact forces, events
+//!         ─ log/reading/frames.rs ─▶ motion.rs, step_figures.rs, contacts.rs  poses, curves, forces, events
 //!     model ─▶ tree.rs                                            links, bodies, joints, loops
 //!           ─ log/reading/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
 //!           ─▶ colliders.rs                                       what is drawn of what may touch
@@ -11,15 +11,17 @@
 //!
 //! The same input gives the same bytes. The scripts of the page are in `assets/`, foreign ones with their licences.
 
-mod colliders;
+pub(in crate::output) mod colliders;
 mod contacts;
+mod curve_name;
 mod facts;
 mod html;
-mod looks;
-mod motion;
+pub(in crate::output) mod looks;
+pub(in crate::output) mod motion;
 mod packing;
-mod shared_meshes;
+pub(in crate::output) mod shared_meshes;
 mod simplify;
+mod step_figures;
 mod tree;
 
 use crate::mechanism::motion::kinematics::body_states;
@@ -32,9 +34,10 @@ use crate::output::log::reading::records::ReadError;
 use crate::output::log::sha256;
 use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::contacts::ContactLayer;
+use crate::output::page::curve_name::CurveName;
 use crate::output::page::facts::Fact;
-use crate::output::page::looks::{DrawnShape, MeshSource, looks};
-use crate::output::page::motion::{CurveName, Motion};
+use crate::output::page::looks::{DrawnShape, Looks, MeshSource, looks};
+use crate::output::page::motion::Motion;
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
 use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};
@@ -101,17 +104,33 @@ pub enum PageError {
 #[derive(Serialize)]
 struct Header<'p> {
     kind: &'static str,
-    name: &'p str,
-    source: String,
+    #[serde(flatten)]
+    played: Played<'p>,
+    /// Another run that is shown beside this one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    second: Option<Played<'p>>,
     catena: &'static str,
     facts: Vec<Fact>,
     warnings: Vec<String>,
     notes: Vec<String>,
     tables: &'p [PageTable],
-    tree: Tree<'p>,
-    shapes: &'p [DrawnShape],
     obstacles: Vec<DrawnCollider>,
     collision_shapes: Vec<DrawnCollider>,
+    events: &'p [EventEntry],
+    arrows: Vec<ArrowLayer>,
+    /// `null` without contacts.
+    contacts: Option<ContactLayer>,
+    /// Weight of all bodies that move (N); without gravity as on earth.
+    weight: f64,
+}
+
+/// The robot and the motion of a run.
+#[derive(Serialize)]
+struct Played<'p> {
+    name: &'p str,
+    source: String,
+    tree: Tree<'p>,
+    shapes: Vec<DrawnShape>,
     meshes: Vec<PackedMesh>,
     /// Number of samples in all arrays.
     samples: usize,
@@ -120,12 +139,15 @@ struct Header<'p> {
     poses: Place,
     curves: &'p [CurveName],
     values: Place,
-    events: &'p [EventEntry],
-    arrows: Vec<ArrowLayer>,
-    /// `null` without contacts.
-    contacts: Option<ContactLayer>,
-    /// Weight of all bodies that move (N); without gravity as on earth.
-    weight: f64,
+    steps: StepCurves,
+}
+
+/// Curves of figures of steps, with times of their own.
+#[derive(Serialize)]
+struct StepCurves {
+    curves: Vec<CurveName>,
+    times: Place,
+    values: Place,
 }
 
 /// Forces of joints that are drawn as arrows, each at a place of its own body.
@@ -146,37 +168,84 @@ struct Arrow {
     curves: [usize; 3],
 }
 
-/// The page of a run, read from its log; `model` is the one that the log carries, and `start` its state at t = 0.
+/// A run to show: its log, the model that the log carries, and its state at t = 0.
+#[derive(Clone, Copy)]
+pub struct LoggedRun<'r> {
+    /// The log.
+    pub log: &'r Path,
+    /// Its model.
+    pub model: &'r Model,
+    /// Its start.
+    pub start: &'r State,
+}
+
+impl LoggedRun<'_> {
+    /// The name of the log without its folder.
+    fn source(&self) -> String {
+        self.log.file_name().unwrap_or(self.log.as_os_str()).to_string_lossy().into_owned()
+    }
+}
+
+/// The page of a run, with another run beside it, if there is one.
 ///
 /// # Errors
 /// [`PageError`].
-pub fn run_page(log: &Path, model: &Model, start: &State, options: &PageOptions) -> Result<String, PageError> {
-    let summary = Summary::read(log)?;
-    let logged = LoggedMeshes::read(log)?;
+pub fn run_page(run: LoggedRun, second: Option<LoggedRun>, options: &PageOptions) -> Result<String, PageError> {
+    let summary = Summary::read(run.log)?;
+    let motion = motion_of(run.log, run.model, &summary)?;
+    let mut notes = thinned(&motion, summary.samples);
+    let mut packed = Packed::default();
+    let mut beside = None;
+    let second_motion = match second {
+        Some(second) => {
+            let summary = Summary::read(second.log)?;
+            let motion = motion_of(second.log, second.model, &summary)?;
+            notes.extend(
+                thinned(&motion, summary.samples).into_iter().map(|note| format!("{}: {note}", second.source())),
+            );
+            Some((second, motion))
+        }
+        None => None,
+    };
+    if let Some((second, motion)) = &second_motion {
+        let logged = LoggedMeshes::read(second.log)?;
+        let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
+        let drawn = looks(second.model, &source, options.mesh_limit > 0);
+        let (played, told) =
+            Played::of(second.source(), second.model, second.start, motion, drawn, options, &mut packed);
+        notes.extend(told.into_iter().map(|note| format!("{}: {note}", second.source())));
+        beside = Some(played);
+    }
+    let logged = LoggedMeshes::read(run.log)?;
+    let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
+    let facts = facts::of_run(&summary, run.model);
+    let about = About { kind: "run", source: run.source(), facts, warnings: summary.warnings.clone(), notes };
+    Ok(write(run.model, run.start, about, &source, &motion, beside, options, packed))
+}
+
+/// A note, if not all samples are in the motion.
+fn thinned(motion: &Motion, samples: u64) -> Vec<String> {
+    let (shown, stride) = (motion.times.len(), motion.stride());
+    let note = || format!("{shown} of {samples} samples are shown: one in {stride}");
+    if stride > 1 { vec![note()] } else { Vec::new() }
+}
+
+/// The motion of a log of this model.
+pub(in crate::output) fn motion_of<'m>(
+    log: &Path,
+    model: &'m Model,
+    summary: &Summary,
+) -> Result<Motion<'m>, PageError> {
     let mut motion = Motion::new(model, summary.samples);
     visit(log, &mut motion)?;
     motion.finish();
-    let name = || log.display().to_string();
+    let log = || log.display().to_string();
     match motion.misfit {
-        Some(_) if motion.is_bare => return Err(PageError::Bare { log: name() }),
-        Some(time) => return Err(PageError::Misfit { log: name(), time }),
-        None if motion.times.is_empty() => return Err(PageError::Empty { log: name() }),
-        None => {}
+        Some(_) if motion.is_bare => Err(PageError::Bare { log: log() }),
+        Some(time) => Err(PageError::Misfit { log: log(), time }),
+        None if motion.times.is_empty() => Err(PageError::Empty { log: log() }),
+        None => Ok(motion),
     }
-    let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
-    let mut notes = Vec::new();
-    if motion.stride() > 1 {
-        notes.push(format!(
-            "{} of {} samples are shown: one in {}",
-            motion.times.len(),
-            summary.samples,
-            motion.stride()
-        ));
-    }
-    let facts = facts::of_run(&summary, model);
-    let source_name = log.file_name().map_or_else(name, |file| file.to_string_lossy().into_owned());
-    let about = About { kind: "run", source: source_name, facts, warnings: summary.warnings.clone(), notes };
-    Ok(write(model, start, about, &source, &motion, options))
 }
 
 /// The page of a model in the state `start`, with a slider for each joint.
@@ -197,7 +266,7 @@ pub fn model_page(model: &Model, start: &State, options: &PageOptions) -> String
     let name = path.file_name().map_or_else(|| path.display().to_string(), |file| file.to_string_lossy().into_owned());
     let warnings = model.warning_lines().collect();
     let about = About { kind: "model", source: name, facts: facts::of_model(model), warnings, notes: Vec::new() };
-    write(model, start, about, &source, &motion, options)
+    write(model, start, about, &source, &motion, None, options, Packed::default())
 }
 
 /// The source of a page.
@@ -209,40 +278,33 @@ struct About {
     notes: Vec<String>,
 }
 
+#[expect(clippy::too_many_arguments, reason = "the robot, its motion, the words and the arrays of a page are apart")]
 fn write(
     model: &Model,
     start: &State,
     about: About,
     source: &MeshSource,
     motion: &Motion,
+    second: Option<Played>,
     options: &PageOptions,
+    mut packed: Packed,
 ) -> String {
-    let mut packed = Packed::default();
     let mut drawn = looks(model, source, options.mesh_limit > 0);
     let [obstacles, collision_shapes] = colliders(model, &mut drawn, options.mesh_limit > 0);
-    let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, &mut packed);
-    let samples = motion.times.len();
+    let (played, told) = Played::of(about.source, model, start, motion, drawn, options, &mut packed);
     let gravity = model.mechanism.gravity.norm();
-    let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
+    let title = format!("{} · catena", played.source);
     let header = Header {
         kind: about.kind,
-        name: &model.mechanism.name,
-        source: about.source,
+        played,
+        second,
         catena: env!("CARGO_PKG_VERSION"),
         facts: about.facts,
         warnings: about.warnings,
-        notes: about.notes.into_iter().chain(drawn.notes).chain(simplified).collect(),
+        notes: about.notes.into_iter().chain(told).collect(),
         tables: &options.tables,
-        tree: tree(model, start),
-        shapes: &drawn.shapes,
         obstacles,
         collision_shapes,
-        meshes,
-        samples,
-        times: packed.doubles(&motion.times),
-        poses: packed.floats(columns, samples),
-        curves: &motion.curves,
-        values: packed.floats(motion.values.iter().flatten().copied(), samples),
         events: &motion.events,
         arrows: vec![reactions(model, &motion.curves)].into_iter().filter(|layer| !layer.arrows.is_empty()).collect(),
         contacts: motion.contacts.pack(&mut packed),
@@ -250,7 +312,44 @@ fn write(
     };
     // Everything in it has string keys and no maps, which is all that could fail.
     let text = serde_json::to_string(&header).unwrap_or_default();
-    html::page(&format!("{} · catena", header.source), &text, &packed.text())
+    html::page(&title, &text, &packed.text())
+}
+
+impl<'p> Played<'p> {
+    /// Packs a robot and its motion; returns notes about shapes, too.
+    fn of(
+        source: String,
+        model: &'p Model,
+        start: &State,
+        motion: &'p Motion,
+        drawn: Looks,
+        options: &PageOptions,
+        packed: &mut Packed,
+    ) -> (Self, Vec<String>) {
+        let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, packed);
+        let samples = motion.times.len();
+        let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
+        let times = motion.steps.times();
+        let steps = StepCurves {
+            curves: motion.steps.curves(),
+            times: packed.doubles(&times),
+            values: packed.floats(motion.steps.columns(), times.len()),
+        };
+        let played = Played {
+            name: &model.mechanism.name,
+            source,
+            tree: tree(model, start),
+            shapes: drawn.shapes,
+            meshes,
+            samples,
+            times: packed.doubles(&motion.times),
+            poses: packed.floats(columns, samples),
+            curves: &motion.curves,
+            values: packed.floats(motion.values.iter().flatten().copied(), samples),
+            steps,
+        };
+        (played, drawn.notes.into_iter().chain(simplified).collect())
+    }
 }
 
 /// The forces of joints on the bodies that they carry, and of loops on their second ends.
@@ -269,7 +368,7 @@ fn reactions(model: &Model, curves: &[CurveName]) -> ArrowLayer {
 }
 
 /// The mesh as the log carries it, else as its file is now.
-fn logged_mesh(logged: &LoggedMeshes, link: &str, number: usize) -> Result<MeshData, String> {
+pub(in crate::output) fn logged_mesh(logged: &LoggedMeshes, link: &str, number: usize) -> Result<MeshData, String> {
     let Some(mesh) = logged.get(link, number) else { return Err("the log does not have it".to_string()) };
     match (&mesh.parts[..], mesh.file.as_deref().filter(|file| file.is_absolute())) {
         ([], Some(file)) => mesh_of_file(file),

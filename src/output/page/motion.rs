@@ -1,6 +1,6 @@
 //! The motion of a log as columns of numbers: times, poses of bodies, curves, contacts, events.
 //!
-//! Figures of steps are at the first sample at or after the end of the step; between, curves have no number there.
+//! Figures of steps have times of their own (`step_figures.rs`).
 //!
 //! The poses of bodies follow from the poses of links, `T_body = T_link L⁻¹` with the link frame L in its body. If a log has more than
 //! [`MOST_SAMPLES`] samples, every second, third, … one is taken, and the last.
@@ -11,10 +11,11 @@ use crate::output::inspection::joint_values::{JointKinds, JointValue, Quantity, 
 use crate::output::log::reading::decode::{LinkPose, LoggedEvent};
 use crate::output::log::reading::frames::{Figures, Frame, Visitor};
 use crate::output::page::contacts::Contacts;
+use crate::output::page::curve_name::CurveName;
+use crate::output::page::step_figures::StepFigures;
 use crate::output::page::tree::pose_numbers;
 use crate::output::report::EventEntry;
 use nalgebra::{Rotation3, Translation3, Vector3};
-use serde::Serialize;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
@@ -24,45 +25,14 @@ pub(super) const MOST_SAMPLES: u64 = 7200;
 /// The most events in a page.
 const MOST_EVENTS: usize = 20_000;
 
-/// The name of a curve.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct CurveName {
-    /// As in tables: `elbow.position`, `energy.total`.
-    pub name: String,
-    /// The kind of curves that it belongs to, for people.
-    pub group: &'static str,
-    /// Its unit; empty for numbers without.
-    pub unit: &'static str,
-    /// Whether it is drawn on a logarithmic axis.
-    pub logarithmic: bool,
-}
-
-/// Numbers about steps: name, group, unit, whether the axis is logarithmic.
-const OF_STEPS: [(&str, &str, &str, bool); 11] = [
-    ("energy.kinetic", "Energy", "J", false),
-    ("energy.potential", "Energy", "J", false),
-    ("energy.total", "Energy", "J", false),
-    ("energy.dissipated", "Energy", "J", false),
-    ("energy.work", "Energy", "J", false),
-    ("energy.friction", "Energy", "J", false),
-    ("energy.impacts", "Energy", "J", false),
-    ("energy.error", "Energy error", "J", true),
-    ("constraint.position", "Constraint error", "m or rad", true),
-    ("constraint.velocity", "Constraint error, velocities", "m/s or rad/s", true),
-    ("solver.step", "Step", "s", false),
-];
-
 /// Collects the motion of a log.
-pub(super) struct Motion<'m> {
+pub(in crate::output) struct Motion<'m> {
     kinds: JointKinds,
     /// Every so-manieth sample is taken.
     stride: u64,
     seen: u64,
     /// The last sample, if it was not taken.
     last: Option<Frame>,
-    initial_balance: Option<f64>,
-    /// End of the step whose figures came last, in nanoseconds.
-    last_step: Option<u64>,
     /// For each body a link in it: its name and the inverse of its frame in the body.
     carriers: Vec<(&'m str, Pose)>,
     /// Times (s).
@@ -70,10 +40,12 @@ pub(super) struct Motion<'m> {
     /// Poses of the bodies at all times: x, y, z, w, x, y, z of each.
     pub poses: Vec<Vec<[f32; 7]>>,
     /// The names of the curves, and their values at all times.
-    pub curves: Vec<CurveName>,
+    pub(super) curves: Vec<CurveName>,
     pub values: Vec<Vec<f32>>,
+    /// The figures of steps.
+    pub(super) steps: StepFigures,
     /// The closed contacts at all times.
-    pub contacts: Contacts,
+    pub(super) contacts: Contacts,
     /// Events, the first [`MOST_EVENTS`].
     pub events: Vec<EventEntry>,
     /// The sample that is not of this model, or not of the same joints as those before it (s).
@@ -95,13 +67,12 @@ impl<'m> Motion<'m> {
             stride: samples.div_ceil(MOST_SAMPLES).max(1),
             seen: 0,
             last: None,
-            initial_balance: None,
-            last_step: None,
             carriers: bodies.clone().map(carrier).collect(),
             times: Vec::new(),
             poses: bodies.map(|_| Vec::new()).collect(),
             curves: Vec::new(),
             values: Vec::new(),
+            steps: StepFigures::default(),
             contacts: Contacts::default(),
             events: Vec::new(),
             misfit: None,
@@ -114,11 +85,12 @@ impl<'m> Motion<'m> {
         self.stride
     }
 
-    /// Takes the last sample, if it was passed over.
+    /// Takes the last sample, if it was passed over, and leaves out figures of steps that are too many.
     pub(super) fn finish(&mut self) {
         if let Some(frame) = self.last.take() {
             self.take(&frame);
         }
+        self.steps.thin();
     }
 
     fn take(&mut self, frame: &Frame) {
@@ -136,16 +108,9 @@ impl<'m> Motion<'m> {
         let values = joint_values(frame, &self.kinds);
         if self.times.is_empty() {
             self.curves = values.iter().map(of_joint).collect();
-            let of_steps = OF_STEPS.map(|(name, group, unit, logarithmic)| CurveName {
-                name: name.to_string(),
-                group,
-                unit,
-                logarithmic,
-            });
-            self.curves.extend(of_steps);
             self.values = vec![Vec::new(); self.curves.len()];
         }
-        let is_same = values.len() + OF_STEPS.len() == self.curves.len()
+        let is_same = values.len() == self.curves.len()
             && values.iter().zip(&self.curves).all(|(value, curve)| value.name == curve.name);
         if !is_same {
             return None;
@@ -162,33 +127,10 @@ impl<'m> Motion<'m> {
                 pose
             });
         }
-        let of_step = self.of_step(&frame.figures);
-        let numbers = values.iter().map(|value| value.value).chain(of_step);
-        for (values, number) in self.values.iter_mut().zip(numbers) {
-            values.push(number as f32);
+        for (values, value) in self.values.iter_mut().zip(&values) {
+            values.push(value.value as f32);
         }
         Some(())
-    }
-
-    /// The numbers of [`OF_STEPS`]; what the log does not have, or the sample before has too, is not a number.
-    fn of_step(&mut self, figures: &Figures) -> [f64; 11] {
-        let mut numbers = [f64::NAN; 11];
-        if self.last_step.replace(figures.nanoseconds) == Some(figures.nanoseconds) {
-            return numbers;
-        }
-        if let Some(energy) = figures.energy {
-            numbers[..7].copy_from_slice(&energy);
-        }
-        if let (Some(balance), Some(initial)) = (figures.balance(), self.initial_balance) {
-            numbers[7] = (balance - initial).abs();
-        }
-        if let Some(violation) = figures.violation {
-            numbers[8..10].copy_from_slice(&violation);
-        }
-        if let Some([step, ..]) = figures.solver {
-            numbers[10] = step;
-        }
-        numbers
     }
 }
 
@@ -205,9 +147,7 @@ impl Visitor for Motion<'_> {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        if self.initial_balance.is_none() {
-            self.initial_balance = figures.balance();
-        }
+        self.steps.take(figures);
     }
 
     fn event(&mut self, event: LoggedEvent) {

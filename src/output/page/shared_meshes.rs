@@ -26,7 +26,7 @@ const GRID: f64 = 65535.0;
 const FEWEST: usize = 60;
 
 /// A mesh.
-pub(super) struct MeshData {
+pub(in crate::output) struct MeshData {
     /// The key that tells it from others.
     pub key: String,
     /// Its triangles, or their source.
@@ -34,15 +34,26 @@ pub(super) struct MeshData {
 }
 
 /// The source of the triangles of a mesh.
-pub(super) enum MeshContent {
+pub(in crate::output) enum MeshContent {
     /// A mesh file, and its bytes.
     File(PathBuf, Vec<u8>),
     /// A log; the scale of the URDF is in the triangles.
     Log(Vec<LooseTriangles>),
 }
 
+/// Triangles of a mesh.
+#[cfg(feature = "film")]
+pub(in crate::output) struct IndexedPart {
+    /// Their colour, if the mesh has one.
+    pub color: Option<[f32; 4]>,
+    /// Corners (m).
+    pub corners: Vec<[f64; 3]>,
+    /// Three numbers of corners a triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
 /// A colour, if there is one, and corners (m), three a triangle.
-pub(super) type LooseTriangles = (Option<[f32; 4]>, Vec<[f64; 3]>);
+pub(in crate::output) type LooseTriangles = (Option<[f32; 4]>, Vec<[f64; 3]>);
 
 impl MeshData {
     /// The triangles of a log; those that are the same are told by their numbers.
@@ -61,7 +72,7 @@ impl MeshData {
 
 /// The meshes of a page.
 #[derive(Default)]
-pub(super) struct SharedMeshes {
+pub(in crate::output) struct SharedMeshes {
     known: HashMap<String, Result<usize, String>>,
     meshes: Vec<GridMesh>,
     with_textures: usize,
@@ -128,14 +139,45 @@ impl SharedMeshes {
     }
 
     /// Packs all meshes, with at most about `limit` triangles; returns notes about the meshes that were changed for this limit.
-    pub(super) fn pack(self, limit: usize, packed: &mut Packed) -> (Vec<PackedMesh>, Vec<String>) {
-        let counts = || self.meshes.iter().flat_map(|mesh| &mesh.parts).map(|part| part.triangles.len());
-        let before: usize = counts().sum();
-        let most = most_of_a_part(counts().collect(), limit);
+    pub(super) fn pack(mut self, limit: usize, packed: &mut Packed) -> (Vec<PackedMesh>, Vec<String>) {
+        let notes = self.simplify(limit);
+        (self.meshes.iter().map(|mesh| pack_mesh(mesh, packed)).collect(), notes)
+    }
+
+    /// The parts of all meshes, with at most about `limit` triangles; and notes, as [`Self::pack`] gives them.
+    #[cfg(feature = "film")]
+    pub(in crate::output) fn indexed(mut self, limit: usize) -> (Vec<Vec<IndexedPart>>, Vec<String>) {
+        let notes = self.simplify(limit);
+        let meshes = self.meshes.into_iter().map(|GridMesh { origin, step, parts }| {
+            let place = |corner: [f64; 3]| [0, 1, 2].map(|axis| origin[axis] + step * corner[axis]);
+            let part = |GridPart { color, corners, triangles }| {
+                let corners = corners.into_iter().map(place).collect();
+                IndexedPart { color, corners, triangles }
+            };
+            parts.into_iter().map(part).collect()
+        });
+        (meshes.collect(), notes)
+    }
+
+    /// Leaves at most about `limit` triangles of all meshes; returns notes about the meshes that were changed for this limit, or are not as in their
+    /// files.
+    fn simplify(&mut self, limit: usize) -> Vec<String> {
+        let counts = self.meshes.iter().flat_map(|mesh| &mesh.parts).map(|part| part.triangles.len());
+        let counts: Vec<usize> = counts.collect();
+        let before: usize = counts.iter().sum();
+        let most = most_of_a_part(counts, limit);
         let mut after = 0;
-        let meshes = self.meshes.iter().map(|mesh| pack_mesh(mesh, most, packed, &mut after)).collect();
+        for part in self.meshes.iter_mut().flat_map(|mesh| &mut mesh.parts) {
+            if part.triangles.len() > most {
+                simplify(&mut part.corners, &mut part.triangles, most);
+                let rounded: Vec<[f64; 3]> =
+                    part.corners.iter().map(|v| v.map(|x| x.round().clamp(0.0, GRID))).collect();
+                (part.corners, part.triangles) = welded(&rounded, &part.triangles);
+            }
+            after += part.triangles.len();
+        }
         let mut notes = Vec::new();
-        if counts().any(|count| count > most) {
+        if before > after {
             notes.push(format!(
                 "meshes are simplified from {before} to {after} triangles; --mesh-limit {before} draws them in full"
             ));
@@ -144,7 +186,7 @@ impl SharedMeshes {
             let meshes = counted(self.with_textures, "mesh is", "meshes are");
             notes.push(format!("{meshes} drawn without the images on their surfaces"));
         }
-        (meshes, notes)
+        notes
     }
 }
 
@@ -183,19 +225,8 @@ fn on_grid(parts: &[LooseTriangles]) -> GridMesh {
     GridMesh { origin: low, step, parts: parts.filter(|part| !part.triangles.is_empty()).collect() }
 }
 
-fn pack_mesh(mesh: &GridMesh, most: usize, packed: &mut Packed, after: &mut usize) -> PackedMesh {
-    let parts = mesh.parts.iter().map(|part| {
-        if part.triangles.len() <= most {
-            *after += part.triangles.len();
-            return pack_part(part.color, &part.corners, &part.triangles, packed);
-        }
-        let (mut corners, mut triangles) = (part.corners.clone(), part.triangles.clone());
-        simplify(&mut corners, &mut triangles, most);
-        let rounded: Vec<[f64; 3]> = corners.iter().map(|v| v.map(|x| x.round().clamp(0.0, GRID))).collect();
-        let (corners, triangles) = welded(&rounded, &triangles);
-        *after += triangles.len();
-        pack_part(part.color, &corners, &triangles, packed)
-    });
+fn pack_mesh(mesh: &GridMesh, packed: &mut Packed) -> PackedMesh {
+    let parts = mesh.parts.iter().map(|part| pack_part(part.color, &part.corners, &part.triangles, packed));
     PackedMesh { origin: mesh.origin, step: mesh.step, parts: parts.collect() }
 }
 

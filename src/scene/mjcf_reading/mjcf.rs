@@ -3,6 +3,7 @@
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mjcf_reading::mass::Inside;
+use crate::scene::mjcf_reading::parts::Geom;
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::{Element, read_tree};
 use crate::scene::robot::{MeshFile, Robot};
@@ -215,7 +216,7 @@ impl Reader<'_> {
                     let tree = |name: &str| self.placed.get(name).and_then(|placed| placed.tree);
                     let touches = |name: &str| {
                         let links = self.trees.iter().flat_map(|tree| &tree.links);
-                        links.filter(|link| link.name == name).any(|link| link.geoms.iter().any(|geom| geom.touches))
+                        links.filter(|link| link.name == name).any(|link| link.geoms.iter().any(Geom::can_touch))
                     };
                     if tree(a).is_some() && tree(b).is_some() && a != b && touches(a) && touches(b) {
                         let pair = (self.link_name(a), self.link_name(b));

@@ -57,6 +57,13 @@ pub(crate) struct Geom {
     pub friction: f64,
 }
 
+impl Geom {
+    /// Whether it is a shape of a link that may touch.
+    pub fn can_touch(&self) -> bool {
+        self.touches && matches!(self.form, Form::Solid(_))
+    }
+}
+
 /// What a geom is.
 #[derive(Clone, Debug)]
 pub(crate) enum Form {

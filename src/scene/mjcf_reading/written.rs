@@ -135,8 +135,7 @@ impl Reader<'_> {
     fn masked(&self) -> (bool, Vec<(String, String)>) {
         let (mut itself, mut masked) = (false, Vec::new());
         for (index, tree) in self.trees.iter().enumerate() {
-            let touching: Vec<_> =
-                tree.links.iter().filter(|link| link.geoms.iter().any(|geom| geom.touches)).collect();
+            let touching: Vec<_> = tree.links.iter().filter(|link| link.geoms.iter().any(Geom::can_touch)).collect();
             for (place, one) in touching.iter().enumerate() {
                 for other in &touching[place + 1..] {
                     let meet = |[a, b]: [&Geom; 2]| (a.masks[0] & b.masks[1]) | (b.masks[0] & a.masks[1]) != 0;
@@ -207,6 +206,7 @@ fn shape_of(geom: &Geom) -> Option<String> {
         Form::Solid(Geometry::Capsule { radius, length }) => {
             format!("{{ type = \"capsule\", radius = {radius:?}, length = {length:?} }}")
         }
+        Form::Solid(Geometry::Ellipsoid { radii }) => format!("{{ type = \"ellipsoid\", radii = {} }}", list(radii)),
         Form::Solid(Geometry::Mesh(mesh)) => {
             format!("{{ type = \"mesh\", file = {}, scale = {} }}", quoted(&mesh.path), list(&mesh.scale))
         }
@@ -229,6 +229,7 @@ fn write_link(link: &Link, text: &mut String) {
             Geometry::Sphere { radius } => format!("<sphere radius=\"{radius}\"/>"),
             Geometry::Cylinder { radius, length } => format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>"),
             Geometry::Capsule { radius, length } => format!("<capsule radius=\"{radius}\" length=\"{length}\"/>"),
+            Geometry::Ellipsoid { radii } => format!("<ellipsoid radii=\"{}\"/>", spaced(radii)),
             Geometry::Mesh(mesh) => {
                 format!("<mesh filename=\"{}\" scale=\"{}\"/>", escaped(&mesh.path), spaced(&mesh.scale))
             }

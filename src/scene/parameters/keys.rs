@@ -1,6 +1,7 @@
 //! The key paths of all numbers of a scene.
 
 use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::formula::Formula;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::body::{SceneBody, Weight};
 use crate::scene::coupling::{JointReference, SpringPlace};
@@ -29,6 +30,7 @@ pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
         keys.urdf_loops(index, robot);
     }
     keys.drives(scene);
+    keys.motions(scene);
     keys.couplings(scene);
     keys.relations(scene);
     keys.loads(scene);
@@ -72,6 +74,11 @@ impl Keys {
         if long {
             self.put(head, &format!("{rest}.length"), Range::Positive, place(ShapeNumber::Length));
         }
+    }
+
+    /// The semi-axes of an ellipsoid.
+    fn radii(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
+        self.vector(head, &format!("{rest}.radii"), Range::Positive, |axis| place(ShapeNumber::Radii(axis)));
     }
 
     /// The edges of a box.
@@ -121,6 +128,8 @@ impl Keys {
         let place = |what| Place::Body { robot, what };
         self.put(head, &called("friction"), Range::Friction, Place::LinkFriction { robot, link: 0 });
         self.put(head, &called("restitution"), Range::Fraction, Place::LinkRestitution { robot, link: 0 });
+        let place_of_velocity = |axis| Place::LinkSurface { robot, link: 0, axis };
+        self.vector(head, &called("surface_velocity"), Range::Finite, place_of_velocity);
         let weight = if let Weight::Density(_) = body.weight { "density" } else { "mass" };
         self.put(head, &called(weight), Range::Positive, place(BodyNumber::Weight));
         let of_shape = |what| place(BodyNumber::Shape(what));
@@ -128,6 +137,7 @@ impl Keys {
             Geometry::Sphere { .. } => self.round(head, shape, false, of_shape),
             Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round(head, shape, true, of_shape),
             Geometry::Box { .. } => self.sizes(head, shape, of_shape),
+            Geometry::Ellipsoid { .. } => self.radii(head, shape, of_shape),
             Geometry::Mesh(_) => {}
         }
     }
@@ -141,6 +151,8 @@ impl Keys {
                 self.put("link", &format!("{name}.friction"), Range::Friction, friction);
                 let restitution = Place::LinkRestitution { robot, link };
                 self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
+                let velocity = |axis| Place::LinkSurface { robot, link, axis };
+                self.vector("link", &format!("{name}.surface_velocity"), Range::Finite, velocity);
             }
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
@@ -156,6 +168,7 @@ impl Keys {
                     Geometry::Sphere { .. } => self.round("link", &head, false, place),
                     Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round("link", &head, true, place),
                     Geometry::Box { .. } => self.sizes("link", &head, place),
+                    Geometry::Ellipsoid { .. } => self.radii("link", &head, place),
                     Geometry::Mesh(_) => self.scales("link", &head, place),
                 }
                 let origin = format!("{head}.origin");
@@ -222,15 +235,44 @@ impl Keys {
             if one.frequency.is_none() && matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
                 put("kd", Range::NotNegative, MotorNumber::Kd);
             }
-            if one.table.is_none() && !one.at_start {
+            if one.table.is_none() && !one.at_start && one.target.as_formula().is_none() {
                 put("target", Range::Finite, MotorNumber::Target);
             }
             put("max_effort", Range::Bound, MotorNumber::MaxEffort);
             put("period", Range::NotNegative, MotorNumber::Period);
+            put("gravity_compensation", Range::NotNegative, MotorNumber::GravityCompensation);
+            let parameters = one.target.as_formula().map_or(&[][..], Formula::parameters);
+            for (index, (parameter, _)) in parameters.iter().enumerate() {
+                let key = format!("{}.target.{parameter}", one.on);
+                self.put("motor", &key, Range::Finite, Place::TargetParameter { motor, index });
+            }
             for entry in 0..one.table.as_ref().map_or(0, |table| table.points.len()) {
                 let called = |what: &str| format!("{}.target.{}.{what}", one.on, entry + 1);
                 self.put("motor", &called("time"), Range::Finite, Place::TargetTime { motor, entry });
                 self.put("motor", &called("value"), Range::Finite, Place::TargetValue { motor, entry });
+            }
+        }
+    }
+
+    /// Joints that are moved in time.
+    fn motions(&mut self, scene: &Scene) {
+        for (motion, one) in scene.motions.iter().enumerate() {
+            let mut put = |what: &str, place| {
+                self.put("motion", &format!("{}.position{what}", one.on), Range::Finite, place);
+            };
+            let entries = one.table.as_ref().map_or(0, |table| table.points.len());
+            for entry in 0..entries {
+                put(&format!(".{}.time", entry + 1), Place::MotionTime { motion, entry });
+                put(&format!(".{}.value", entry + 1), Place::MotionValue { motion, entry });
+            }
+            match one.position.as_formula() {
+                Some(formula) => {
+                    for (index, (parameter, _)) in formula.parameters().iter().enumerate() {
+                        put(&format!(".{parameter}"), Place::MotionParameter { motion, index });
+                    }
+                }
+                None if entries == 0 => put("", Place::MotionPosition(motion)),
+                None => {}
             }
         }
     }
@@ -250,6 +292,14 @@ impl Keys {
             for (end, b) in [("a", false), ("b", true)] {
                 let rest = format!("{}.{end}.position", one.name);
                 self.vector("spring", &rest, Range::Finite, |axis| Place::SpringEnd { spring, b, axis });
+            }
+        }
+        for (rope, one) in scene.ropes.iter().enumerate() {
+            self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
+            self.put("rope", &format!("{}.restitution", one.name), Range::Fraction, Place::RopeRestitution(rope));
+            for end in 0..one.ends.len() {
+                let rest = format!("{}.points.{}.position", one.name, end + 1);
+                self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
             }
         }
         for (of, one) in scene.loops.iter().enumerate() {
@@ -272,6 +322,8 @@ impl Keys {
             let called = |what: &str| format!("{}.{what}", one.name);
             self.put("obstacle", &called("friction"), Range::Friction, Place::ObstacleFriction(obstacle));
             self.put("obstacle", &called("restitution"), Range::Fraction, Place::ObstacleRestitution(obstacle));
+            let velocity = |axis| Place::ObstacleSurface { obstacle, axis };
+            self.vector("obstacle", &called("surface_velocity"), Range::Finite, velocity);
             let place = |axis| Place::ObstaclePosition { obstacle, axis };
             self.vector("obstacle", &called("pose.position"), Range::Finite, place);
             self.angles("obstacle", &called("pose.rpy"), |angle| Place::ObstacleTurn { obstacle, angle });
@@ -280,6 +332,7 @@ impl Keys {
                 Shape::Sphere { .. } => self.round("obstacle", &head, false, place),
                 Shape::Capsule { .. } | Shape::Cylinder { .. } => self.round("obstacle", &head, true, place),
                 Shape::Box { .. } => self.sizes("obstacle", &head, place),
+                Shape::Ellipsoid { .. } => self.radii("obstacle", &head, place),
                 Shape::Mesh(_) => self.scales("obstacle", &head, place),
                 Shape::HalfSpace => {
                     let place = |axis| Place::ObstacleNormal { obstacle, axis };

@@ -52,6 +52,11 @@ impl Keys {
                     put("wave.frequency", Range::Finite, number(LoadNumber::Frequency));
                     put("wave.phase", Range::Finite, number(LoadNumber::Phase));
                 }
+                Factor::Formula(formula) => {
+                    for (index, (parameter, _)) in formula.parameters().iter().enumerate() {
+                        put(&format!("factor.{parameter}"), Range::Finite, Place::FactorParameter { load, index });
+                    }
+                }
                 Factor::Table(table) => {
                     for entry in 0..table.points.len() {
                         let called = |what: &str| format!("factor.{}.{what}", entry + 1);

@@ -7,14 +7,15 @@
 //! | `robot.NAME.velocity.linear.x`, `robot.NAME.velocity.angular.x`       | of a floating base [m/s, rad/s]                             |
 //! | `robot.NAME.positions.JOINT`, `robot.NAME.velocities.JOINT`           | start of a joint of one freedom [rad, m, or a second of it] |
 //! | `robot.NAME.positions.JOINT.x`                                        | one number of a joint of several                            |
-//! | `body.NAME.density` or `.mass`, `.shape.radius`, `.shape.length`, `.shape.size.x` | as `[[body]]`, in units of the file |
+//! | `body.NAME.density` or `.mass`, `.shape.radius`, `.shape.length`, `.shape.size.x`, `.shape.radii.x` | as `[[body]]`, in units of the file |
 //! | `body.NAME.pose.position.x`, `.pose.rpy.roll`, `.velocity.linear.x`, `.velocity.angular.x` | start of a body [m, rad, m/s, rad/s] |
 //! | `link.NAME.mass`                                                      | kg                                                          |
 //! | `link.NAME.friction`, `link.NAME.restitution`, `body.NAME.friction`   | of all collision shapes of a link, with what says nothing else |
+//! | `link.NAME.surface_velocity.x`, `body.…`, `obstacle.…`                | of the surface over its link or obstacle, as of a belt [m/s] |
 //! | `link.NAME.center_of_mass.x`                                          | in the link frame (m)                                       |
 //! | `link.NAME.inertia.ixx` (`ixy`, `ixz`, `iyy`, `iyz`, `izz`)           | about the centre of mass, in the inertial frame [kg m²]     |
 //! | `link.NAME.inertia.roll` (`pitch`, `yaw`)                             | turn of the inertial frame in the link frame (rad)          |
-//! | `link.NAME.collision.1.radius`, `.length`, `.size.x`, `.scale.x`      | size of a collision shape (m), scale of its mesh; from 1    |
+//! | `link.NAME.collision.1.radius`, `.length`, `.size.x`, `.radii.x`, `.scale.x` | size of a collision shape (m), scale of its mesh; from 1 |
 //! | `link.NAME.collision.1.origin.x`, `.origin.roll`                      | its frame in the link frame [m, rad]                        |
 //! | `joint.NAME.origin.x`, `joint.NAME.origin.roll`                       | of the joint frame in its parent link [m, rad]              |
 //! | `joint.NAME.axis.x`                                                   | axis in the joint frame; its length does not count          |
@@ -22,8 +23,12 @@
 //! | `joint.NAME.mimic.multiplier`, `.mimic.offset`                        | of a joint that follows another                             |
 //! | `joint.NAME.limit.lower` (`upper`), `.restitution`, `.friction`, `.damping` | as `[[joint]]` of a scene file                        |
 //! | `motor.JOINT.kp`, `.kd`, `.target`, `.max_effort`, `.period`          | as `[[motor]]`; a target that is one number                 |
+//! | `motor.JOINT.target.NAME`, `load.NAME.factor.NAME`                    | a parameter of a formula                                    |
+//! | `motion.JOINT.position.1.time`, `.1.value`, `motion.JOINT.position.NAME` | an entry of a table, a parameter of a formula             |
+//! | `motor.JOINT.gravity_compensation`                                    | part of the weight that is held besides the law             |
 //! | `motor.JOINT.target.1.time`, `motor.JOINT.target.1.value`             | an entry of the table of a target, from 1 [s; rad, m, …]    |
 //! | `spring.NAME.stiffness`, `.damping`, `.rest_length`, `.rest`, `.a.position.x` | as `[[spring]]`                                     |
+//! | `rope.NAME.length`, `.restitution`, `.points.1.position.x`            | as `[[rope]]`; points from 1                                |
 //! | `loop.NAME.length`, `.a.position.x`, `.a.axis.x`                      | as `[[loop]]`                                               |
 //! | `loop.NAME.axis.x`, `.a.position.x`, `.a.rpy.roll`                    | of a `<loop_joint>`: its axis, and frames in its links      |
 //! | `load.NAME.factor`, `.factor.1.time`, `.factor.1.value`, `.wave.amplitude`, `.from`, `.until` | as `[[load]]`                   |
@@ -31,7 +36,7 @@
 //! | `drag.LINK.linear`, `.quadratic`, `.angular`, `.angular_quadratic`, `.position.x` | as `[[drag]]`                                |
 //! | `load.JOINT.effort`, `load.LINK.force.x`, `.torque.x`, `.position.x`  | as `[[load]]`; several on one are numbered: `load.2.effort` |
 //! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll` | as `[[obstacle]]` |
-//! | `obstacle.NAME.shape.radius`, `.length`, `.size.x`, `.normal.x`, `.scale.x` | as the `shape` of `[[obstacle]]` |
+//! | `obstacle.NAME.shape.radius`, `.length`, `.size.x`, `.radii.x`, `.normal.x`, `.scale.x` | as the `shape` of `[[obstacle]]` |
 //! | `contact.friction`, `contact.restitution`, `contact.pair.1.friction`  | as `[contact]` and its pairs, from 1                        |
 //! | `contact.self_contact`                                                | 1: links of one robot touch each other, 0: they do not       |
 //! | `simulation.duration`, `.tolerance`, `.stages`, `.step`, `.rate`      | as `[simulation]`                                           |

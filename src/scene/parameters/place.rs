@@ -48,6 +48,12 @@ pub(crate) enum Place {
         robot: usize,
         link: usize,
     },
+    /// Velocity of the surface of a link along an axis.
+    LinkSurface {
+        robot: usize,
+        link: usize,
+        axis: usize,
+    },
     CenterOfMass {
         robot: usize,
         link: usize,
@@ -122,6 +128,27 @@ pub(crate) enum Place {
         motor: usize,
         entry: usize,
     },
+    /// The time of an entry of the table of a moved joint.
+    MotionTime {
+        motion: usize,
+        entry: usize,
+    },
+    MotionValue {
+        motion: usize,
+        entry: usize,
+    },
+    /// A parameter of the formula of a moved joint.
+    MotionParameter {
+        motion: usize,
+        index: usize,
+    },
+    /// The position of a joint that is moved to one place.
+    MotionPosition(usize),
+    /// A parameter of the formula of a motor's target.
+    TargetParameter {
+        motor: usize,
+        index: usize,
+    },
     Spring {
         spring: usize,
         what: SpringNumber,
@@ -129,6 +156,13 @@ pub(crate) enum Place {
     SpringEnd {
         spring: usize,
         b: bool,
+        axis: usize,
+    },
+    RopeLength(usize),
+    RopeRestitution(usize),
+    RopeEnd {
+        rope: usize,
+        end: usize,
         axis: usize,
     },
     LoopLength(usize),
@@ -174,6 +208,11 @@ pub(crate) enum Place {
         load: usize,
         entry: usize,
     },
+    /// A parameter of the formula of the factor of a load.
+    FactorParameter {
+        load: usize,
+        index: usize,
+    },
     CouplingTerm {
         coupling: usize,
         term: usize,
@@ -201,6 +240,10 @@ pub(crate) enum Place {
     },
     ObstacleFriction(usize),
     ObstacleRestitution(usize),
+    ObstacleSurface {
+        obstacle: usize,
+        axis: usize,
+    },
     ObstaclePosition {
         obstacle: usize,
         axis: usize,
@@ -246,6 +289,7 @@ pub(crate) enum MotorNumber {
     Target,
     MaxEffort,
     Period,
+    GravityCompensation,
 }
 
 /// The numbers of a load over time.
@@ -273,6 +317,8 @@ pub(crate) enum SpringNumber {
 pub(crate) enum ShapeNumber {
     Radius,
     Length,
+    /// Of an ellipsoid, along an axis.
+    Radii(usize),
     /// Along an axis.
     Size(usize),
     /// Scale of a mesh, along an axis.

@@ -11,7 +11,7 @@ use crate::scene::loads::{Factor, LoadKind};
 use crate::scene::parameters::place::{BodyNumber, LoadNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::slot::Slot;
 use crate::scene::robot::{Geometry, Inertial, Limit, Pose, Shape as LinkShape, Surface, UrdfJoint};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 impl Place {
     /// The number at this place of a scene; what the files leave out is put there as it is without them. `None` in a scene without the place.
@@ -44,6 +44,10 @@ impl Place {
             }
             Place::LinkFriction { robot, link } => Optional(&mut surface(scene, *robot, *link)?.friction),
             Place::LinkRestitution { robot, link } => Optional(&mut surface(scene, *robot, *link)?.restitution),
+            Place::LinkSurface { robot, link, axis } => {
+                let velocity = surface(scene, *robot, *link)?.velocity.get_or_insert(Vector3::zeros());
+                Number(velocity.get_mut(*axis)?)
+            }
             Place::Mass { robot, link } => Number(&mut inertial(scene, *robot, *link)?.mass),
             Place::CenterOfMass { robot, link, axis } => {
                 Number(inertial(scene, *robot, *link)?.origin.translation.vector.get_mut(*axis)?)
@@ -94,11 +98,27 @@ impl Place {
                     (MotorNumber::Target, _) => Slot::Target(&mut motor.target),
                     (MotorNumber::MaxEffort, _) => Optional(&mut motor.max_effort),
                     (MotorNumber::Period, _) => Number(&mut motor.period),
+                    (MotorNumber::GravityCompensation, _) => Number(&mut motor.gravity_compensation),
                     _ => return None,
                 }
             }
             Place::TargetTime { motor, entry } => Number(&mut entry_of(scene, *motor, *entry)?.0),
             Place::TargetValue { motor, entry } => Number(&mut entry_of(scene, *motor, *entry)?.1),
+            Place::MotionTime { motion, entry } => {
+                Number(&mut scene.motions.get_mut(*motion)?.table.as_mut()?.points.get_mut(*entry)?.0)
+            }
+            Place::MotionValue { motion, entry } => {
+                Number(&mut scene.motions.get_mut(*motion)?.table.as_mut()?.points.get_mut(*entry)?.1)
+            }
+            Place::MotionParameter { motion, index } => {
+                let formula = scene.motions.get_mut(*motion)?.position.as_formula_mut()?;
+                Number(&mut formula.parameters_mut().get_mut(*index)?.1)
+            }
+            Place::MotionPosition(motion) => Slot::Target(&mut scene.motions.get_mut(*motion)?.position),
+            Place::TargetParameter { motor, index } => {
+                let formula = scene.motors.get_mut(*motor)?.target.as_formula_mut()?;
+                Number(&mut formula.parameters_mut().get_mut(*index)?.1)
+            }
             Place::Spring { spring, what } => {
                 let spring = scene.springs.get_mut(*spring)?;
                 match (what, &mut spring.place) {
@@ -112,6 +132,9 @@ impl Place {
                 SpringPlace::Points { a, b: end, .. } => at(if *b { end } else { a }, *axis)?,
                 SpringPlace::Joint { .. } => return None,
             },
+            Place::RopeLength(rope) => Number(&mut scene.ropes.get_mut(*rope)?.length),
+            Place::RopeRestitution(rope) => Number(&mut scene.ropes.get_mut(*rope)?.restitution),
+            Place::RopeEnd { rope, end, axis } => at(scene.ropes.get_mut(*rope)?.ends.get_mut(*end)?, *axis)?,
             Place::LoopLength(of) => Optional(&mut scene.loops.get_mut(*of)?.length),
             Place::LoopEnd { of, b, axis } => {
                 let closing = scene.loops.get_mut(*of)?;
@@ -153,6 +176,10 @@ impl Place {
             }
             Place::FactorTime { load, entry } => Number(&mut factor_of(scene, *load, *entry)?.0),
             Place::FactorValue { load, entry } => Number(&mut factor_of(scene, *load, *entry)?.1),
+            Place::FactorParameter { load, index } => match &mut scene.loads.get_mut(*load)?.factor {
+                Factor::Formula(formula) => Number(&mut formula.parameters_mut().get_mut(*index)?.1),
+                _ => return None,
+            },
             Place::CouplingTerm { coupling, term } => {
                 Number(&mut scene.couplings.get_mut(*coupling)?.terms.get_mut(*term)?.1)
             }
@@ -173,6 +200,9 @@ impl Place {
             },
             Place::ObstacleFriction(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.friction),
             Place::ObstacleRestitution(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.restitution),
+            Place::ObstacleSurface { obstacle, axis } => {
+                Number(scene.contact.obstacles.get_mut(*obstacle)?.surface_velocity.get_mut(*axis)?)
+            }
             Place::ObstaclePosition { obstacle, axis } => {
                 Number(scene.contact.obstacles.get_mut(*obstacle)?.pose.translation.vector.get_mut(*axis)?)
             }
@@ -265,6 +295,7 @@ fn of_geometry(geometry: &mut Geometry, what: ShapeNumber) -> Option<&mut f64> {
         ) => radius,
         (ShapeNumber::Length, Geometry::Cylinder { length, .. } | Geometry::Capsule { length, .. }) => length,
         (ShapeNumber::Size(axis), Geometry::Box { size }) => size.get_mut(axis)?,
+        (ShapeNumber::Radii(axis), Geometry::Ellipsoid { radii }) => radii.get_mut(axis)?,
         (ShapeNumber::Scale(axis), Geometry::Mesh(mesh)) => mesh.scale.get_mut(axis)?,
         _ => return None,
     })
@@ -287,6 +318,7 @@ fn of_obstacle(obstacle: &mut Obstacle, what: ShapeNumber) -> Option<Slot<'_>> {
         ) => Slot::Number(radius),
         (ShapeNumber::Length, Shape::Capsule { half, .. } | Shape::Cylinder { half, .. }) => Slot::Half(half),
         (ShapeNumber::Size(axis), Shape::Box { half }) => Slot::Half(half.get_mut(axis)?),
+        (ShapeNumber::Radii(axis), Shape::Ellipsoid { radii }) => Slot::Number(radii.get_mut(axis)?),
         (ShapeNumber::Scale(axis), Shape::Mesh(_)) => Slot::Number(obstacle.scale.get_mut(axis)?),
         _ => return None,
     })

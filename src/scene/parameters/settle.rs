@@ -4,6 +4,8 @@
 //! from its scale: each as the reader of the file works it out, so that the bits are the same.
 
 use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::formula::Formula;
+use crate::mechanism::description::target::Target;
 use crate::meshes::collision_surface;
 use crate::scene::contact_settings::Obstacle;
 use crate::scene::description::Scene;
@@ -28,7 +30,10 @@ impl Place {
                 let robot = &mut scene.robots[robot];
                 robot.pose.rotation = turn(robot.rpy);
             }
-            Place::Body { robot, .. } | Place::LinkFriction { robot, .. } | Place::LinkRestitution { robot, .. } => {
+            Place::Body { robot, .. }
+            | Place::LinkFriction { robot, .. }
+            | Place::LinkRestitution { robot, .. }
+            | Place::LinkSurface { robot, .. } => {
                 let placed = &mut scene.robots[robot];
                 if let Some(body) = &placed.body {
                     let made = body.robot(&placed.name, &scene.path, placed.line);
@@ -71,6 +76,24 @@ impl Place {
             }
             Place::CouplingTerm { coupling, term } if scene.couplings[coupling].terms[term].1 == 0.0 => {
                 return Err("a coefficient of a coupling is not zero; leave its joint out".to_string());
+            }
+            Place::MotionTime { motion, .. } | Place::MotionValue { motion, .. } => {
+                let motion = &mut scene.motions[motion];
+                if let Some(table) = &motion.table {
+                    table.target().map_err(|(_, reason)| reason)?;
+                    motion.position = Target::smooth(&table.points).map_err(|error| error.to_string())?;
+                }
+            }
+            Place::MotionParameter { motion, .. } => {
+                scene.motions[motion].position.as_formula().map_or(Ok(()), Formula::check_start)?;
+            }
+            Place::TargetParameter { motor, .. } => {
+                scene.motors[motor].target.as_formula().map_or(Ok(()), Formula::check_start)?;
+            }
+            Place::FactorParameter { load, .. } => {
+                if let Factor::Formula(formula) = &scene.loads[load].factor {
+                    formula.check_start()?;
+                }
             }
             Place::FactorTime { load, .. } | Place::FactorValue { load, .. } => {
                 if let Factor::Table(table) = &scene.loads[load].factor {

@@ -15,6 +15,7 @@ impl Place {
             | Place::InertiaTurn { robot, link, .. }
             | Place::LinkFriction { robot, link }
             | Place::LinkRestitution { robot, link }
+            | Place::LinkSurface { robot, link, .. }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
                 let link = &robot.links[*link];
@@ -52,11 +53,23 @@ impl Place {
                 let robot = &scene.robots[*robot];
                 here(robot.line, Element::Robot(robot.name.clone()))
             }
-            Place::Motor { motor, .. } | Place::TargetTime { motor, .. } | Place::TargetValue { motor, .. } => {
+            Place::MotionTime { motion, .. }
+            | Place::MotionValue { motion, .. }
+            | Place::MotionParameter { motion, .. }
+            | Place::MotionPosition(motion) => {
+                here(scene.motions[*motion].line, Element::Motion(scene.motions[*motion].on.clone()))
+            }
+            Place::Motor { motor, .. }
+            | Place::TargetTime { motor, .. }
+            | Place::TargetValue { motor, .. }
+            | Place::TargetParameter { motor, .. } => {
                 here(scene.motors[*motor].line, Element::Motor(scene.motors[*motor].on.clone()))
             }
             Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
                 here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
+            }
+            Place::RopeLength(rope) | Place::RopeRestitution(rope) | Place::RopeEnd { rope, .. } => {
+                here(scene.ropes[*rope].line, Element::Rope(scene.ropes[*rope].name.clone()))
             }
             Place::LoopLength(of) | Place::LoopEnd { of, .. } | Place::LoopAxis { of, .. } => {
                 here(scene.loops[*of].line, Element::Loop(scene.loops[*of].name.clone()))
@@ -79,6 +92,7 @@ impl Place {
             | Place::Load { load, .. }
             | Place::FactorTime { load, .. }
             | Place::FactorValue { load, .. }
+            | Place::FactorParameter { load, .. }
             | Place::LoadForce { load, .. }
             | Place::LoadTorque { load, .. }
             | Place::LoadPosition { load, .. } => {
@@ -86,6 +100,7 @@ impl Place {
             }
             Place::ObstacleFriction(obstacle)
             | Place::ObstacleRestitution(obstacle)
+            | Place::ObstacleSurface { obstacle, .. }
             | Place::ObstaclePosition { obstacle, .. }
             | Place::ObstacleTurn { obstacle, .. }
             | Place::ObstacleShape { obstacle, .. }

@@ -37,7 +37,10 @@ impl CouplingReader<'_> {
         }
         let refuse = |span, message| Err(self.text.error(&span, Some(owner.clone()), Problem::Keys(message)));
         if matches!(table.shape.get_ref().kind, ShapeKind::HalfSpace | ShapeKind::Mesh) {
-            return refuse(table.shape.span(), "a body is a sphere, box, cylinder or capsule; of others write a URDF");
+            return refuse(
+                table.shape.span(),
+                "a body is a sphere, box, cylinder, capsule or ellipsoid; of others write a URDF",
+            );
         }
         let (shape, _, _) = self.shape(table.shape, &owner, files)?;
         let shape = match shape {
@@ -45,7 +48,10 @@ impl CouplingReader<'_> {
             Shape::Box { half } => Geometry::Box { size: 2.0 * half },
             Shape::Cylinder { radius, half } => Geometry::Cylinder { radius, length: 2.0 * half },
             Shape::Capsule { radius, half } => Geometry::Capsule { radius, length: 2.0 * half },
-            _ => return refuse(span, "a body is a sphere, box, cylinder or capsule; of others write a URDF"),
+            Shape::Ellipsoid { radii } => Geometry::Ellipsoid { radii },
+            _ => {
+                return refuse(span, "a body is a sphere, box, cylinder, capsule or ellipsoid; of others write a URDF");
+            }
         };
         let weight = match (table.density, table.mass) {
             (Some(density), None) => Weight::Density(density.get_ref().0),
@@ -71,6 +77,7 @@ impl CouplingReader<'_> {
         let surface = Surface {
             friction: table.friction.map(|friction| friction.0),
             restitution: table.restitution.map(|restitution| restitution.0),
+            velocity: table.surface_velocity.as_ref().map(vector),
         };
         let body = SceneBody { shape, weight, color, surface };
         let line = self.text.line(&span);

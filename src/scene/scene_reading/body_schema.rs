@@ -13,6 +13,7 @@ pub(crate) struct BodyTable {
     pub mass: Option<Spanned<Positive>>,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub surface_velocity: Option<[Finite; 3]>,
     pub color: Option<Spanned<Vec<Fraction>>>,
     #[serde(default)]
     pub pose: PoseTable,

@@ -66,7 +66,7 @@ impl CouplingReader<'_> {
         let mut obstacles: Vec<Obstacle> = Vec::with_capacity(tables.len());
         for (index, table) in tables.into_iter().enumerate() {
             let span = table.span();
-            let ObstacleTable { name, shape, pose, friction, restitution } = table.into_inner();
+            let ObstacleTable { name, shape, pose, friction, restitution, surface_velocity } = table.into_inner();
             let place = name.as_ref().map_or(span, Spanned::span);
             let name = name.map_or_else(|| format!("obstacle{}", index + 1), Spanned::into_inner);
             let owner = Element::Obstacle(name.clone());
@@ -96,6 +96,7 @@ impl CouplingReader<'_> {
                 normal,
                 friction: friction.map(|friction| friction.0),
                 restitution: restitution.map(|restitution| restitution.0),
+                surface_velocity: surface_velocity.as_ref().map_or(Vector3::zeros(), vector),
                 mesh,
                 scale,
                 line,
@@ -113,7 +114,7 @@ impl CouplingReader<'_> {
     ) -> Result<(Shape, Rotation3<f64>, Option<MeshSource>), SceneError> {
         let whole = table.span();
         let table = table.into_inner();
-        let ShapeTable { kind, normal, size, radius, length, file, scale } = &table;
+        let ShapeTable { kind, normal, size, radius, radii, length, file, scale } = &table;
         let refuse =
             |span: &Range<usize>, message| Err(self.text.error(span, Some(owner.clone()), Problem::Keys(message)));
         if let Some((span, message)) = foreign_key(&table) {
@@ -145,6 +146,10 @@ impl CouplingReader<'_> {
                 }
                 (Some(radius), Some(half)) => Shape::Capsule { radius: radius.get_ref().0, half },
                 _ => return refuse(&whole, "cylinders and capsules need a radius and a length"),
+            },
+            ShapeKind::Ellipsoid => match radii {
+                Some(radii) => Shape::Ellipsoid { radii: Vector3::from(radii.get_ref().map(|radius| radius.0)) },
+                None => return refuse(&whole, "an ellipsoid needs its radii along x, y and z"),
             },
             ShapeKind::Mesh => {
                 let Some(file) = file else { return refuse(&whole, "a mesh needs its file") };
@@ -184,7 +189,7 @@ impl CouplingReader<'_> {
         let mut links: Vec<SceneLink> = Vec::with_capacity(tables.len());
         for table in tables {
             let span = table.span();
-            let LinkTable { name, shape, collision, friction, restitution } = table.into_inner();
+            let LinkTable { name, shape, collision, friction, restitution, surface_velocity } = table.into_inner();
             let owner = Element::Link(name.get_ref().clone());
             let point = self.point(&name, &Default::default(), &owner)?;
             let count = match point.link {
@@ -202,16 +207,21 @@ impl CouplingReader<'_> {
             let refuse = |span: Range<usize>, message| {
                 Err(self.text.error(&span, Some(Element::Link(name.get_ref().clone())), Problem::Keys(message)))
             };
-            if collision.is_none() && friction.is_none() && restitution.is_none() {
-                return refuse(span, "give its collision, friction or restitution");
-            }
             let of_surface = friction.as_ref().map(Spanned::span).or(restitution.as_ref().map(Spanned::span));
+            let of_surface = of_surface.or(surface_velocity.as_ref().map(Spanned::span));
+            if collision.is_none() && of_surface.is_none() {
+                return refuse(span, "give its collision, friction, restitution or surface_velocity");
+            }
             if let Some(span) = of_surface.filter(|_| shape.is_some()) {
-                return refuse(span, "friction and restitution are of the whole link; leave out its shape");
+                return refuse(
+                    span,
+                    "friction, restitution and surface_velocity are of the whole link; leave out its shape",
+                );
             }
             let surface = Surface {
                 friction: friction.map(|friction| friction.get_ref().0),
                 restitution: restitution.map(|restitution| restitution.get_ref().0),
+                velocity: surface_velocity.map(|velocity| vector(velocity.get_ref())),
             };
             let shape = shape.map(Spanned::into_inner);
             if let Some(first) = links.iter().find(|other| other.link == point.link && other.shape == shape) {
@@ -227,13 +237,14 @@ impl CouplingReader<'_> {
 
 /// The place of a key that a shape of this kind has not, and what to say of it.
 fn foreign_key(table: &ShapeTable) -> Option<(Range<usize>, &'static str)> {
-    let ShapeTable { kind, normal, size, radius, length, file, scale } = table;
+    let ShapeTable { kind, normal, size, radius, radii, length, file, scale } = table;
     let round = matches!(kind, ShapeKind::Cylinder | ShapeKind::Capsule);
     let is = |wanted| *kind == wanted;
     let span = |has: bool, given: Option<Range<usize>>, message| given.filter(|_| !has).map(|span| (span, message));
     let of = |given: &Option<Spanned<_>>| given.as_ref().map(Spanned::span);
     span(is(ShapeKind::HalfSpace), normal.as_ref().map(Spanned::span), "only a half space has a normal")
         .or(span(is(ShapeKind::Box), size.as_ref().map(Spanned::span), "only a box has a size"))
+        .or(span(is(ShapeKind::Ellipsoid), radii.as_ref().map(Spanned::span), "only an ellipsoid has radii"))
         .or(span(round || is(ShapeKind::Sphere), of(radius), "only spheres, cylinders and capsules have a radius"))
         .or(span(round, of(length), "only cylinders and capsules have a length"))
         .or(span(is(ShapeKind::Mesh), file.as_ref().map(Spanned::span), "only a mesh has a file"))

@@ -13,6 +13,7 @@ pub(crate) struct ObstacleTable {
     pub pose: PoseTable,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub surface_velocity: Option<[Finite; 3]>,
 }
 
 #[derive(serde::Deserialize)]
@@ -23,6 +24,7 @@ pub(crate) struct ShapeTable {
     pub normal: Option<Spanned<[Finite; 3]>>,
     pub size: Option<Spanned<[Positive; 3]>>,
     pub radius: Option<Spanned<Positive>>,
+    pub radii: Option<Spanned<[Positive; 3]>>,
     pub length: Option<Spanned<Positive>>,
     pub file: Option<Spanned<String>>,
     pub scale: Option<Spanned<[Finite; 3]>>,
@@ -36,6 +38,7 @@ pub(crate) enum ShapeKind {
     Sphere,
     Cylinder,
     Capsule,
+    Ellipsoid,
     Mesh,
 }
 
@@ -76,4 +79,5 @@ pub(crate) struct LinkTable {
     pub collision: Option<LinkShapes>,
     pub friction: Option<Spanned<Friction>>,
     pub restitution: Option<Spanned<Fraction>>,
+    pub surface_velocity: Option<Spanned<[Finite; 3]>>,
 }

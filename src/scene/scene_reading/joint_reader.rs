@@ -139,6 +139,7 @@ impl CouplingReader<'_> {
             table: given,
             max_effort: table.max_effort.map(|bound| bound.0),
             period: table.period.map_or(0.0, |period| period.0),
+            gravity_compensation: table.gravity_compensation.map_or(0.0, |part| part.0),
             line: *line,
         })
     }
@@ -184,7 +185,7 @@ impl CouplingReader<'_> {
     }
 
     /// A joint of the tree of a robot.
-    fn tree_joint(
+    pub(crate) fn tree_joint(
         &self,
         name: &Spanned<String>,
         loops: &[SceneLoop],

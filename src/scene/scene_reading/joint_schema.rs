@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::target::Interpolation;
 use crate::scene::joint_settings::LimitChoice;
-use crate::scene::scene_reading::scene_numbers::{Bound, Fraction, NotNegative, Quantity};
-use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
+use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, NotNegative, Quantity};
+use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 use toml::Spanned;
 
@@ -19,6 +19,44 @@ pub(crate) struct MotorTable {
     pub kd: Option<Spanned<NotNegative>>,
     pub max_effort: Option<Bound>,
     pub period: Option<NotNegative>,
+    pub gravity_compensation: Option<Part>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MotionTable {
+    pub joint: Spanned<String>,
+    pub position: Spanned<TargetKey>,
+}
+
+/// A part of a whole: `true` for all, `false` for nothing, or a number that is not negative.
+#[derive(Clone, Copy)]
+pub(crate) struct Part(pub f64);
+
+impl<'de> Deserialize<'de> for Part {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct FlagOrNumber;
+        impl Visitor<'_> for FlagOrNumber {
+            type Value = Part;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("true, false, or the part of the weight that it holds")
+            }
+
+            fn visit_bool<E: Error>(self, all: bool) -> Result<Part, E> {
+                Ok(Part(f64::from(u8::from(all))))
+            }
+
+            fn visit_f64<E: Error>(self, number: f64) -> Result<Part, E> {
+                NotNegative::try_from(number).map(|part| Part(part.0)).map_err(E::custom)
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Part, E> {
+                self.visit_f64(number as f64)
+            }
+        }
+        deserializer.deserialize_any(FlagOrNumber)
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, serde::Deserialize)]
@@ -98,12 +136,13 @@ impl<'de> Deserialize<'de> for Names {
     }
 }
 
-/// A target: a number, `"start"`, entries `[time, value]` with their places in the file, or the name of a CSV file.
+/// A target: a number, `"start"`, entries `[time, value]` with their places in the file, the name of a CSV file, or a formula with its parameters.
 pub(crate) enum TargetKey {
     Number(Quantity),
     Start,
     Entries(Vec<Spanned<Vec<Quantity>>>),
     File(String),
+    Formula { text: Spanned<String>, parameters: Vec<(String, f64)> },
 }
 
 /// `[lower, upper]` or `"none"`.
@@ -134,7 +173,7 @@ impl<'de> Deserialize<'de> for TargetKey {
 
             fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
                 out.write_str(
-                    "a number, a list of [time, value], or the name of a CSV file of time,value; or \"start\"",
+                    "a number, a list of [time, value], the name of a CSV file of time,value, { formula = \"…\" }, or \"start\"",
                 )
             }
 
@@ -160,6 +199,19 @@ impl<'de> Deserialize<'de> for TargetKey {
                     entries.push(entry);
                 }
                 Ok(TargetKey::Entries(entries))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<TargetKey, A::Error> {
+                let (mut text, mut parameters) = (None, Vec::new());
+                while let Some(key) = map.next_key::<String>()? {
+                    if key == "formula" {
+                        text = Some(map.next_value::<Spanned<String>>()?);
+                    } else {
+                        parameters.push((key, map.next_value::<Finite>()?.0));
+                    }
+                }
+                let text = text.ok_or_else(|| A::Error::missing_field("formula"))?;
+                Ok(TargetKey::Formula { text, parameters })
             }
         }
         deserializer.deserialize_any(AnyTarget)

@@ -87,7 +87,7 @@ impl CouplingReader<'_> {
             (Some(factor), None) => {
                 if matches!(factor.get_ref(), TargetKey::Start) {
                     return refuse(
-                        "its factor is a number, a list of [time, value], or the name of a CSV file of time,value",
+                        "its factor is a number, a list of [time, value], the name of a CSV file of time,value, or { formula = \"…\" }",
                     );
                 }
                 let value = |given: Quantity, span: &Range<usize>| {
@@ -98,7 +98,10 @@ impl CouplingReader<'_> {
                 let interpolation = table.interpolation.into();
                 Ok(match self.target(factor, &value, interpolation, owner, files, read)? {
                     (_, Some(table)) => Factor::Table(table),
-                    (target, None) => Factor::Number(target.value(0.0)),
+                    (target, None) => match target.as_formula() {
+                        Some(formula) => Factor::Formula(formula.clone()),
+                        None => Factor::Number(target.value(0.0)),
+                    },
                 })
             }
         }

@@ -20,10 +20,14 @@ pub(crate) mod joint_reader;
 pub(crate) mod joint_schema;
 #[cfg(feature = "scene")]
 pub(crate) mod load_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod motion_reader;
 #[cfg(not(feature = "scene"))]
 pub(crate) mod no_scene_file;
 #[cfg(feature = "scene")]
 pub(crate) mod relation_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod rope_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod scene_file;
 pub(crate) mod scene_files;

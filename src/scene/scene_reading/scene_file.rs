@@ -8,7 +8,8 @@
 //! | `loop`       | `name`, `type`, `a` and `b` (each `link`, `position`, `axis` in the link frame), `length`       |
 //! | `spring`     | `name`, `stiffness`, `damping`; between points `a`, `b`, `rest_length`; in a `joint` `rest`      |
 //! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
-//! | `motor`      | `joint`, `kind`, `target`, `interpolation`, `kp`, `kd`, `max_effort`, `period`                |
+//! | `motor`      | `joint`, `kind`, `target`, `interpolation`, `kp`, `kd`, `max_effort`, `period`, `gravity_compensation` |
+//! | `motion`     | `joint`, `position`                                                                          |
 //! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
 //! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
 //! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
@@ -62,11 +63,13 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
+    let ropes = reader.ropes(file.rope)?;
     let mut tables = Vec::new();
     let loads = reader.loads(file.load, files, &mut tables)?;
     let drags = reader.drags(file.drag)?;
     let couplings = reader.relations(file.coupling)?;
-    let motors = reader.motors(file.motor, &loops, files, &mut tables)?;
+    let mut motors = reader.motors(file.motor, &loops, files, &mut tables)?;
+    let motions = reader.motions(file.motion, &loops, &mut motors, files, &mut tables)?;
     let joints = reader.joints(file.joint, &loops)?;
     let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
@@ -75,6 +78,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
             let surface = &mut robots[robot].robot.links[link].surface;
             surface.friction = said.surface.friction.or(surface.friction);
             surface.restitution = said.surface.restitution.or(surface.restitution);
+            surface.velocity = said.surface.velocity.or(surface.velocity);
         }
     }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
@@ -88,10 +92,12 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         robots,
         loops,
         springs,
+        ropes,
         loads,
         drags,
         couplings,
         motors,
+        motions,
         joints,
         contact,
         tables,

@@ -4,8 +4,10 @@ use crate::mechanism::description::course::Wave;
 use crate::scene::robot::LoopType;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::contact_schema::{ContactTable, LinkTable, ObstacleTable};
-use crate::scene::scene_reading::joint_schema::{InterpolationKey, JointTable, MotorTable, TargetKey};
-use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive, Quantity, VelocityTable};
+use crate::scene::scene_reading::joint_schema::{InterpolationKey, JointTable, MotionTable, MotorTable, TargetKey};
+use crate::scene::scene_reading::scene_numbers::{
+    Finite, Fraction, NotNegative, PoseTable, Positive, Quantity, VelocityTable,
+};
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 use std::collections::BTreeMap;
@@ -25,6 +27,8 @@ pub(crate) struct FileTable {
     #[serde(default)]
     pub spring: Vec<Spanned<SpringTable>>,
     #[serde(default)]
+    pub rope: Vec<Spanned<RopeTable>>,
+    #[serde(default)]
     pub load: Vec<Spanned<LoadTable>>,
     #[serde(default)]
     pub drag: Vec<Spanned<DragTable>>,
@@ -32,6 +36,8 @@ pub(crate) struct FileTable {
     pub coupling: Vec<Spanned<CouplingTable>>,
     #[serde(default)]
     pub motor: Vec<Spanned<MotorTable>>,
+    #[serde(default)]
+    pub motion: Vec<Spanned<MotionTable>>,
     #[serde(default)]
     pub joint: Vec<Spanned<JointTable>>,
     #[serde(default)]
@@ -107,6 +113,15 @@ pub(crate) struct SpringTable {
     pub damping: Option<NotNegative>,
     pub rest_length: Option<Spanned<NotNegative>>,
     pub rest: Option<Spanned<Quantity>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RopeTable {
+    pub name: Option<Spanned<String>>,
+    pub points: Spanned<Vec<PointTable>>,
+    pub length: Positive,
+    pub restitution: Option<Fraction>,
 }
 
 #[derive(serde::Deserialize)]

@@ -1,5 +1,6 @@
-//! Targets of motors: from a number, a list in the scene file, or a CSV file beside it.
+//! Targets of motors: from a number, a list in the scene file, a CSV file beside it, or a formula of time.
 
+use crate::mechanism::description::formula::Formula;
 use crate::mechanism::description::target::{Interpolation, Target};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::joint_settings::{TableFile, TargetTable};
@@ -30,6 +31,7 @@ impl CouplingReader<'_> {
         let (entries, file): (Vec<Entry>, PathBuf) = match key.get_ref() {
             TargetKey::Number(given) => return Ok((Target::constant(value(*given, &span)?), None)),
             TargetKey::Start => return Ok((Target::constant(0.0), None)),
+            TargetKey::Formula { text, parameters } => return self.formula(text, parameters, owner),
             TargetKey::Entries(entries) => (self.entries(entries, value, owner)?, self.text.file.to_path_buf()),
             TargetKey::File(name) => {
                 let path = self.text.file.parent().unwrap_or(Path::new("")).join(name);
@@ -60,6 +62,23 @@ impl CouplingReader<'_> {
             SceneError { file: file.clone(), line, element, problem: Box::new(Problem::Table(reason)) }
         })?;
         Ok((target, Some(table)))
+    }
+
+    /// A formula with its parameters, which is a number where the run starts.
+    fn formula(
+        &self,
+        text: &Spanned<String>,
+        parameters: &[(String, f64)],
+        owner: &Element,
+    ) -> Result<(Target, Option<TargetTable>), SceneError> {
+        let refuse = |reason| Err(self.text.error(&text.span(), Some(owner.clone()), Problem::Table(reason)));
+        match Formula::new(text.get_ref(), parameters) {
+            Err(error) => refuse(error.to_string()),
+            Ok(formula) => match formula.check_start() {
+                Err(reason) => refuse(reason),
+                Ok(()) => Ok((Target::formula(formula), None)),
+            },
+        }
     }
 
     /// The entries of a list in the scene file.

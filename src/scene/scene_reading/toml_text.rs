@@ -10,11 +10,12 @@ use toml::de::{DeTable, DeValue};
 /// A table that may occur several times: its key, the keys of its names, and its element in messages.
 type Named = (&'static str, &'static [&'static str], fn(&[&str]) -> Option<Element>);
 
-const NAMED: [Named; 9] = [
+const NAMED: [Named; 10] = [
     ("robot", &["name"], |names| Some(Element::Robot(names.first()?.to_string()))),
     ("body", &["name"], |names| Some(Element::Body(names.first()?.to_string()))),
     ("loop", &["name"], |names| Some(Element::Loop(names.first()?.to_string()))),
     ("spring", &["name"], |names| Some(Element::Spring(names.first()?.to_string()))),
+    ("rope", &["name"], |names| Some(Element::Rope(names.first()?.to_string()))),
     ("load", &["joint", "link"], |names| Some(Element::Load(names.first()?.to_string()))),
     ("motor", &["joint"], |names| Some(Element::Motor(names.first()?.to_string()))),
     ("joint", &["name"], |names| Some(Element::Joint(names.first()?.to_string()))),

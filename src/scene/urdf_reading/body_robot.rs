@@ -40,6 +40,7 @@ impl SceneBody {
             Geometry::Box { size } => format!("<box size=\"{} {} {}\"/>", size.x, size.y, size.z),
             Geometry::Cylinder { radius, length } => format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>"),
             Geometry::Capsule { radius, length } => format!("<capsule radius=\"{radius}\" length=\"{length}\"/>"),
+            Geometry::Ellipsoid { radii } => format!("<ellipsoid radii=\"{} {} {}\"/>", radii.x, radii.y, radii.z),
             Geometry::Mesh(mesh) => format!("<mesh filename=\"{}\"/>", escaped(&mesh.path)),
         };
         let material = self.color.map_or(String::new(), |[red, green, blue, opacity]| {

@@ -41,7 +41,11 @@ pub(crate) fn clean(xml: &XmlText, schema: &'static Schema) -> Result<Cleaned, S
         ignored: Vec::new(),
     };
     if root.tag_name().name() != schema.name {
-        return Err(cleaner.error(root, Problem::NotRobot(shown(root.tag_name().name()))));
+        let problem = match root.tag_name().name() {
+            "sdf" => Problem::Sdf,
+            other => Problem::NotRobot(shown(other)),
+        };
+        return Err(cleaner.error(root, problem));
     }
     cleaner.refuse_xacro(root)?;
     let robot = cleaner.element(root, schema)?;

@@ -288,6 +288,7 @@ impl Converter<'_> {
             "cylinder" => Geometry::Cylinder { radius: number("radius")?, length: number("length")? },
             "sphere" => Geometry::Sphere { radius: number("radius")? },
             "capsule" => Geometry::Capsule { radius: number("radius")?, length: number("length")? },
+            "ellipsoid" => Geometry::Ellipsoid { radii: form.vector("radii")?.into() },
             _ => Geometry::Mesh(MeshFile {
                 path: form.text("filename"),
                 resolved: self.meshes.get(form.attribute("filename")?).cloned(),

@@ -131,6 +131,7 @@ pub(crate) static GEOMETRY: Schema = Schema {
         child(&CYLINDER, AtMostOne),
         child(&SPHERE, AtMostOne),
         child(&CAPSULE, AtMostOne),
+        child(&ELLIPSOID, AtMostOne),
         child(&MESH, AtMostOne),
     ],
 };
@@ -141,6 +142,7 @@ static CYLINDER: Schema =
 static SPHERE: Schema = leaf("sphere", &[attribute("radius", Numbers(1), Required)]);
 static CAPSULE: Schema =
     leaf("capsule", &[attribute("radius", Numbers(1), Required), attribute("length", Numbers(1), Required)]);
+static ELLIPSOID: Schema = leaf("ellipsoid", &[attribute("radii", Numbers(3), Required)]);
 static MESH: Schema = leaf("mesh", &[attribute("filename", Text, Required), attribute("scale", Numbers(3), Optional)]);
 
 static MATERIAL: Schema = Schema {

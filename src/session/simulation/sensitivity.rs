@@ -1,43 +1,41 @@
 //! Derivatives of a run by its start, its efforts, and all numbers that have a key path.
 //!
 //! ```text
-//!     run ─ times of its steps ─▶ the same steps, solved to rounding ─▶ R_u, R_x ─▶ ∂q/∂θ, ∂v/∂θ at the end of every step
+//!     run ─ times of its steps ─▶ the same steps with their modes and jumps ─▶ solved to rounding ─▶ ∂q/∂θ, ∂v/∂θ at the ends of steps
 //! ```
 //!
-//! Numbers of a scene reach the equations through the reader of files. The derivatives of masses, frames, springs and starts by such a number come
-//! from eight models with other numbers, by differences of order eight: these functions are smooth and short, and the error is some 1e-13 of the
-//! derivative. From there on everything is exact.
-//!
-//! Source: B. Fornberg, Generation of finite difference formulas on arbitrarily spaced grids, Math. Comp. 51 (1988), table 1.
+//! From the derivatives of the start and of constant numbers on ([`parameters`]) everything is exact. A step much shorter than the one after it is made together with that one.
 
-use crate::derivatives::equations::figures::Figures;
+use crate::derivatives::events::parameter::TimeLaws;
+use crate::derivatives::events::validity::EventSlope;
+use crate::derivatives::events::walk::{Subject, Walk};
 use crate::derivatives::forward::failure::SensitivityError;
-use crate::derivatives::forward::stage_equations::BothFigures;
-use crate::derivatives::forward::step::{Part, StepProblem};
-use crate::derivatives::forward::tangent::{Tangent, Varied};
-use crate::derivatives::numbers::number::Number;
-use crate::events::Moving;
+use crate::events::trace::{TraceError, TracedRun};
+use crate::instant::holding::elements::Elements;
 use crate::lobatto::tableau::butcher::Tableau;
-use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz};
+use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::linear::freedom_name;
-use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
-use nalgebra::{DMatrix, DVector, Rotation3};
+use nalgebra::{DMatrix, Vector3};
 use std::sync::{Arc, Mutex};
 
-/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
-const WIDTH: f64 = 4e-3;
-/// Weights of the differences over k widths, k = 1..4.
-const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+mod parameters;
+
+use parameters::frames;
+
 /// The repeated steps end this close to the run, in multiples of its tolerance and of its displacements.
 const SAME: f64 = 1e-6;
+/// A step shorter than this part of the way to the next instant is made together with the next one: derivatives over a step have roundings of 1e-16
+/// over its length.
+const SHORT: f64 = 0.1;
 
-/// The derivatives of a run at its start and at the end of every step.
+/// The derivatives of a run at its start and at the end of every step to a given instant.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     /// The parameters θ (p).
@@ -54,13 +52,19 @@ pub struct Sensitivity {
     pub dq: Vec<DMatrix<f64>>,
     /// ∂v/∂θ (n × p), of the velocities along the freedoms.
     pub dv: Vec<DMatrix<f64>>,
+    /// The events of the run with the derivatives of their times.
+    pub events: Vec<EventSlope>,
+    /// How far each parameter may change before an event is missed, added, or comes in another order (p), to first order; infinite without events.
+    pub valid_within: Vec<f64>,
+    /// The event that bounds it, in words (p).
+    pub bounded_by: Vec<String>,
     /// How far the repeated steps end from the run (rad or m).
     pub apart: f64,
 }
 
-/// The times of the steps of a run, and its first event.
+/// The times of the steps of a run, and of its events (s).
 #[derive(Clone, Default)]
-struct Steps(Arc<Mutex<(Vec<f64>, Option<f64>)>>);
+struct Steps(Arc<Mutex<[Vec<f64>; 2]>>);
 
 impl Observer for Steps {
     fn sample(&mut self, _sample: &Sample) -> Result<(), ObserverError> {
@@ -71,21 +75,16 @@ impl Observer for Steps {
         &mut self,
         _method: &crate::mechanism::motion::integrator::MethodDescription,
     ) -> Result<(), ObserverError> {
-        self.with(|(times, event)| {
-            times.clear();
-            *event = None;
-        });
+        self.with(|times| times.iter_mut().for_each(Vec::clear));
         Ok(())
     }
 
     fn step(&mut self, end: &StepEnd) {
-        self.with(|(times, _)| times.push(end.time));
+        self.with(|[steps, _]| steps.push(end.time));
     }
 
     fn event(&mut self, event: &Event) {
-        self.with(|(_, first)| {
-            first.get_or_insert(event.time);
-        });
+        self.with(|[_, events]| events.push(event.time));
     }
 
     fn skips_samples(&self) -> bool {
@@ -94,25 +93,22 @@ impl Observer for Steps {
 }
 
 impl Steps {
-    fn with<R>(&self, work: impl FnOnce(&mut (Vec<f64>, Option<f64>)) -> R) -> R {
+    fn with<R>(&self, work: impl FnOnce(&mut [Vec<f64>; 2]) -> R) -> R {
         work(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
-}
 
-/// One parameter: the derivatives of figures and start by it, and the efforts of models that have other values of it.
-struct Parameter {
-    figures: Vec<f64>,
-    position: DVector<f64>,
-    velocity: DVector<f64>,
-    constant_effort: DVector<f64>,
-    /// With their weights.
-    others: Vec<(f64, Moving)>,
+    /// The ends of steps that are no events, and the end of the run (s).
+    fn instants(&self, start: f64, end: f64) -> Vec<f64> {
+        let [steps, events] = self.with(std::mem::take);
+        let given = steps.into_iter().filter(|time| *time > start && *time < end && !events.contains(time));
+        given.chain([end]).collect()
+    }
 }
 
 impl Simulation {
     /// Makes the run to its end, and computes the derivatives of its q and v by parameters: `start.q` and `start.v` (all freedoms, or
-    /// `start.q.JOINT`), `effort.JOINT` (a constant effort), and key paths of [`Model::params`], masses, lengths, springs, gains and targets among
-    /// them. The derivative is exact for the steps of the run.
+    /// `start.q.JOINT`), `effort.JOINT` (a constant effort), and key paths of [`Model::params`], masses, lengths, springs, gains and targets, friction,
+    /// limits and restitution among them. The derivative is exact for the steps of the run, through its events: an event moves in time.
     ///
     /// ```
     /// use catena::prelude::*;
@@ -124,12 +120,12 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// Unknown parameters; runs with events, loops or contacts, which have no derivatives yet; and errors of the run.
+    /// Unknown parameters; events without a derivative, and contacts that slide or roll on; and errors of the run.
     pub fn sensitivity(mut self, keys: &[&str]) -> Result<Sensitivity, Error> {
         let start = self.look(State::clone)?;
         let model = self.model.clone();
         let mechanism = &model.description().mechanism;
-        let moving = moving(mechanism, &start)?;
+        refuse(mechanism)?;
         let names: Vec<String> =
             (0..mechanism.velocity_count).map(|freedom| freedom_name(mechanism, freedom)).collect();
         let mut parameters = Vec::new();
@@ -147,103 +143,75 @@ impl Simulation {
         self.run()?;
         let end = self.look(State::clone)?;
         let stages = self.finish()?.method.stages;
-        let (times, event) = steps.with(std::mem::take);
-        if let Some(time) = event {
-            return Err(SensitivityError::Event { time }.into());
-        }
+        let instants = steps.instants(start.time, end.time);
         let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
-        let found = follow(&model, moving, &start, &times, tableau, &parameters)?;
-        let last = found.states.last().unwrap_or(&start);
+        let elements = Elements::new(mechanism);
+        let subject = Subject {
+            mechanism,
+            elements: &elements,
+            frames: &frames(&model),
+            tableau,
+            laws: &TimeLaws::new(&elements.motors, &mechanism.forces),
+            parameters: &parameters,
+        };
+        let mut walk = Walk::new(&subject, &start);
+        let mut rows = vec![(start.clone(), walk.tangent.clone())];
+        let mut run = TracedRun::new(mechanism, stages, 2.0 * (end.time - start.time).max(1.0))
+            .map_err(|_| SensitivityError::Step { time: start.time })?;
+        let (mut state, mut next) = (start.clone(), 0);
+        while state.time < end.time {
+            while instants.get(next).is_some_and(|&time| time <= state.time) {
+                next += 1;
+            }
+            let ahead = |index: usize| instants.get(index).map(|time| time - state.time);
+            let together = ahead(next).zip(ahead(next + 1)).is_some_and(|(one, other)| one < SHORT * other);
+            let until = instants.get(next + usize::from(together)).copied().unwrap_or(end.time);
+            let trace = run.step(&mut state, until).map_err(|error| match error {
+                TraceError::FirstOrder { time } => SensitivityError::FirstOrder { time },
+                TraceError::Step(_) | TraceError::Method(_) => SensitivityError::Step { time: state.time },
+            })?;
+            walk.along(&trace, &mut |state, tangent| {
+                // The end of a step at an instant that moves is no place of its own.
+                if tangent.times.iter().all(|by| *by == 0.0) {
+                    rows.push((state.clone(), tangent.clone()));
+                }
+            })?;
+        }
+        let last = &walk.state;
         let apart = last.position.iter().zip(&end.position).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
         let size = end.position.iter().fold(1.0, |size: f64, position| size.max(position.abs()));
         if apart.is_nan() || apart > SAME * size {
             return Err(SensitivityError::Apart { apart }.into());
         }
-        let (q, v) = found.states.iter().map(|state| model.flat(state)).unzip();
-        let times = found.states.iter().map(|state| state.time).collect();
-        let (dq, dv) = found.tangents.into_iter().map(|tangent| (tangent.positions, tangent.velocities)).unzip();
-        Ok(Sensitivity { keys: told, freedoms: names, times, q, v, dq, dv, apart })
-    }
-
-    /// The parameters of a key, with their names.
-    fn parameters(&self, key: &str, names: &[String], start: &State) -> Result<Vec<(String, Parameter)>, Error> {
-        let n = names.len();
-        let known = [("start.q", 0), ("start.v", 1), ("effort", 2)];
-        let of = known.iter().find_map(|(word, of)| {
-            let rest = key.strip_prefix(word)?;
-            (rest.is_empty() && *of < 2 || rest.starts_with('.')).then_some((*of, *word, rest.trim_start_matches('.')))
-        });
-        let Some((of, word, joint)) = of else { return Ok(vec![(key.to_string(), self.by_number(key, start)?)]) };
-        let belongs = |name: &str| {
-            joint.is_empty() || name == joint || name.strip_prefix(joint).is_some_and(|axis| axis.starts_with('.'))
-        };
-        let freedoms: Vec<usize> = (0..n).filter(|&freedom| belongs(&names[freedom])).collect();
-        if freedoms.is_empty() {
-            return Err(SensitivityError::Unknown { key: key.to_string() }.into());
-        }
-        let unit = |freedom: usize, which: usize| {
-            let vector = |own: usize| DVector::from_fn(n, |row, _| f64::from(u8::from(own == which && row == freedom)));
-            let (position, velocity, constant_effort) = (vector(0), vector(1), vector(2));
-            Parameter { figures: Vec::new(), position, velocity, constant_effort, others: Vec::new() }
-        };
-        Ok(freedoms.into_iter().map(|freedom| (format!("{word}.{}", names[freedom]), unit(freedom, of))).collect())
-    }
-
-    /// The parameter of a number by its key path.
-    fn by_number(&self, key: &str, start: &State) -> Result<Parameter, Error> {
-        let own = || key.to_string();
-        let params = self.model.params()?;
-        let matches = |name: &str| name == key || name.strip_suffix(key).is_some_and(|before| before.ends_with('.'));
-        let mut found = params.iter().filter(|(name, _)| matches(name));
-        let exact = params.iter().find(|(name, _)| name == key);
-        let (_, value) = exact.or_else(|| found.next()).ok_or_else(|| SensitivityError::Unknown { key: own() })?;
-        let value = value.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
-        let width = if value == 0.0 { WIDTH } else { WIDTH * value.abs() };
-        let n = start.velocity.len();
-        let here = figures_of_moving(&self.model, &moving(&self.model.description().mechanism, start)?);
-        let mut parameter = Parameter {
-            figures: vec![0.0; here.len()],
-            position: DVector::zeros(n),
-            velocity: DVector::zeros(n),
-            constant_effort: DVector::zeros(n),
-            others: Vec::new(),
-        };
-        for (index, weight) in WEIGHTS.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                let other = value + sign * (index + 1) as f64 * width;
-                let weight = sign * weight / width;
-                let edge = |reason: String| SensitivityError::Edge { key: own(), value, other, reason };
-                let model = self.model.with_params([(key, other)]).map_err(|error| edge(error.to_string()))?;
-                let begun = model
-                    .loaded()
-                    .assembled(&self.positions, &self.velocities, None)
-                    .map_err(|error| edge(error.to_string()))?;
-                let mut state = begun.state;
-                state.time = start.time;
-                let moving = moving(&model.description().mechanism, &state)?;
-                let figures = figures_of_moving(&model, &moving);
-                if figures.len() != here.len() || state.position.len() != start.position.len() {
-                    return Err(SensitivityError::Structure { key: own(), value }.into());
-                }
-                parameter.figures.iter_mut().zip(&figures).for_each(|(slope, figure)| *slope += weight * figure);
-                let mechanism = &self.model.description().mechanism;
-                parameter.position += weight * motion_between(mechanism, start, &state);
-                parameter.velocity += weight * DVector::from_column_slice(&state.velocity);
-                parameter.others.push((weight, moving));
-            }
-        }
-        Ok(parameter)
+        let (q, v) = rows.iter().map(|(state, _)| model.flat(state)).unzip();
+        let times = rows.iter().map(|(state, _)| state.time).collect();
+        let (dq, dv) = rows.into_iter().map(|(_, tangent)| (tangent.positions, tangent.velocities)).unzip();
+        let Walk { events, validity, .. } = walk;
+        let (valid_within, bounded_by) = (validity.within, validity.causes);
+        Ok(Sensitivity { keys: told, freedoms: names, times, q, v, dq, dv, events, valid_within, bounded_by, apart })
     }
 }
 
-/// The mechanism that moves at the start of a run whose derivatives are known.
-fn moving(mechanism: &Mechanism, start: &State) -> Result<Moving, SensitivityError> {
+/// Refuses parts of mechanisms that the equations do not know.
+fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
     let refuse = |part, advice| Err(SensitivityError::Unsupported { part, advice });
-    if !mechanism.loops.is_empty() || !mechanism.mimics.is_empty() {
-        return refuse("loops and mimic relations", "leave them out, or compare runs with other numbers");
+    const INSTEAD: &str = "leave them out, or compare runs with other numbers";
+    let forces = &mechanism.forces;
+    if !(forces.link_loads.is_empty() && forces.drags.is_empty() && forces.joint_courses.is_empty()) {
+        return refuse("drag and loads over time", INSTEAD);
     }
-    if mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0) {
-        return refuse("sampled motors", "set their period to zero");
+    if !forces.gravity_compensations.is_empty() {
+        return refuse("motors that hold weights", INSTEAD);
+    }
+    if mechanism.moves_joints() {
+        return refuse("joints that are moved in time", INSTEAD);
+    }
+    let colliders = &mechanism.nonsmooth.colliders;
+    if colliders.iter().any(|collider| collider.surface_velocity != Vector3::zeros()) {
+        return refuse("surfaces that move over what carries them", INSTEAD);
+    }
+    if colliders.iter().any(|collider| matches!(collider.shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. })) {
+        return refuse("ellipsoids and ropes", INSTEAD);
     }
     let balls = |freedom: usize| {
         let body = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body].joint);
@@ -255,133 +223,5 @@ fn moving(mechanism: &Mechanism, start: &State) -> Result<Moving, SensitivityErr
     if mechanism.forces.joint_dampers.iter().any(|damper| balls(damper.freedom)) {
         return refuse("dampers in ball joints", "leave damping out with --without damping");
     }
-    let moving = Moving::at(mechanism, start, &[])?;
-    if !moving.stuck.is_empty() || moving.sticking > 0 {
-        return refuse(
-            "stuck joints and closed contacts",
-            "start in a motion, or leave friction, limits and contact out",
-        );
-    }
-    Ok(moving)
-}
-
-/// The frames of the links that head the bodies, each in the frame of its body.
-fn frames(model: &Model) -> Vec<Pose> {
-    let description = model.description();
-    let of = |(index, body): (usize, &crate::mechanism::description::mechanism::Body)| {
-        let head = description.links.iter().find(|link| link.body == Some(index) && link.name == body.name);
-        head.map_or_else(Pose::identity, |link| link.in_body)
-    };
-    description.mechanism.bodies.iter().enumerate().map(of).collect()
-}
-
-fn figures_of_moving(model: &Model, moving: &Moving) -> Vec<f64> {
-    listed(moving.mechanism(), &frames(model))
-}
-
-/// All figures of a mechanism, in their order.
-fn listed(mechanism: &Mechanism, frames: &[Pose]) -> Vec<f64> {
-    let mut all = Vec::new();
-    let _: Figures<f64> = Figures::taken(mechanism, frames, &mut |value| {
-        all.push(value);
-        value
-    });
-    all
-}
-
-/// The motion from one state to another (n): turns of ball joints as rotation vectors about the axes of the child.
-fn motion_between(mechanism: &Mechanism, from: &State, to: &State) -> DVector<f64> {
-    let mut motion = DVector::zeros(mechanism.velocity_count);
-    for body in &mechanism.bodies {
-        let joint = &body.joint;
-        let slides = joint.kind.translation_axes().len();
-        let is_ball = joint.kind.rotation() == FreeRotation::Ball;
-        let scalars = if is_ball { slides } else { joint.kind.velocity_count() };
-        for offset in 0..scalars {
-            let slot = joint.position_index + offset;
-            motion[joint.velocity_index + offset] =
-                (to.position[slot] - from.position[slot]) + (to.compensation[slot] - from.compensation[slot]);
-        }
-        if is_ball {
-            let slot = joint.position_index + slides;
-            let [from, to] = [from, to].map(|state| rotation_from_wxyz(&state.position[slot..slot + 4]));
-            let turn = Rotation3::from_matrix_unchecked(from.transpose() * to).scaled_axis();
-            motion.rows_mut(joint.velocity_index + slides, 3).copy_from(&turn);
-        }
-    }
-    motion
-}
-
-/// The states and tangents of a run that is followed.
-struct Followed {
-    states: Vec<State>,
-    tangents: Vec<Tangent>,
-}
-
-/// Makes the steps of a run again, solved to rounding, with their derivatives.
-fn follow(
-    model: &Model,
-    mut moving: Moving,
-    start: &State,
-    times: &[f64],
-    tableau: &Tableau,
-    parameters: &[Parameter],
-) -> Result<Followed, SensitivityError> {
-    let mechanism = moving.mechanism().clone();
-    let frames = frames(model);
-    let (n, p) = (mechanism.velocity_count, parameters.len());
-    let figures = BothFigures::taken(&mechanism, &frames, |_, value| value);
-    let constant: BothFigures<Part> = BothFigures::taken(&mechanism, &frames, |_, value| Part::of(value));
-    let slopes: Vec<Vec<f64>> = parameters.iter().map(|parameter| parameter.figures.clone()).collect();
-    let varied = Varied::new(&mechanism, &frames, &slopes);
-    let column = |of: &dyn Fn(&Parameter) -> DVector<f64>| {
-        let columns: Vec<DVector<f64>> = parameters.iter().map(of).collect();
-        DMatrix::from_fn(n, p, |row, column| columns[column][row])
-    };
-    let mut tangent = Tangent {
-        positions: column(&|parameter| parameter.position.clone()),
-        velocities: column(&|parameter| parameter.velocity.clone()),
-    };
-    let mut others: Vec<Vec<(f64, Moving)>> = parameters.iter().map(|parameter| parameter.others.clone()).collect();
-    let mut state = start.clone();
-    let mut found = Followed { states: vec![state.clone()], tangents: vec![tangent.clone()] };
-    for &time in times.iter().filter(|&&time| time > start.time) {
-        let since = state.time;
-        let step = time - since;
-        let at = |node: &f64| since + step * node;
-        let efforts: Vec<DVector<f64>> = tableau.nodes.iter().map(|node| moving.efforts_at(since, at(node))).collect();
-        let slopes: Vec<DMatrix<f64>> = (tableau.nodes.iter())
-            .map(|node| {
-                let mut slopes = column(&|parameter| parameter.constant_effort.clone());
-                for (column, others) in others.iter_mut().enumerate() {
-                    for (weight, other) in others {
-                        let mut own = slopes.column_mut(column);
-                        own += *weight * other.efforts_at(since, at(node));
-                    }
-                }
-                slopes
-            })
-            .collect();
-        let problem = StepProblem {
-            mechanism: &mechanism,
-            figures: &figures,
-            constant: &constant,
-            tableau,
-            start: &state,
-            step,
-            efforts: &efforts,
-        };
-        let failed = SensitivityError::Step { time: since };
-        let Some(solved) = problem.solve() else { return Err(failed) };
-        if tangent.advance(&problem, &solved, &varied, &slopes).is_none() {
-            return Err(failed);
-        }
-        let Some(end) = solved.stages.last() else { return Err(failed) };
-        let mut end = end.clone();
-        end.time = time;
-        state = end;
-        found.states.push(state.clone());
-        found.tangents.push(tangent.clone());
-    }
-    Ok(found)
+    Ok(())
 }

@@ -2,10 +2,12 @@
 
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::energy::Energy;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
+use crate::simulation::parallel::between::Knot;
 use crate::simulation::steps::course::{Aim, Course, RunError, RunOptions};
 use crate::simulation::steps::making::Making;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, StepEnd};
@@ -23,13 +25,14 @@ pub(crate) struct IslandRun<'a> {
     pub(crate) course: Option<Course>,
     /// Samples and steps that have not been taken over yet.
     pub(crate) shown: Shown,
-    /// Its kinetic energy, and the error of its energy balance, at the last step taken over (J).
-    pub(crate) kinetic: f64,
+    /// The end of the last step taken over, the last sample taken over, and the energies there once they were asked for.
+    pub(crate) last: Knot,
+    pub(crate) last_sample: Option<Kept>,
+    pub(crate) at_sample: Option<Knot>,
+    /// The error of its energy balance at the last step taken over (J).
     pub(crate) deviation: f64,
-    /// Its total energy at the start (J).
-    initial: f64,
-    /// Energy dissipated since the start of the run, and work of external efforts, up to that step (J).
-    pub(crate) exchange: Exchange,
+    /// Its energies at the start (J).
+    pub(crate) initial: Energy,
     /// The accuracy that it has told up to that step.
     pub(crate) so_far: Option<AccuracySoFar>,
     /// Steps taken over, and their iterations.
@@ -55,6 +58,15 @@ pub(crate) struct Kept {
     pub(crate) position: Vec<f64>,
     pub(crate) velocity: Vec<f64>,
     pub(crate) contacts: Vec<ContactPoint>,
+}
+
+impl Kept {
+    /// Its state, without the rounded-off parts of positions.
+    fn state(&self) -> State {
+        let Kept { time, position, velocity, .. } = self;
+        let compensation = vec![0.0; position.len()];
+        State { time: *time, position: position.clone(), velocity: velocity.clone(), compensation }
+    }
 }
 
 impl Observer for Shown {
@@ -92,10 +104,11 @@ impl IslandRun<'_> {
             awake: None,
             course: None,
             shown: Shown::default(),
-            kinetic: 0.0,
+            last: Knot { time: whole.time, energy: Energy::default(), exchange: Exchange::default() },
+            last_sample: None,
+            at_sample: None,
             deviation: 0.0,
-            initial: 0.0,
-            exchange: Exchange::default(),
+            initial: Energy::default(),
             so_far: None,
             steps: 0,
             iterations: 0,
@@ -110,8 +123,10 @@ impl IslandRun<'_> {
         }
         let mut course = Course::new(&self.island.mechanism, &self.state, duration, Some(rate));
         let initial = course.summary().initial_energy;
-        (self.kinetic, self.deviation, self.initial) = (initial.kinetic, 0.0, initial.total());
-        (self.exchange, self.steps, self.iterations, self.failed) = (Exchange::default(), 0, 0, None);
+        self.last = Knot { time: self.state.time, energy: initial, exchange: Exchange::default() };
+        (self.last_sample, self.at_sample) = (None, None);
+        (self.deviation, self.initial) = (0.0, initial);
+        (self.steps, self.iterations, self.failed) = (0, 0, None);
         (self.shown, self.so_far) = (Shown::default(), None);
         course.begin(&self.island.mechanism, &mut [&mut self.shown])?;
         self.course = Some(course);
@@ -132,11 +147,27 @@ impl IslandRun<'_> {
 
     /// Takes over the figures of its next step.
     pub(crate) fn take(&mut self, end: &StepEnd) {
-        self.kinetic = end.energy.kinetic;
-        self.exchange = end.exchange;
-        self.deviation = end.energy.total() - self.initial + end.exchange.lost();
+        self.last = Knot::after(end);
+        self.deviation = end.energy.total() - self.initial.total() + end.exchange.lost();
         self.steps += 1;
         self.iterations += end.outcome.cost.iterations;
+    }
+
+    /// Its energies at a time (s) between the last step taken over and the `next` one, if there is one.
+    pub(crate) fn between(&mut self, time: f64, next: Option<&StepEnd>) -> Knot {
+        if self.last.time >= time {
+            return self.last;
+        }
+        let mechanism = &self.island.mechanism;
+        let sampled = self.last_sample.as_ref();
+        if self.at_sample.is_none() {
+            self.at_sample = sampled.map(|kept| Knot::of_sample(mechanism, &kept.state()));
+        }
+        let earlier = self.at_sample.filter(|sample| sample.time > self.last.time).unwrap_or(self.last);
+        let step = next.map_or(self.last, Knot::before);
+        let sample = self.shown.samples.front().filter(|sample| sample.time < step.time);
+        let later = sample.map_or(step, |kept| Knot::of_sample(mechanism, &kept.state()));
+        Knot { exchange: self.last.towards(&step, time).exchange, ..earlier.towards(&later, time) }
     }
 }
 

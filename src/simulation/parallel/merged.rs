@@ -15,6 +15,7 @@ use crate::simulation::steps::course::{RunError, RunOptions};
 use crate::simulation::steps::observer::{Observer, Sample, StepEnd, show};
 use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, pushes};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 
 /// The run of the whole mechanism, merged from the runs of the islands.
@@ -93,18 +94,21 @@ impl MergedRun {
                 _ if frontier(awake) >= self.end => f64::INFINITY,
                 _ => frontier(awake),
             };
-            self.take_events(awake, until, observers);
+            let mut happened = take_events(awake, until);
+            self.take_steps(awake, until, &mut happened, observers);
+            self.tell(&mut happened, f64::INFINITY, observers);
             self.take_accuracy(awake, until, observers);
-            self.take_steps(awake, until);
             if !ready {
                 return Ok(());
             }
             self.contacts.clear();
-            for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
-                let Some(sample) = shown.samples.pop_front() else { continue };
+            for part in awake.iter_mut() {
+                let Some(sample) = part.shown.samples.pop_front() else { continue };
+                let island = &part.island;
                 self.contacts.extend_from_slice(&sample.contacts);
                 island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
                 island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
+                (part.last_sample, part.at_sample) = (Some(sample), None);
             }
             place_bodies(mechanism, &self.state, &mut self.bodies);
             self.state.time = until;
@@ -112,26 +116,17 @@ impl MergedRun {
         }
     }
 
-    /// Merges all events up to `until`, and passes them to the observers.
-    fn take_events(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
-        let mut happened = Vec::new();
-        for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
-            let of_whole = |event: &Event| Event { body: island.body_of_whole(event.body), ..*event };
-            // A rest after infinitely many impacts is told before it happens: later events may be earlier.
-            shown.events.retain(|event| {
-                let waits = event.time > until;
-                happened.extend((!waits).then(|| of_whole(event)));
-                waits
-            });
-        }
-        // The sort is stable: events of one instant stay in the order of the islands.
-        happened.sort_by(|a, b| a.time.total_cmp(&b.time));
-        for event in &happened {
+    /// Counts events up to `until`, and passes them to the observers.
+    fn tell(&mut self, happened: &mut VecDeque<Event>, until: f64, observers: &mut [&mut dyn Observer]) {
+        // A time that is not a number is the last.
+        let count = happened.iter().take_while(|event| until == f64::INFINITY || event.time <= until).count();
+        for event in happened.drain(..count) {
             self.summary.events.count(event.kind);
-            observers.iter_mut().for_each(|observer| observer.event(event));
+            observers.iter_mut().for_each(|observer| observer.event(&event));
+            if self.events.len() < KEPT_EVENTS {
+                self.events.push(event);
+            }
         }
-        let room = KEPT_EVENTS - self.events.len();
-        self.events.extend(happened.into_iter().take(room));
     }
 
     /// Takes the accuracies of the islands up to `until`, and passes the accuracy of the whole to the observers.
@@ -151,8 +146,14 @@ impl MergedRun {
         }
     }
 
-    /// Merges all steps that end at or before `until`.
-    fn take_steps(&mut self, awake: &mut [&mut IslandRun], until: f64) {
+    /// Merges all steps that end at or before `until`, and passes those with events to the observers, after the events.
+    fn take_steps(
+        &mut self,
+        awake: &mut [&mut IslandRun],
+        until: f64,
+        happened: &mut VecDeque<Event>,
+        observers: &mut [&mut dyn Observer],
+    ) {
         for (number, part) in awake.iter_mut().enumerate() {
             let steps = &mut part.shown.steps;
             let count = steps.partition_point(|end| end.time <= until);
@@ -160,35 +161,72 @@ impl MergedRun {
         }
         // Stable: what ends at the same time stays in the order of the islands.
         self.waiting.sort_by(|(a, _), (b, _)| a.time.total_cmp(&b.time));
-        let mut impacts = 0.0;
-        for (index, (end, number)) in self.waiting.iter().enumerate() {
-            let part = &mut awake[*number];
-            let before = (part.kinetic, part.deviation, part.exchange);
-            part.take(end);
-            self.kinetic += part.kinetic - before.0;
-            self.deviation += part.deviation - before.1;
-            self.exchange.dissipated += part.exchange.dissipated - before.2.dissipated;
-            self.exchange.work += part.exchange.work - before.2.work;
-            self.exchange.friction += part.exchange.friction - before.2.friction;
-            self.exchange.impacts += part.exchange.impacts - before.2.impacts;
-            self.summary.count(&end.outcome, end.violation);
-            self.since.step += end.outcome.step;
-            self.since.cost.add(&end.outcome.cost);
-            self.since.exchange.dissipated += end.outcome.exchange.dissipated;
-            self.since.exchange.work += end.outcome.exchange.work;
-            impacts += end.outcome.exchange.impacts.max(0.0);
+        let mut waiting = std::mem::take(&mut self.waiting);
+        let mut rest = waiting.as_slice();
+        while let Some((first, _)) = rest.first() {
+            let (instant, later) = rest.split_at(rest.partition_point(|(end, _)| end.time <= first.time).max(1));
+            rest = later;
+            let impacts = instant.iter().map(|(end, _)| end.outcome.exchange.impacts.max(0.0)).sum::<f64>();
+            instant.iter().for_each(|(end, number)| self.take_step(awake[*number], end));
             // The energy balance is complete when all steps that end at the same time are merged.
-            if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
-                self.largest_kinetic = self.largest_kinetic.max(self.kinetic + std::mem::take(&mut impacts));
-                self.summary.largest_kinetic = self.largest_kinetic;
-                self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
+            self.largest_kinetic = self.largest_kinetic.max(self.kinetic + impacts);
+            self.summary.largest_kinetic = self.largest_kinetic;
+            self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
+            if happened.iter().any(|event| event.time == first.time) && !observers.is_empty() {
+                self.tell(happened, first.time, observers);
+                let end = self.whole_end(awake, instant, later);
+                observers.iter_mut().for_each(|observer| observer.step(&end));
             }
         }
-        self.waiting.clear();
+        waiting.clear();
+        self.waiting = waiting;
         let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
         self.summary.max_energy_error = self.largest_deviation;
         self.summary.max_relative_energy_error = self.largest_deviation / scale;
         self.summary.exchange = self.exchange;
+    }
+
+    /// Takes one step of an island into the sums.
+    fn take_step(&mut self, part: &mut IslandRun, end: &StepEnd) {
+        let (before, deviation) = (part.last, part.deviation);
+        part.take(end);
+        let after = part.last;
+        self.kinetic += after.energy.kinetic - before.energy.kinetic;
+        self.deviation += part.deviation - deviation;
+        self.exchange.dissipated += after.exchange.dissipated - before.exchange.dissipated;
+        self.exchange.work += after.exchange.work - before.exchange.work;
+        self.exchange.friction += after.exchange.friction - before.exchange.friction;
+        self.exchange.impacts += after.exchange.impacts - before.exchange.impacts;
+        self.summary.count(&end.outcome, end.violation);
+        self.since.step += end.outcome.step;
+        self.since.cost.add(&end.outcome.cost);
+        self.since.exchange.dissipated += end.outcome.exchange.dissipated;
+        self.since.exchange.work += end.outcome.exchange.work;
+    }
+
+    /// The figures of the whole at an instant at which steps end, with those that end later.
+    fn whole_end(
+        &self,
+        awake: &mut [&mut IslandRun],
+        instant: &[(StepEnd, usize)],
+        later: &[(StepEnd, usize)],
+    ) -> StepEnd {
+        let (mut end, _) = instant[instant.len() - 1];
+        (end.energy, end.exchange, end.so_far) =
+            (self.summary.initial_energy, Exchange::default(), self.summary.counts());
+        end.outcome.exchange.impacts = instant.iter().map(|(end, _)| end.outcome.exchange.impacts).sum();
+        for (number, part) in awake.iter_mut().enumerate() {
+            let waits = later.iter().find(|(_, of)| *of == number).map(|(next, _)| *next);
+            let next = waits.or_else(|| part.shown.steps.front().copied());
+            let own = part.between(end.time, next.as_ref());
+            // Islands that sleep keep their energies of the start.
+            end.energy.kinetic += own.energy.kinetic - part.initial.kinetic;
+            end.energy.potential += own.energy.potential - part.initial.potential;
+            end.energy.spring += own.energy.spring - part.initial.spring;
+            end.energy.load += own.energy.load - part.initial.load;
+            end.exchange += own.exchange;
+        }
+        end
     }
 
     /// Passes the last sample to the observers, if they want it, with the figures of its instant.
@@ -244,4 +282,21 @@ impl MergedRun {
         }
         Ok(())
     }
+}
+
+/// Takes all events of the islands up to `until`, in the order of their times.
+fn take_events(awake: &mut [&mut IslandRun], until: f64) -> VecDeque<Event> {
+    let mut happened = Vec::new();
+    for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
+        let of_whole = |event: &Event| Event { body: island.body_of_whole(event.body), ..*event };
+        // A rest after infinitely many impacts is told before it happens: later events may be earlier.
+        shown.events.retain(|event| {
+            let waits = event.time > until;
+            happened.extend((!waits).then(|| of_whole(event)));
+            waits
+        });
+    }
+    // The sort is stable: events of one instant stay in the order of the islands.
+    happened.sort_by(|a, b| a.time.total_cmp(&b.time));
+    happened.into()
 }

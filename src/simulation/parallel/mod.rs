@@ -1,5 +1,6 @@
 //! Islands in parallel: which bodies belong together, their threads, and their figures merged.
 
+pub(crate) mod between;
 pub(crate) mod island;
 pub mod islands;
 pub(crate) mod merged;

@@ -67,7 +67,8 @@ pub trait Observer: Send {
         Ok(())
     }
 
-    /// The end of a step, before the samples inside it.
+    /// The end of a step, before the samples inside it. Independent islands pass on the ends of steps with events alone; the energies are those of the
+    /// whole, of islands inside their steps between those at the nearest samples and ends of steps.
     fn step(&mut self, _end: &StepEnd) {}
 
     /// An event, before the end of the step at whose end it happened. Independent islands pass on their events between two samples of the whole;

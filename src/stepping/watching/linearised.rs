@@ -88,14 +88,14 @@ impl Motion {
         self.start.set(mechanism, state);
         let states = self.start.body_states();
         body_wrenches(mechanism, state.time, states, &mut self.wrenches);
-        joint_efforts(mechanism, state.time, &state.position, &state.velocity, &mut self.efforts);
+        joint_efforts(mechanism, state.time, (&state.position, &state.velocity), states, &mut self.efforts);
         self.dynamics.apply(&self.start, &self.wrenches, &self.efforts);
         self.dynamics.set(&self.plan, &self.start, &mechanism.gravity.into());
         let accelerations = self.dynamics.accelerations_mut();
         if let Some(Closing { projection, multipliers, bodies }) = &mut self.closing {
             projection.accelerations(&self.start, accelerations, multipliers, |joints, out| {
                 body_accelerations(mechanism, states, &state.velocity, joints, bodies);
-                gap_accelerations(mechanism, states, joints, bodies, out);
+                gap_accelerations(mechanism, state.time, states, joints, bodies, out);
             });
         }
         for (sum, acceleration) in sum.iter_mut().zip(accelerations) {

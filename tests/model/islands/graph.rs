@@ -56,6 +56,7 @@ fn random_mechanism(numbers: &mut Numbers) -> Model {
             multiplier: 2.0,
             offset: 0.0,
             more: Vec::new(),
+            over_time: None,
         });
     }
     let Forces { joint_dampers, joint_loads, wrenches, .. } = models::every_force(&mechanism).pop().expect("all").1;

@@ -1,5 +1,7 @@
 //! MJCF is read as MuJoCo reads it: masses, frames, inertia about joints, weights, springs, actuators and keyframes.
 
+mod pairs;
+
 use crate::common::command;
 use catena::mechanism::description::nonsmooth::MotorLaw;
 use catena::scene::{PackagePath, Scene, SceneError, Touching, WarningGroup, read_input};

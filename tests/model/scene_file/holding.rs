@@ -74,7 +74,7 @@ fn a_motor_that_aims_at_the_start_is_one_whose_target_is_the_number_there() {
     let long = load(&folder, &format!("{robot}{}{}", at("shoulder", "0.3"), at("elbow", "-0.5")), None);
     let asked = told(&long, &[]);
     assert_eq!(told(&load(&folder, &format!("{robot}{}", at("*", "\"start\"")), None), &[]), asked);
-    let gains = Hold { kp: Some(100.0), kd: Some(5.0) };
+    let gains = Hold { kp: Some(100.0), kd: Some(5.0), gravity: None };
     assert_eq!(told(&load(&folder, robot, Some(gains)), &[]), asked);
     // The start of the run counts, whoever gives it.
     let elsewhere = load(&folder, &robot.replace("0.3", "0.9"), Some(gains));

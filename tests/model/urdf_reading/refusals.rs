@@ -164,7 +164,7 @@ fn files_that_are_no_urdf_give_one_clear_error() {
         let error = read(empty).unwrap_err();
         assert_eq!((error.line, *error.problem), (None, Problem::Empty), "{empty:?}");
     }
-    assert_eq!(refused("\n<sdf version=\"1.6\"/>", 2, None), Problem::NotRobot("sdf".to_string()));
+    assert_eq!(refused("\n<sdf version=\"1.6\"/>", 2, None), Problem::Sdf);
     assert!(matches!(refused("<robot>\n<link name=\"a\">\n</robot>", 3, None), Problem::Xml(_)));
     assert!(matches!(refused("<robot>\n<link name=\"a\"/>\n", 2, None), Problem::Xml(_)));
     assert!(matches!(refused("version https://git-lfs.github.com/spec/v1\n", 1, None), Problem::Xml(_)));

@@ -1,6 +1,6 @@
 //! Pages: `catena report`, `catena model -o`, `catena simulate --report`.
 
-mod browser;
+pub mod browser;
 mod contacts;
 mod files;
 mod numbers;

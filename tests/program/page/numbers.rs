@@ -56,20 +56,41 @@ fn curves_poses_and_events_of_a_page_are_those_of_the_log() {
     let samples = times.len();
     assert_eq!((samples, header["samples"].as_u64()), (121, Some(121)));
     let values = floats(&bytes, &header["values"]);
-    let mut steps = column("step_end");
-    steps.dedup();
-    let steps = steps.len();
-    for name in ["hinge.position", "hinge.velocity", "hinge.reaction_force.z", "energy.kinetic"] {
+    for name in ["hinge.position", "hinge.velocity", "hinge.reaction_force.z"] {
         let curves = header["curves"].as_array().expect("curves");
         let place = curves.iter().position(|curve| curve["name"] == name).expect(name);
-        let found = &values[place * samples..][..samples];
-        let known = found.iter().filter(|value| value.is_finite()).count();
-        for (sample, (found, expected)) in found.iter().zip(column(name)).enumerate() {
-            assert!(found.is_nan() || *found == expected as f32, "{name} of sample {sample}: {found} {expected}");
+        for (sample, (found, expected)) in values[place * samples..].iter().zip(column(name)).enumerate() {
+            assert_eq!(*found, expected as f32, "{name} of sample {sample}");
         }
-        // Figures of a step are at the first sample after its end, those of joints at every sample.
-        let expected = if name.starts_with("energy") { steps } else { samples };
-        assert_eq!(known, expected, "{name}");
+    }
+    // Figures of steps are in the page once for each step, and on both sides of each event.
+    let steps = &header["steps"];
+    let ends: Vec<f64> = words(&bytes, &steps["times"]).into_iter().map(f64::from_bits).collect();
+    let curves = steps["curves"].as_array().expect("curves of steps");
+    let place = curves.iter().position(|curve| curve["name"] == "energy.kinetic").expect("an energy");
+    let energies = &floats(&bytes, &steps["values"])[place * ends.len()..][..ends.len()];
+    for (end, expected) in column("step_end").into_iter().zip(column("energy.kinetic")) {
+        let found = ends.iter().position(|time| *time == end).unwrap_or_else(|| panic!("no step ends at {end} s"));
+        assert_eq!(energies[found], expected as f32, "the kinetic energy at {end} s");
+    }
+    let events: Value =
+        serde_json::from_str(&done(&folder, &["inspect", "red.mcap", "--events", "--json"])).expect("JSON");
+    assert_eq!(header["events"], events["list"]);
+    let impacts: Vec<&Value> =
+        events["list"].as_array().expect("events").iter().filter(|event| event["kind"] == "limit_impact").collect();
+    assert!(!impacts.is_empty(), "it runs into its limit");
+    let of_steps = |name: &str| {
+        let place = curves.iter().position(|curve| curve["name"] == name).expect(name);
+        floats(&bytes, &steps["values"])[place * ends.len()..][..ends.len()].to_vec()
+    };
+    let (kinetic, lost) = (of_steps("energy.kinetic"), of_steps("energy.impacts"));
+    for impact in impacts {
+        let time = impact["time"].as_f64().expect("a time");
+        let before = ends.windows(2).position(|pair| (pair[0] - time).abs() < 2e-9 && pair[1] - pair[0] < 2e-9);
+        let before = before.unwrap_or_else(|| panic!("no figures on both sides of {time} s"));
+        let (taken, told) = (kinetic[before] - kinetic[before + 1], lost[before + 1] - lost[before]);
+        // Joules in single precision.
+        assert!(taken > 0.0 && (taken - told).abs() < 1e-6, "{taken} J and {told} J at {time} s");
     }
     // The origin of the link from the pose of its body, as the page places it: p_body + R(q) arm.
     let poses = floats(&bytes, &header["poses"]);
@@ -85,10 +106,71 @@ fn curves_poses_and_events_of_a_page_are_those_of_the_log() {
         // Half a metre in single precision.
         assert!((origin - expected).norm() < 2e-7, "sample {sample}");
     }
-    let events: Value =
-        serde_json::from_str(&done(&folder, &["inspect", "red.mcap", "--events", "--json"])).expect("JSON");
-    assert_eq!(header["events"], events["list"]);
-    assert!(events["list"].as_array().is_some_and(|list| !list.is_empty()), "it runs into its limit");
+}
+
+#[test]
+fn energies_of_two_balls_that_bounce_apart_from_each_other_are_level_on_both_sides_of_every_bounce() {
+    let folder = super::folder("level");
+    // Two islands: they never touch each other. Without losses; the flights last 0.64 and 0.45 s.
+    let ball = |name: &str, x: f64, height: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nshape = {{ type = \"sphere\", radius = 0.1 }}\nmass = 1.0\n\
+             pose = {{ position = [{x:?}, 0.0, {:?}] }}\n",
+            0.1 + height
+        )
+    };
+    let scene = format!(
+        "{}{}[[obstacle]]\nshape = {{ type = \"half_space\" }}\n[contact]\nrestitution = 1.0\nfriction = 0.0\n\
+         [simulation]\nduration = 2.0\n",
+        ball("one", 0.0, 0.5),
+        ball("other", 3.0, 0.25)
+    );
+    std::fs::write(folder.join("balls.toml"), scene).expect("written");
+    done(&folder, &["simulate", "balls.toml", "--report", "balls.html", "--quiet"]);
+    let page = std::fs::read_to_string(folder.join("balls.html")).expect("a page");
+    let (header, bytes) = (header(&page), bytes(&page));
+    let times: Vec<f64> = words(&bytes, &header["steps"]["times"]).into_iter().map(f64::from_bits).collect();
+    let values = floats(&bytes, &header["steps"]["values"]);
+    let column = |number: usize| &values[number * times.len()..][..times.len()];
+    let (kinetic, total) = (column(0), column(2));
+    // Single precision of 7.4 J.
+    assert!(total.iter().all(|energy| (energy - total[0]).abs() < 2e-6), "{total:?}");
+    let events = header["events"].as_array().expect("events");
+    assert_eq!(events.len(), 7, "three bounces of one, and four of the other");
+    for event in events {
+        let at = event["time"].as_f64().expect("a time");
+        let near = (0..times.len()).filter(|&place| (times[place] - at).abs() < 3e-9);
+        let own: Vec<f32> = near.map(|place| kinetic[place]).collect();
+        assert_eq!(own.len(), 2, "a value on either side of {at} s");
+        // The one that bounces has all its energy in its speed: m g h.
+        let least = 9.80 * if event["what"].as_str().is_some_and(|what| what.contains("one")) { 0.5 } else { 0.25 };
+        assert!(own.iter().all(|energy| f64::from(*energy) >= least), "{own:?} at {at} s");
+    }
+}
+
+#[test]
+fn the_page_of_two_logs_has_both_motions() {
+    let folder = with_log("two");
+    let other = ["simulate", "red.urdf", "--duration", "1", "--position", "hinge=0.5", "-o", "other.mcap", "--quiet"];
+    done(&folder, &other);
+    let said = done(&folder, &["report", "red.mcap", "other.mcap", "-o", "two.html"]);
+    assert_eq!(said, "two.html: 2 s of red.mcap beside other.mcap\n");
+    let page = std::fs::read_to_string(folder.join("two.html")).expect("a page");
+    let (header, bytes) = (header(&page), bytes(&page));
+    let angle = |run: &Value| {
+        let samples = run["samples"].as_u64().expect("a number") as usize;
+        let place =
+            run["curves"].as_array().expect("curves").iter().position(|curve| curve["name"] == "hinge.position");
+        floats(&bytes, &run["values"])[place.expect("a curve") * samples..][..samples].to_vec()
+    };
+    let (first, second) = (angle(&header), angle(&header["second"]));
+    // 60 samples a second and the start; both begin at rest where they were put.
+    assert_eq!((first.len(), first[0], second.len(), second[0]), (121, 1.0, 61, 0.5));
+    assert_eq!((&header["source"], &header["second"]["source"]), (&"red.mcap".into(), &"other.mcap".into()));
+    let Some(chromium) = super::browser::chromium() else { return };
+    let dom = super::browser::open(chromium, &folder.join("two.html"), "t=0.5", "--dump-dom");
+    let dom = crate::common::command::text(&dom);
+    assert!(dom.contains("data-state=\"ready\"") && dom.contains("hinge.position (second run)"), "{}", &dom[..300]);
 }
 
 #[test]

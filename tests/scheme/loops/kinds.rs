@@ -117,6 +117,7 @@ fn geared(ratio: f64, offset: f64) -> (Mechanism, State) {
         multiplier: ratio,
         offset,
         more: Vec::new(),
+        over_time: None,
     });
     let mut state = State::zero(&mechanism);
     state.position.copy_from_slice(&[0.2, ratio * 0.2 + offset]);

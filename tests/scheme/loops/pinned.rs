@@ -109,6 +109,7 @@ fn implied() -> (Mechanism, State) {
         multiplier: 2.0,
         offset: 0.0,
         more: Vec::new(),
+        over_time: None,
     });
     (mechanism, state)
 }

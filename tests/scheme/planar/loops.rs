@@ -32,6 +32,7 @@ fn geared() -> Model {
         multiplier,
         offset: 0.2,
         more: Vec::new(),
+        over_time: None,
     };
     model.mechanism.mimics = vec![mimic("hinge", 6, 1, -1.7), mimic("slide", 3, 0, 0.4)];
     assemble(&model.mechanism, &mut model.state).expect("mimics can always be followed");

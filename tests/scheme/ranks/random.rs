@@ -125,7 +125,15 @@ pub fn mechanism(seed: u64) -> (Mechanism, State) {
         if follower.body != leader.body {
             let offset = state.position[follower.position] - multiplier * state.position[leader.position];
             let name = mechanism.bodies[follower.body].joint.name.clone();
-            mechanism.mimics.push(Mimic { name, follower, leader, multiplier, offset, more: Vec::new() });
+            mechanism.mimics.push(Mimic {
+                name,
+                follower,
+                leader,
+                multiplier,
+                offset,
+                more: Vec::new(),
+                over_time: None,
+            });
         }
     }
     (mechanism, state)

@@ -20,7 +20,7 @@ const VECTORS: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];
 type Pair = ([Feature; 2], f64, Vector3<f64>, Vector3<f64>);
 
 /// All pairs of features.
-fn pairs() -> [Pair; 12] {
+fn pairs() -> [Pair; 14] {
     let (point, line) = (Feature::Point { radius: 0.13 }, Feature::Line { radius: 0.07 });
     let (edge, rim) = (Feature::Line { radius: 0.0 }, Feature::Rim { radius: 0.3 });
     let (turn, other) = (Vector3::new(0.9, 0.1, 0.3), Feature::Rim { radius: 0.5 });
@@ -39,6 +39,8 @@ fn pairs() -> [Pair; 12] {
         // A rim that goes down through the plane of another, and two nearly in one plane.
         ([rim, other], 1.0, Vector3::new(0.44, 0.08, 0.0), Vector3::new(1.3, 0.0, 0.3)),
         ([rim, other], LEVEL, Vector3::new(0.4, 0.1, 0.0), Vector3::new(0.02, 0.0, 0.3)),
+        ([Feature::Hollow { radius: 0.3 }, Feature::Point { radius: 0.0 }], 1.0, Vector3::new(0.1, 0.2, 0.2), turn),
+        ([Feature::Plane, Feature::Ellipsoid { radii: [0.2, 0.3, 0.12] }], 1.0, Vector3::new(0.1, 0.2, 0.19), turn),
     ]
 }
 
@@ -101,7 +103,7 @@ fn assert_literal(name: &str, model: &Model, stages: usize, step: f64, count: us
 }
 
 /// Two free bodies, the first of which may be left out, with a contact of a pair of features on parts of them that are aligned with nothing.
-fn of_pair(pair: usize, grip: Grip, on_world: bool) -> Model {
+fn of_pair(pair: usize, grip: Grip, on_world: bool, surfaces: [Vector3<f64>; 2]) -> Model {
     let (features, side, apart, turn) = pairs()[pair];
     let gravity = Vector3::new(0.4, -0.3, -9.81);
     let shapes = [(2.0, Vector3::new(0.05, 0.06, 0.08)), (1.0, Vector3::new(0.02, 0.03, 0.025))];
@@ -121,7 +123,7 @@ fn of_pair(pair: usize, grip: Grip, on_world: bool) -> Model {
     let (place, turned) = of(&second);
     set(&mut state, mechanism.bodies.len() - 1, place.into(), turned, [-0.8, 1.1, 0.6], [1.5, 2.0, -1.2]);
     let mut joint = touch(features, grip, a, b);
-    joint.touch.side = side;
+    (joint.touch.side, joint.surfaces) = (side, surfaces);
     mechanism.touches.push(joint);
     assembled(&format!("pair {pair}"), mechanism, state)
 }
@@ -131,11 +133,27 @@ fn every_pair_of_features_makes_the_steps_of_the_literal_scheme() {
     for pair in 0..pairs().len() {
         for (kind, grip) in [("slides", slides(0.0)), ("rubs", slides(0.4)), ("rolls", Grip::Rolls)] {
             for on_world in [true, false] {
-                let model = of_pair(pair, grip, on_world);
+                let model = of_pair(pair, grip, on_world, [Vector3::zeros(); 2]);
                 let motion = touch_motion(&model.mechanism.touches[0], &model.bodies());
                 println!("{:.2e} slip", motion.slip.norm());
                 for stages in 2..=9 {
                     assert_literal(&format!("pair {pair} {kind} {on_world}"), &model, stages, 0.02, 3);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn surfaces_that_move_over_their_bodies_make_the_steps_of_the_literal_scheme() {
+    // Along and across their planes, of the size of the velocities of the bodies.
+    let surfaces = [Vector3::new(0.7, -0.5, 0.3), Vector3::new(-0.4, 0.6, 0.9)];
+    for pair in 0..pairs().len() {
+        for (kind, grip) in [("rubs", slides(0.4)), ("rolls", Grip::Rolls)] {
+            for on_world in [true, false] {
+                let model = of_pair(pair, grip, on_world, surfaces);
+                for stages in [2, 3, 5, 8] {
+                    assert_literal(&format!("belts of pair {pair} {kind} {on_world}"), &model, stages, 0.02, 3);
                 }
             }
         }

@@ -32,7 +32,7 @@ fn feature(body: Option<usize>, place: Vector3<f64>, turn: Vector3<f64>) -> Atta
 
 /// A contact of two features.
 fn touch(features: [Feature; 2], grip: Grip, a: Attachment, b: Attachment) -> TouchJoint {
-    TouchJoint { touch: Touch { features, side: 1.0, grip }, a, b }
+    TouchJoint { touch: Touch { features, side: 1.0, grip }, a, b, surfaces: [Vector3::zeros(); 2] }
 }
 
 /// A point of a body, with a radius, on the floor.

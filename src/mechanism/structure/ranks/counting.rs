@@ -75,6 +75,11 @@ impl Ranks {
         };
         for block in blocks(rows, count) {
             ranks.decide(rows, &block, rounding);
+            if block.1.iter().any(|&row| rows[row].moves) {
+                for &freedom in &block.0 {
+                    (ranks.still[freedom], ranks.locked[freedom]) = (false, false);
+                }
+            }
         }
         ranks
     }

@@ -38,6 +38,8 @@ pub struct Row {
     pub entries: Vec<(usize, f64)>,
     /// Its error, dimensionless like the entries.
     pub gap: f64,
+    /// Whether it moves its freedoms in time: they are not still, however many equations they have.
+    pub moves: bool,
 }
 
 /// The motion that a freedom gives to the bodies it carries: about or along an axis through a point.
@@ -89,7 +91,7 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
             let entries = freedoms
                 .iter()
                 .map(|&(freedom, side)| (freedom, entry(&screws[freedom], side) * lengths[freedom] / unit));
-            rows.push(Row { closure, entries: entries.collect(), gap: gap / unit });
+            rows.push(Row { closure, entries: entries.collect(), gap: gap / unit, moves: false });
         };
         let rate = |screw: &Screw, side: usize| {
             let motion = if screw.turns { screw.axis.cross(&([a, b][side] - screw.point)) } else { screw.axis };
@@ -157,6 +159,7 @@ fn touch_rows(
         closure,
         entries: entries(direction, &point),
         gap: gap.max(rounding) / size,
+        moves: false,
     };
     let mut rows = vec![row(&normal, gap.abs())];
     if joint.touch.grip == Grip::Rolls {
@@ -174,7 +177,8 @@ pub fn mimic_rows(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> Vec<
         let largest = entries.iter().fold(0.0_f64, |most, (_, entry)| most.max(entry.abs()));
         entries.iter_mut().for_each(|(_, entry)| *entry /= largest);
         let gap = mimic_gap(mimic, state).0.abs() / largest;
-        Row { closure: mechanism.loops.len() + mechanism.touches.len() + number, entries, gap }
+        let closure = mechanism.loops.len() + mechanism.touches.len() + number;
+        Row { closure, entries, gap, moves: mimic.is_moved() }
     };
     mechanism.mimics.iter().enumerate().map(row).collect()
 }

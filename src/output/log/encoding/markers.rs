@@ -57,6 +57,7 @@ pub(crate) fn primitives(geometry: &Geometry, place: &Pose) -> Vec<(Pose, [f64; 
     match geometry {
         Geometry::Box { size } => vec![(*place, (*size).into(), MarkerShape::Cube)],
         Geometry::Sphere { radius } => vec![(*place, [2.0 * radius; 3], MarkerShape::Sphere)],
+        Geometry::Ellipsoid { radii } => vec![(*place, (2.0 * radii).into(), MarkerShape::Sphere)],
         Geometry::Cylinder { radius, length } => vec![(*place, round(*radius, *length), MarkerShape::Cylinder)],
         Geometry::Capsule { radius, length } => {
             let at = |end: f64| place * Translation3::new(0.0, 0.0, end);

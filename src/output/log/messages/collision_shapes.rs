@@ -104,6 +104,8 @@ impl CollisionShapes {
                 primitives(&Geometry::Cylinder { radius: *radius, length: 2.0 * half }, &place.pose)
             }
             Shape::Box { half } => primitives(&Geometry::Box { size: 2.0 * half }, &place.pose),
+            Shape::Hollow { .. } | Shape::Point => return,
+            Shape::Ellipsoid { radii } => primitives(&Geometry::Ellipsoid { radii: *radii }, &place.pose),
             Shape::Hull(_) | Shape::Mesh(_) if self.meshes == Meshes::Link => return,
             // Points without a hull touch no other shape.
             Shape::Hull(points) => self.triangles(&hull_surface(points).unwrap_or_default(), place.pose),

@@ -1,4 +1,4 @@
-//! The messages of `/motors`: the effort of every motor at every sample.
+//! The messages of `/motors`: the effort of every motor at every sample, and then the efforts `NAME/gravity_compensation` that hold weights.
 //!
 //! The effort of a continuous motor follows from the sample. A sampled motor holds its effort between ticks. That effort follows from the state at
 //! the last tick, which is a sample only by chance. The state is taken from the cubic polynomial with the positions `q₀, q₁` and rates `v₀, v₁` of
@@ -12,7 +12,10 @@
 //! samples. A log with at least one sample per tick at the times of the ticks has exact efforts.
 
 use crate::lobatto::instants::snapshot::INSTANTS;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
+use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::model::Model;
 use crate::output::log::encoding::definitions::JOINT_STATE;
 use crate::output::log::encoding::durability::Durability;
@@ -29,7 +32,38 @@ pub(crate) struct MotorMessages {
     motors: Vec<LoggedMotor>,
     /// One entry a motor, sample after sample.
     efforts: Vec<f64>,
+    /// The efforts that hold weights, if there are any.
+    holding: Option<Holding>,
 }
+
+/// The efforts that hold weights.
+struct Holding {
+    mechanism: Mechanism,
+    bodies: Vec<BodyState>,
+    /// One entry for each, sample after sample.
+    efforts: Vec<f64>,
+}
+
+impl Holding {
+    fn of(mechanism: &Mechanism) -> Option<Self> {
+        (!mechanism.forces.gravity_compensations.is_empty()).then(|| Holding {
+            mechanism: mechanism.clone(),
+            bodies: vec![WORLD; mechanism.bodies.len()],
+            efforts: Vec::new(),
+        })
+    }
+
+    /// Adds the efforts of a sample.
+    fn add(&mut self, position: &[f64], velocity: &[f64]) {
+        let Holding { mechanism, bodies, efforts } = self;
+        forward_kinematics(mechanism, position, velocity, bodies);
+        let all = &mechanism.forces.gravity_compensations;
+        efforts.extend(all.iter().map(|holding| holding.effort(mechanism, bodies)));
+    }
+}
+
+/// The end of the name of an effort that holds a weight.
+pub(crate) const OF_GRAVITY: &str = "/gravity_compensation";
 
 impl MotorMessages {
     /// Adds the channel if the model has motors and it is wanted; without it efforts are worked out all the same, because reactions follow
@@ -41,9 +75,15 @@ impl MotorMessages {
         }
         let is_wanted = wanted.has("/motors");
         let channel = is_wanted.then(|| sink.channel("/motors", &JOINT_STATE, Durability::Volatile)).transpose()?;
+        let holding = model.mechanism.forces.gravity_compensations.iter();
+        let holding =
+            holding.map(|holding| format!("{}{OF_GRAVITY}", model.mechanism.joint_of_freedom(holding.freedom)));
+        let names = motors.iter().map(|motor| joint_name(model, motor.coordinate.body).to_string()).chain(holding);
+        let names: Vec<String> = names.collect();
         Ok(Some(MotorMessages {
             channel,
-            template: Template::efforts("", motors.iter().map(|motor| joint_name(model, motor.coordinate.body))),
+            template: Template::efforts("", names.iter().map(String::as_str)),
+            holding: Holding::of(&model.mechanism),
             motors: motors.iter().cloned().map(LoggedMotor::new).collect(),
             efforts: Vec::with_capacity(INSTANTS * motors.len()),
         }))
@@ -52,6 +92,7 @@ impl MotorMessages {
     /// Works out the efforts at some samples; samples come in order of time.
     pub(crate) fn work_out(&mut self, times: &[f64], positions: &[f64], velocities: &[f64]) {
         self.efforts.clear();
+        self.holding.iter_mut().for_each(|holding| holding.efforts.clear());
         let samples =
             positions.chunks(positions.len() / times.len()).zip(velocities.chunks(velocities.len() / times.len()));
         for (&time, (position, velocity)) in times.iter().zip(samples) {
@@ -59,6 +100,9 @@ impl MotorMessages {
                 let coordinate = logged.motor.coordinate;
                 let seen = Seen { time, position: position[coordinate.position], rate: velocity[coordinate.freedom] };
                 self.efforts.push(logged.effort(seen));
+            }
+            if let Some(holding) = self.holding.as_mut().filter(|_| self.channel.is_some()) {
+                holding.add(position, velocity);
             }
         }
     }
@@ -74,7 +118,12 @@ impl MotorMessages {
         let count = self.motors.len();
         let message = sink.message(channel, stamp, self.template.encoded())?;
         self.template.fill_stamp(message, stamp);
-        self.template.fill(message, 0, self.efforts[sample * count..][..count].iter().copied());
+        let holding = self.holding.as_ref().map_or(&[][..], |holding| {
+            let count = holding.mechanism.forces.gravity_compensations.len();
+            &holding.efforts[sample * count..][..count]
+        });
+        let efforts = self.efforts[sample * count..][..count].iter().chain(holding);
+        self.template.fill(message, 0, efforts.copied());
         Ok(())
     }
 }

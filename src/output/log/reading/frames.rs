@@ -50,6 +50,11 @@ pub struct Figures {
 }
 
 impl Figures {
+    /// The time at the end of the step (s).
+    pub fn time(&self) -> f64 {
+        seconds(self.nanoseconds)
+    }
+
     /// The energy balance, which should be the same in all figures of a run (J): the total energy with all energy dissipated or lost, and without the
     /// work that was put in.
     pub fn balance(&self) -> Option<f64> {

@@ -1,14 +1,16 @@
 // Curves: a list to choose from by name, plots of those chosen, and a line in each at the time of the slider.
 
-const CURVE_COLORS = ["#1f63b5", "#d2352b", "#0f8a5f", "#a0590b", "#7b3fb5", "#00838f", "#b5179e", "#5d6877"];
-
 // Below this, logarithmic axes show nothing: smaller numbers mean nothing in double precision.
 const LEAST = 1e-17;
 
 // A curve to choose: name, group, unit, logarithmic, and a function that gives its values.
-function allCurves(header, values, motion) {
+// Figures of steps have times of their own: the ends of steps, and both sides of each event.
+function allCurves(header, values, motion, bytes) {
   const { samples } = header;
   const column = (index) => values.subarray(index * samples, (index + 1) * samples);
+  const steps = header.steps.curves.length > 0 ? unpackedFloats(bytes, header.steps.values) : [];
+  const times = unpackedDoubles(bytes, header.steps.times);
+  const ofSteps = header.steps.curves.map((curve, index) => ({ ...curve, times, values: () => steps.subarray(index * times.length, (index + 1) * times.length) }));
   const all = header.curves.map((curve, index) => ({ ...curve, values: () => column(index) }));
   const index = new Map(header.curves.map((curve, k) => [curve.name, k]));
   const sizes = [];
@@ -27,7 +29,7 @@ function allCurves(header, values, motion) {
     }));
   });
   const some = (curve) => curve.values().some((value) => Number.isFinite(value));
-  const kept = [...all, ...sizes, ...places].filter((curve) => !curve.group.startsWith("Energy") || some(curve));
+  const kept = [...all, ...ofSteps, ...sizes, ...places].filter((curve) => !curve.group.startsWith("Energy") || some(curve));
   return inGroups(kept);
 }
 
@@ -54,12 +56,31 @@ function linkOrigin(link, axis, motion) {
   return values;
 }
 
-// What is shown before anyone has chosen: some joint positions and the energies.
-function firstChoice(curves) {
-  const positions = curves.filter((curve) => curve.group.startsWith("Joint positions"));
-  const energies = ["energy.kinetic", "energy.potential", "energy.total"];
-  return [...positions.slice(0, 6).map((curve) => curve.name), ...energies];
+// The range of a curve: its largest number less its smallest.
+function rangeOf(curve) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of curve.values()) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return high > low ? high - low : 0;
 }
+
+// The curves that are shown at first: the joint positions that move most, and the energies. A position that moves less than a thousandth of the one of
+// its group that moves most looks at rest beside it, and 1e-6 m or rad is the accuracy of single precision.
+function firstChoice(curves) {
+  const positions = curves.filter((curve) => curve.group.startsWith("Joint positions") && !SECOND.test(curve.name));
+  const ranges = positions.map((curve) => ({ curve, range: rangeOf(curve) }));
+  const most = (group) => Math.max(...ranges.filter(({ curve }) => curve.group === group).map(({ range }) => range));
+  const moving = ranges.filter(({ curve, range }) => range > Math.max(1e-6, 1e-3 * most(curve.group)));
+  const chosen = (moving.length > 0 ? moving : ranges).sort((a, b) => b.range - a.range).slice(0, 6);
+  const energies = ["energy.kinetic", "energy.potential", "energy.total"];
+  const names = new Set([...chosen.map(({ curve }) => curve.name.replace(SECOND, "")), ...energies]);
+  return curves.map((curve) => curve.name).filter((name) => names.has(name.replace(SECOND, "")));
+}
+
+// The end of the names of the curves of a second run.
+const SECOND = / \(second run\)$/;
 
 class Curves {
   constructor(element, curves, times, seek) {
@@ -79,7 +100,7 @@ class Curves {
     element.append(chooser, this.area);
     this.element = element;
     this.list("");
-    this.draw();
+    withTheme(() => this.draw());
     new ResizeObserver(() => this.resize()).observe(element);
   }
 
@@ -130,14 +151,16 @@ class Curves {
       const numbers = Array.from(curve.values(), (value) => (Number.isFinite(value) ? value : null));
       return logarithmic ? numbers.map((value) => value === null ? null : Math.max(value, LEAST)) : numbers;
     });
-    const color = (k) => CURVE_COLORS[k % CURVE_COLORS.length];
+    const times = group.map((curve) => curve.times || this.times);
+    const joined = uPlot.join(group.map((_, k) => [Array.from(times[k]), columns[k]]));
+    const color = curveColor;
     const holder = make("div", { className: "plot" });
     const head = make("div", { className: "title" });
     head.append(make("span", { textContent: unit ? `${title} [${unit}]` : title }), make("span", { textContent: "against time [s]" }));
     const legend = make("div", { className: "values" });
     this.area.append(holder);
     holder.append(head);
-    const axis = { stroke: "#5d6877", grid: { stroke: "#e4e8ed", width: 1 }, ticks: { stroke: "#d9dee5", width: 1 }, font: "11px sans-serif" };
+    const axis = { stroke: shade("--quiet"), grid: { stroke: shade("--line"), width: 1 }, ticks: { stroke: shade("--line"), width: 1 }, font: "11px sans-serif" };
     const values = (_, splits) => splits.map((value) => (value === null ? "" : plain(value).replace(/\.?0+e/, "e")));
     const plot = new uPlot({
       width: this.width(),
@@ -146,8 +169,8 @@ class Curves {
       cursor: { y: false, drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : {} },
       axes: [{ ...axis, size: 28 }, { ...axis, size: 58, values }],
-      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, spanGaps: true, pxAlign: 0, points: { show: this.times.length < 3 } }))],
-    }, [Array.from(this.times), ...columns], holder);
+      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, dash: SECOND.test(curve.name) ? [6, 4] : [], spanGaps: true, pxAlign: 0, points: { show: times[k].length < 3 } }))],
+    }, joined, holder);
     const line = make("div", { className: "now" });
     plot.over.append(line);
     const toPointer = (event) => {
@@ -169,7 +192,7 @@ class Curves {
       return number;
     });
     holder.append(legend);
-    return { plot, line, shown, columns };
+    return { plot, line, shown, columns, times };
   }
 
   width() {
@@ -185,11 +208,10 @@ class Curves {
   // Puts the line of each plot at a time, and the values of that sample beside the names.
   place(time) {
     this.time = time;
-    const sample = sampleBefore(this.times, time);
-    for (const { plot, line, shown, columns } of this.plots) {
+    for (const { plot, line, shown, columns, times } of this.plots) {
       line.style.left = `${plot.valToPos(time, "x")}px`;
       shown.forEach((number, k) => {
-        let last = sample;
+        let last = sampleBefore(times[k], time);
         while (last > 0 && columns[k][last] === null) last--;
         number.textContent = columns[k][last] === null ? "–" : plain(columns[k][last]);
       });

@@ -1,5 +1,6 @@
-// Puts the page together. `#t=1.5&tab=report&frames&reactions&shapes` in the address opens it at a time, with a tab, and with what is named
-// shown, `#nocontacts&noobstacles&nogrid` without these; `#joint1=0.5` opens a model with a joint moved.
+// Puts the page together. `#t=1.5&tab=report&frames&reactions&shapes&trails` in the address opens it at a time, with a tab, and with the layers that are
+// named, `#nocontacts&noobstacles&nogrid` without these; `#view=1,0,0` looks from +x; `#joint1=0.5` opens a model with a joint moved. `#film` shows the
+// robot alone, for `catena film`, whose pictures `film(t)` draws.
 
 // Says that the page does not work, and why.
 function fail(reason) {
@@ -73,16 +74,18 @@ async function openPage() {
   const header = JSON.parse(byId("header").textContent);
   const isRun = header.kind === "run";
   byId("name").textContent = header.name;
-  byId("about").textContent = isRun ? `run from ${header.source}` : `model of ${header.source}`;
-  byId("keys").textContent = isRun ? "space: play · ← →: one sample · shift: ten · F frames · R reactions · O contacts · G grid · B obstacles · S shapes · L follow · C camera" : "F frames · G grid · B obstacles · S shapes · C camera";
+  byId("about").textContent = isRun ? `run from ${header.source}${header.second ? ` beside ${header.second.source}` : ""}` : `model of ${header.source}`;
+  byId("keys").textContent = isRun ? "space: play · ← →: one sample (shift: ten) · F frames · R reactions · O contacts · G grid · B obstacles · S shapes · L follow · T trails · C camera" : "F frames · G grid · B obstacles · S shapes · C camera";
   const bytes = await unpackedBytes(byId("packed").textContent);
   const motion = new Motion(unpackedDoubles(bytes, header.times), unpackedFloats(bytes, header.poses), header.tree.bodies.length);
   const values = unpackedFloats(bytes, header.values);
   const wanted = new URLSearchParams(location.hash.slice(1));
   const tabs = new Tabs();
+  document.body.classList.toggle("film", wanted.has("film"));
   const view = openView();
+  if (view && wanted.has("view")) view.lookFrom(wanted.get("view"));
   const buttons = {};
-  let [robot, obstacles, layers, follows] = [null, null, [], false];
+  let [robot, obstacles, layers, follows, trails, second] = [null, null, [], false, null, null];
   let fit = () => {};
   if (view) {
     robot = new Robot(header, bytes, view);
@@ -96,6 +99,12 @@ async function openPage() {
     if (header.contacts) sources.push(new Contacts(header.contacts, bytes, header.samples));
     // Arrows are seen from where the camera is: at the robot if it follows, else far enough for the whole run.
     const length = 0.3 * (isTraveller ? size : Math.max(size, 0.5 * diagonal(seen)));
+    if (header.second) {
+      second = new SecondRun(header.second, bytes, view, size);
+      seen.union(second.extent().translate(second.aside));
+      buttons.w = addToggle("Beside", "W", true, (on) => second.showBeside(on));
+      buttons.w.title += `; ${header.second.source} is drawn beside the run, or translucent in the same place`;
+    }
     layers = sources.map((source) => new ArrowLayer(source, view, length, header.weight));
     const planes = obstacles.planes.length > 0 ? obstacles.planes : [new THREE.Matrix4()];
     const cell = view.addGrid(size, planes);
@@ -121,6 +130,17 @@ async function openPage() {
       buttons.s = addToggle("Collision shapes", "S", has("shapes"), (on) => shapes.show(on));
     }
     if (isRun) buttons.l = addToggle("Follow", "L", isTraveller, (on) => { follows = on; view.follow(on ? robot.middle() : null); });
+    if (isRun) {
+      trails = new Trails(view, robot, motion);
+      const place = (on) => { trails.show(on, header.tree); trails.place(now.time); };
+      buttons.t = addToggle("Trails", "T", has("trails"), place);
+      buttons.t.title += "; a double click on the robot adds the trail of that point";
+      view.canvas.addEventListener("dblclick", (event) => {
+        if (trails.addAt(event) && !trails.isShown) buttons.t.click();
+        else trails.place(now.time);
+        view.draw();
+      });
+    }
     const camera = make("button", { textContent: "Whole robot", title: "Move the camera so that everything is seen (C)" });
     camera.addEventListener("click", () => fit());
     byId("tools").append(camera);
@@ -134,15 +154,21 @@ async function openPage() {
       motion.place(time, robot.matrices);
       robot.placed();
       for (const layer of layers) layer.place(sampleBefore(motion.times, time));
+      trails.place(time);
+      if (second) second.place(time);
       if (follows) view.follow(robot.middle());
     }
+    if (document.body.classList.contains("film")) return;
     for (const panel of panels) panel.place(time);
   };
   let timeline = null;
   if (isRun) {
     timeline = new Timeline(motion.times, header.events, show);
     const seek = (time) => { timeline.pause(); timeline.seek(time); };
-    panels.push(new Curves(tabs.add("Curves"), allCurves(header, values, motion), motion.times, seek));
+    const curves = allCurves(header, values, motion, bytes);
+    if (header.second) curves.push(...curvesOfSecond(header.second, bytes));
+    panels.push(new Curves(tabs.add("Curves"), curves, motion.times, seek));
+    panels.push(new Phase(tabs.add("Phase"), curves.filter((curve) => !curve.times), motion.times));
     fillReport(tabs.add("Report"), header);
     panels.push(new Events(tabs.add("Events"), header.events, seek));
   } else {
@@ -155,6 +181,10 @@ async function openPage() {
   tabs.show(wanted.get("tab") || "");
   if (timeline) timeline.seek(wanted.has("t") ? Number(wanted.get("t")) || 0 : motion.times[0]);
   fit();
+  window.film = (time) => {
+    timeline.seek(time);
+    view.drawNow();
+  };
   window.addEventListener("keydown", (event) => {
     const types = event.target instanceof HTMLInputElement && ["search", "number"].includes(event.target.type);
     if (types || event.ctrlKey || event.metaKey || event.altKey) return;

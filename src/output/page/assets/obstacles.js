@@ -1,6 +1,6 @@
 // The obstacles: half spaces as tiles in their planes, other shapes translucent, so that what lies behind them is seen.
 
-const [TILE_COLOR, TILE_EDGE, OBSTACLE_COLOR] = [0xdde3ea, 0x93a0af, 0xc2a878];
+const OBSTACLE_COLOR = 0xc2a878;
 
 // A square in the plane z = 0, seen from above alone: nothing is hidden from a camera below a floor.
 function tileGeometry(half) {
@@ -24,8 +24,8 @@ class Obstacles {
     // The frames of half spaces.
     this.planes = [];
     // A tile is a little deeper than it is, so that the grid in the same plane lies on it.
-    const tile = new THREE.MeshStandardMaterial({ color: TILE_COLOR, roughness: 0.9, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
-    const edge = new THREE.LineBasicMaterial({ color: TILE_EDGE });
+    const tile = view.tinted(new THREE.MeshStandardMaterial({ roughness: 0.9, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 }), "--tile");
+    const edge = view.tinted(new THREE.LineBasicMaterial(), "--tile-edge");
     const look = { color: OBSTACLE_COLOR, roughness: 0.8, transparent: true, opacity: 0.55, depthWrite: false, side: THREE.DoubleSide };
     const solid = new THREE.MeshStandardMaterial(look);
     const isTile = (obstacle) => obstacle.kind === "half_space";

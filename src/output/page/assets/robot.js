@@ -19,7 +19,7 @@ class Robot {
     for (const shape of header.shapes) {
       const link = header.tree.links[shape.link];
       const place = poseMatrix(link.pose).multiply(poseMatrix(shape.pose));
-      const parts = shape.kind === "mesh" ? meshes[shape.mesh] : [{ color: null, geometry: primitiveGeometry(shape) }];
+      const parts = shape.kind === "mesh" ? meshes[shape.mesh] : primitiveParts(shape);
       if (shape.kind === "mesh") place.scale(new THREE.Vector3(...shape.size));
       for (const part of parts) {
         const material = this.material(part.color || shape.color || GREY, materials);

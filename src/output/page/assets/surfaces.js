@@ -96,6 +96,37 @@ function creasedGeometry(points, triangles) {
   return geometry;
 }
 
+// The parts of a primitive: one, or of a shape with a seam one for each of its two colours.
+function primitiveParts(shape) {
+  const geometry = primitiveGeometry(shape);
+  if (!shape.seam) return [{ color: null, geometry }];
+  const color = shape.color || GREY;
+  return [{ color, geometry: quarters(geometry, false) }, { color: seamColor(color), geometry: quarters(geometry, true) }];
+}
+
+// The second colour of a shape with a seam: darker, or lighter than a dark one. `film/parts.rs` has the same rule.
+function seamColor([red, green, blue, opacity]) {
+  const isBright = 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.25;
+  const other = (part) => (isBright ? 0.6 * part : part + 0.45 * (1 - part));
+  return [other(red), other(green), other(blue), opacity];
+}
+
+// The triangles of a shape of revolution in the quarters about z where x y > 0, or in the others.
+function quarters(geometry, isDark) {
+  const all = geometry.toNonIndexed();
+  const places = all.getAttribute("position").array;
+  const normals = all.getAttribute("normal").array;
+  const chosen = [];
+  for (let k = 0; k < places.length; k += 9) {
+    const [x, y] = [places[k] + places[k + 3] + places[k + 6], places[k + 1] + places[k + 4] + places[k + 7]];
+    if (x * y > 0 === isDark) for (let i = k; i < k + 9; i++) chosen.push(i);
+  }
+  const part = new THREE.BufferGeometry();
+  part.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(chosen, (i) => places[i]), 3));
+  part.setAttribute("normal", new THREE.BufferAttribute(Float32Array.from(chosen, (i) => normals[i]), 3));
+  return part;
+}
+
 // The geometry of a primitive; those of revolution lie along z.
 function primitiveGeometry(shape) {
   const [a, b, c] = shape.size;
@@ -103,6 +134,7 @@ function primitiveGeometry(shape) {
   switch (shape.kind) {
     case "box": return new THREE.BoxGeometry(a, b, c);
     case "sphere": return new THREE.SphereGeometry(a, 40, 24);
+    case "ellipsoid": return new THREE.SphereGeometry(1, 40, 24).scale(a, b, c);
     case "cylinder": return upright(new THREE.CylinderGeometry(a, a, b, 48));
     case "capsule": return upright(new THREE.CapsuleGeometry(a, b, 12, 40));
     default: return new THREE.BufferGeometry();

@@ -22,6 +22,8 @@ class View {
     this.collisions = new THREE.Group();
     this.scene.add(this.robot, this.obstacles, this.collisions);
     this.grid = null;
+    // From the robot to the camera, unless the address says otherwise.
+    this.side = new THREE.Vector3(1.5, -1.5, 0.85).normalize();
     this.following = null;
     this.waiting = false;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -42,12 +44,25 @@ class View {
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      this.renderer.render(this.scene, this.camera);
-      document.documentElement.dataset.triangles = this.renderer.info.render.triangles;
+      this.drawNow();
     });
   }
 
-  // Looks at a box from the front, the right and above, so that all of it is seen.
+  drawNow() {
+    this.renderer.render(this.scene, this.camera);
+    document.documentElement.dataset.triangles = this.renderer.info.render.triangles;
+  }
+
+  // Looks from this side from now on: three numbers x,y,z to the camera.
+  lookFrom(text) {
+    const numbers = text.split(",").map(Number);
+    if (numbers.length !== 3 || !(Math.hypot(...numbers) > 0)) return;
+    // Straight from above, what is up in the picture is not defined; a little beside it is.
+    this.side.set(...numbers).normalize();
+    if (Math.hypot(this.side.x, this.side.y) < 1e-3) this.side.y -= 1e-3;
+  }
+
+  // Looks at a box so that all of it is seen: from the front, the right and above at first.
   look(box) {
     const middle = box.getCenter(new THREE.Vector3());
     const radius = Math.max(0.5 * box.getSize(new THREE.Vector3()).length(), 1e-3);
@@ -56,7 +71,7 @@ class View {
     this.camera.near = distance / 500;
     this.camera.far = distance * 100;
     this.camera.updateProjectionMatrix();
-    this.camera.position.copy(new THREE.Vector3(1.5, -1.5, 0.85).normalize().multiplyScalar(distance).add(middle));
+    this.camera.position.copy(this.side.clone().multiplyScalar(distance).add(middle));
     this.controls.target.copy(middle);
     this.controls.update();
     this.draw();
@@ -78,7 +93,7 @@ class View {
   addGrid(size, planes) {
     const cell = 10 ** Math.round(Math.log10(Math.max(size, 1e-3) / 4));
     const half = Math.min(40, Math.ceil((4 * size) / cell));
-    const [plain, axis] = this.obstacles.children.length > 0 ? [0xb6c1cd, 0x8a98a8] : [0xcbd3dc, 0x9aa7b6];
+    const names = this.obstacles.children.length > 0 ? ["--tile-grid", "--tile-axis"] : ["--grid", "--grid-axis"];
     const lines = (isAxis) => {
       const points = [];
       for (let i = -half; i <= half; i++) {
@@ -87,7 +102,7 @@ class View {
       }
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points.map((x) => x * cell)), 3));
-      return new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: isAxis ? axis : plain }));
+      return new THREE.LineSegments(geometry, this.tinted(new THREE.LineBasicMaterial(), names[isAxis ? 1 : 0]));
     };
     this.grid = new THREE.Group();
     for (const plane of planes) {
@@ -101,15 +116,29 @@ class View {
     return cell;
   }
 
-  // The link or the obstacle under the pointer, if any.
-  linkAt(event) {
+  // A material with a colour of `page.css`, light or dark.
+  tinted(material, name) {
+    withTheme(() => {
+      material.color.set(shade(name));
+      this.draw();
+    });
+    return material;
+  }
+
+  // The place of something in these groups under the pointer, if any.
+  hitAt(event, groups) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const x = (2 * (event.clientX - left)) / width - 1;
     const y = 1 - (2 * (event.clientY - top)) / height;
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
-    const shown = [this.robot, this.obstacles, this.collisions].filter((group) => group.visible);
-    const hit = ray.intersectObjects(shown, true).find((found) => found.object.userData.link !== undefined);
+    const shown = groups.filter((group) => group.visible);
+    return ray.intersectObjects(shown, true).find((found) => found.object.userData.link !== undefined);
+  }
+
+  // The link or the obstacle under the pointer, if any.
+  linkAt(event) {
+    const hit = this.hitAt(event, [this.robot, this.obstacles, this.collisions]);
     return hit ? hit.object.userData.link : null;
   }
 }

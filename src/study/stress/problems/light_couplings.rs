@@ -54,6 +54,7 @@ fn build(place: usize) -> Result<Case, MechanismError> {
         multiplier,
         offset: 0.0,
         more: Vec::new(),
+        over_time: None,
     });
     mechanism.mimics = mimics.into();
     let mut state = State::zero(&mechanism);

@@ -1,0 +1,221 @@
+//! A mechanism at one instant, over numbers with derivatives: momenta, and accelerations with the efforts that hold joints.
+//!
+//! ```text
+//!     ρ(q, v, a) − τ − Gᵀ λ = 0  along the freedoms that move,      g̈(q, v, a) = 0,      a = 0 of held joints
+//!     λ_held = ρ(q, v, a) − τ − Gᵀ λ   along the freedoms that are held
+//! ```
+//!
+//! ρ, τ: as in [`crate::derivatives::equations::residual`], with motors that follow their laws (N m or N).
+
+use crate::derivatives::equations::closures::{closures, push, with_rates};
+use crate::derivatives::equations::figures::LoopFigures;
+use crate::derivatives::equations::placed::{Offsets, Placed, place};
+use crate::derivatives::equations::residual::{Load, along_freedoms, residual, still};
+use crate::derivatives::forward::stage_equations::{BothFigures, Drive, momentum, rate_of};
+use crate::derivatives::forward::step::{Part, StepMode, WIDTH, constant, lifted};
+use crate::derivatives::numbers::jet::Jet;
+use crate::derivatives::numbers::number::Number;
+use crate::derivatives::numbers::vector::Vector;
+use crate::mechanism::motion::state::State;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+/// A mechanism at an instant.
+#[derive(Clone, Copy)]
+pub struct Instant<'i, T> {
+    pub figures: &'i BothFigures<T>,
+    pub state: &'i State,
+    /// Slight offsets of the coordinates (n).
+    pub offsets: &'i [T],
+    pub anchors: &'i [LoopFigures<T>],
+}
+
+/// Motion equations and second derivatives of closures.
+struct Equations<T> {
+    motion: Vec<T>,
+    closures: Vec<T>,
+}
+
+/// The motion at an instant that the equations are for.
+#[derive(Clone, Copy)]
+pub struct Moved<'m, T> {
+    /// v and a (n).
+    pub velocities: &'m [T],
+    pub accelerations: &'m [T],
+    /// λ, an entry for each closure.
+    pub multipliers: &'m [T],
+    /// Efforts from outside (n) [N m or N].
+    pub efforts: &'m [T],
+    pub drives: &'m [Drive<T>],
+}
+
+impl<T: Number> Instant<'_, T> {
+    fn jets(&self, rates: &[T], accelerations: &[T]) -> [Vec<Jet<T>>; 2] {
+        let zero = T::zero();
+        let first = self.offsets.iter().map(|&value| Jet { value, rate: zero, acceleration: zero }).collect();
+        let second =
+            rates.iter().zip(accelerations).map(|(&rate, &acceleration)| Jet { value: zero, rate, acceleration });
+        [first, second.collect()]
+    }
+
+    /// The bodies with these velocities (n).
+    pub fn placed(&self, velocities: &[T]) -> Vec<Placed<Jet<T>>> {
+        let [first, second] = self.jets(velocities, &vec![T::zero(); velocities.len()]);
+        place(&self.figures.moving, &self.offsets_of(&first, &second))
+    }
+
+    fn offsets_of<'o>(&'o self, first: &'o [Jet<T>], second: &'o [Jet<T>]) -> Offsets<'o, Jet<T>> {
+        Offsets { from: self.state, to: self.state, first, second, motion: &[] }
+    }
+
+    /// `M v`: the momenta along the freedoms of velocities (n).
+    pub fn momenta(&self, velocities: &[T]) -> Vec<T> {
+        let placed = self.placed(velocities);
+        let plain = &self.figures.plain;
+        let bodies = plain.bodies.iter().zip(&placed);
+        let loads = bodies.map(|(body, at)| {
+            momentum(body, &at.frame.axes.map(|column| column.map(|entry| entry.value)), &rate_of(at))
+        });
+        let mut rows = along_freedoms(plain, &still(&placed), loads.collect());
+        for &(freedom, armature) in &plain.rotors {
+            rows[freedom] = rows[freedom] + armature * velocities[freedom];
+        }
+        rows
+    }
+
+    /// G v of velocities (n).
+    pub fn closure_rates(&self, velocities: &[T]) -> Vec<T> {
+        let [first, second] = self.jets(velocities, &vec![T::zero(); velocities.len()]);
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.anchors.iter().map(with_rates).collect();
+        let offsets = self.offsets_of(&first, &second);
+        let placed = place(&self.figures.moving, &offsets);
+        closures(&self.figures.moving, &anchors, &placed, &offsets).into_iter().map(|row| row.rate).collect()
+    }
+
+    /// The efforts along the freedoms of multipliers, and of forces on bodies at points of the world.
+    pub fn pushes(&self, multipliers: &[T], forces: &[(Option<usize>, Vector<T>, Vector<T>)]) -> Vec<T> {
+        let plain = &self.figures.plain;
+        let placed = still(&self.placed(&vec![T::zero(); self.offsets.len()]));
+        let mut loads = vec![Load { force: Vector::zero(), torque: Vector::zero() }; placed.len()];
+        let mut efforts = vec![T::zero(); plain.freedoms];
+        let mut on_body = |body: Option<usize>, point: Vector<T>, force: Vector<T>, torque: Vector<T>| {
+            if let Some(body) = body {
+                let arm = point - placed[body].frame.origin;
+                loads[body].force = loads[body].force + force;
+                loads[body].torque = loads[body].torque + torque + arm.cross(force);
+            }
+        };
+        forces.iter().for_each(|&(body, point, force)| on_body(body, point, force, Vector::zero()));
+        let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
+        push(plain, self.anchors, &placed, multipliers, &mut on_body, &mut on_freedom);
+        let along = along_freedoms(plain, &placed, loads);
+        along.into_iter().zip(efforts).map(|(one, other)| one + other).collect()
+    }
+
+    fn equations(&self, moved: &Moved<T>) -> Equations<T> {
+        let [first, second] = self.jets(moved.velocities, moved.accelerations);
+        let offsets = self.offsets_of(&first, &second);
+        let placed = place(&self.figures.moving, &offsets);
+        let mut motion = residual(&self.figures.moving, &placed, &offsets);
+        for (row, &effort) in motion.iter_mut().zip(moved.efforts) {
+            *row = *row - effort;
+        }
+        for drive in moved.drives {
+            let freedom = drive.coordinate.freedom;
+            let position = offsets.coordinate(drive.coordinate).value;
+            motion[freedom] = motion[freedom] + drive.kp * position + drive.kd * moved.velocities[freedom];
+        }
+        for (row, push) in motion.iter_mut().zip(self.pushes(moved.multipliers, &[])) {
+            *row = *row - push;
+        }
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.anchors.iter().map(with_rates).collect();
+        let closures = closures(&self.figures.moving, &anchors, &placed, &offsets);
+        Equations { motion, closures: closures.into_iter().map(|row| row.acceleration).collect() }
+    }
+
+    /// Efforts along all freedoms that the motion needs besides those that act: zero along those that move, λ along those that are held.
+    pub fn lacking(&self, moved: &Moved<T>) -> Vec<T> {
+        self.equations(moved).motion
+    }
+}
+
+/// The accelerations of a state, with their matrix.
+pub struct Accelerations {
+    /// a (n).
+    pub values: Vec<f64>,
+    /// λ, an entry for each closure.
+    pub multipliers: Vec<f64>,
+    factors: LU<f64, Dyn, Dyn>,
+}
+
+impl Accelerations {
+    /// Of a state with velocities v under efforts (n); `None` if some motion moves no mass.
+    pub fn of(figures: &BothFigures<Part>, state: &State, mode: &StepMode, efforts: &[f64]) -> Option<Self> {
+        let n = state.velocity.len();
+        let anchors: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
+        let still = vec![Part::zero(); n];
+        let at = Instant { figures, state, offsets: &still, anchors: &anchors };
+        let (velocities, efforts): (Vec<Part>, Vec<Part>) = (constant(&state.velocity), constant(efforts));
+        let drives = mode.drives(&figures.laws);
+        let (free, count) = (mode.free.len(), mode.free.len() + mode.rows.len());
+        let mut matrix = DMatrix::zeros(count, count);
+        let mut right = DVector::zeros(count);
+        for first in (0..count).step_by(WIDTH) {
+            let mut accelerations = vec![Part::zero(); n];
+            let mut multipliers = vec![Part::zero(); mode.row_count];
+            for part in 0..WIDTH.min(count - first) {
+                match mode.free.get(first + part) {
+                    Some(&freedom) => accelerations[freedom] = Part::parameter(0.0, part),
+                    None => multipliers[mode.rows[first + part - free]] = Part::parameter(0.0, part),
+                }
+            }
+            let moved = Moved {
+                velocities: &velocities,
+                accelerations: &accelerations,
+                multipliers: &multipliers,
+                efforts: &efforts,
+                drives: &drives,
+            };
+            for (row, value) in selected(mode, &at.equations(&moved)).into_iter().enumerate() {
+                right[row] = -value.value;
+                (0..WIDTH.min(count - first)).for_each(|part| matrix[(row, first + part)] = value.parts[part]);
+            }
+        }
+        let factors = matrix.lu();
+        let found = factors.is_invertible().then(|| factors.solve(&right))??;
+        let (mut values, mut multipliers) = (vec![0.0; n], vec![0.0; mode.row_count]);
+        mode.free.iter().zip(found.iter()).for_each(|(&freedom, &value)| values[freedom] = value);
+        mode.rows.iter().zip(found.iter().skip(free)).for_each(|(&row, &value)| multipliers[row] = value);
+        Some(Accelerations { values, multipliers, factors })
+    }
+
+    /// a and λ with their derivatives, for a state, velocities and efforts with theirs; `None` if the factors are singular.
+    pub fn varied(
+        &self,
+        at: &Instant<Part>,
+        mode: &StepMode,
+        velocities: &[Part],
+        efforts: &[Part],
+    ) -> Option<(Vec<Part>, Vec<Part>)> {
+        let mut accelerations: Vec<Part> = constant(&self.values);
+        let mut multipliers: Vec<Part> = constant(&self.multipliers);
+        let drives = mode.drives(&at.figures.laws);
+        let moved =
+            Moved { velocities, accelerations: &accelerations, multipliers: &multipliers, efforts, drives: &drives };
+        let rows = selected(mode, &at.equations(&moved));
+        let right = DMatrix::from_fn(rows.len(), WIDTH, |row, part| -rows[row].parts[part]);
+        let found = self.factors.solve(&right)?;
+        for (row, &freedom) in mode.free.iter().enumerate() {
+            (0..WIDTH).for_each(|part| accelerations[freedom].parts[part] = found[(row, part)]);
+        }
+        for (row, &closure) in mode.rows.iter().enumerate() {
+            (0..WIDTH).for_each(|part| multipliers[closure].parts[part] = found[(mode.free.len() + row, part)]);
+        }
+        Some((accelerations, multipliers))
+    }
+}
+
+/// The equations of the freedoms that move, and of independent closures.
+fn selected(mode: &StepMode, equations: &Equations<Part>) -> Vec<Part> {
+    let motion = mode.free.iter().map(|&freedom| equations.motion[freedom]);
+    motion.chain(mode.rows.iter().map(|&row| equations.closures[row])).collect()
+}

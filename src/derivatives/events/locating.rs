@@ -1,0 +1,254 @@
+//! A step that ends at an event, with its length as one more unknown.
+//!
+//! ```text
+//!     φ(q̄(h), v̄(h), t₀ + h) = 0          h ← h − φ/φ̇,     φ̇ = φ_q ∂q̄/∂h + φ_v ∂v̄/∂h + φ_t
+//!     δh = −(φ_q δq̄ + φ_v δv̄ + φ_t δt₀ + φ_θ δθ)/φ̇          δq̄, δv̄ at fixed h
+//! ```
+
+use crate::derivatives::equations::contacts::TouchFigures;
+use crate::derivatives::equations::figures::LoopFigures;
+use crate::derivatives::events::efforts::{EffortLaws, Efforts};
+use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::validity::EventSlope;
+use crate::derivatives::events::walk::{Subject, Walk};
+use crate::derivatives::events::watched::Sight;
+use crate::derivatives::forward::failure::SensitivityError;
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH, lifted};
+use crate::derivatives::forward::tangent::{Tangent, by_length, with};
+use crate::derivatives::numbers::number::Number;
+use crate::events::trace::{TracedJump, TracedStep, Watched};
+use crate::instant::holding::touching::Contact;
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use nalgebra::{DMatrix, DVector};
+
+/// Newton iterations for the length of a step; three or four are made.
+const ATTEMPTS: usize = 12;
+
+/// A direction in which a state varies: by the length of its step, or by some parameters.
+struct Varying<'v> {
+    /// The parameters among all that are meant; `None` for the length of the step.
+    chunk: Option<usize>,
+    tangent: &'v Tangent,
+}
+
+impl Walk<'_> {
+    pub(super) fn step_to_event(
+        &mut self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        anchors: &[Vec<LoopFigures<Part>>],
+        trigger: Watched,
+        next: Option<&TracedJump>,
+    ) -> Result<(), SensitivityError> {
+        let since = self.state.time;
+        let contact = next.and_then(|jump| self.contact_of(trigger, jump));
+        let words = self.words(trigger, contact);
+        let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
+        let plain: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
+        let mut step = traced.end.time - since;
+        let mut last = f64::INFINITY;
+        let mut found = None;
+        for _ in 0..ATTEMPTS {
+            let (solved, efforts) = self.solved(&traced.mode, mode, step)?;
+            let (value, rate, along) = self
+                .by_length(traced, mode, step, &solved, &efforts, &plain, (trigger, contact))
+                .ok_or_else(|| unknown(traced.end.time))?;
+            let change = value / rate;
+            if !change.is_finite() {
+                return Err(SensitivityError::Graze { time: traced.end.time, what: words });
+            }
+            // A root cannot be told from its roundings any more.
+            let ends = change == 0.0 || change.abs() <= 1e-9 * step && change.abs() >= 0.25 * last;
+            found = Some((solved, efforts, rate, along));
+            if ends {
+                break;
+            }
+            step -= change;
+            last = change.abs();
+        }
+        let Some((solved, efforts, rate, along)) = found else { return Err(self.failed()) };
+        let start = self.state.clone();
+        let at_start = self.value(traced, mode, &start, since, (trigger, contact)).unwrap_or(0.0);
+        let still = DVector::zeros(self.tangent.times.len());
+        self.carry(mode, step, &solved, &efforts, anchors, &still)?;
+        self.take_end(solved, since + step);
+        let mut longer = DVector::zeros(still.len());
+        for (chunk, anchors) in anchors.iter().enumerate() {
+            let varying = Varying { chunk: Some(chunk), tangent: &self.tangent };
+            let value = self
+                .seen(traced, mode, &self.state, since, &varying, anchors, (trigger, contact))
+                .ok_or_else(|| unknown(traced.end.time))?;
+            let first = chunk * WIDTH;
+            let width = WIDTH.min(longer.len() - first);
+            (0..width).for_each(|part| longer[first + part] = -value.parts[part] / rate);
+        }
+        self.tangent.positions += &along.positions * longer.transpose();
+        self.tangent.velocities += &along.velocities * longer.transpose();
+        self.tangent.times += &longer;
+        let by = self.tangent.times.iter().copied().collect();
+        let event = EventSlope { time: self.state.time, what: words, by, rate };
+        self.validity.see_event(&event, at_start, step, self.events.last());
+        self.events.push(event);
+        Ok(())
+    }
+
+    /// φ at the end of a solved step, φ̇, and the derivatives of the end by the length of the step.
+    #[allow(clippy::too_many_arguments)]
+    fn by_length(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        step: f64,
+        solved: &SolvedStep,
+        efforts: &[Efforts],
+        anchors: &[LoopFigures<Part>],
+        of: (Watched, Option<&Contact>),
+    ) -> Option<(f64, f64, Tangent)> {
+        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+        let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
+        let (positions, velocities) = by_length(&self.problem(mode, step, &values), solved, &rates, anchors)?;
+        let n = positions.len();
+        let along = Tangent {
+            positions: DMatrix::from_column_slice(n, 1, positions.as_slice()),
+            velocities: DMatrix::from_column_slice(n, 1, velocities.as_slice()),
+            times: DVector::from_element(1, 1.0),
+        };
+        let end = solved.stages.last()?;
+        let varying = Varying { chunk: None, tangent: &along };
+        let value = self.seen(traced, mode, end, self.state.time, &varying, anchors, of)?;
+        Some((value.value, value.parts[0], along))
+    }
+
+    /// φ in a state.
+    fn value(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        state: &State,
+        since: f64,
+        of: (Watched, Option<&Contact>),
+    ) -> Option<f64> {
+        let n = state.velocity.len();
+        let nothing =
+            Tangent { positions: DMatrix::zeros(n, 1), velocities: DMatrix::zeros(n, 1), times: DVector::zeros(1) };
+        let anchors: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
+        let varying = Varying { chunk: None, tangent: &nothing };
+        Some(self.seen(traced, mode, state, since, &varying, &anchors, of)?.value)
+    }
+
+    /// φ in a state, with its derivatives.
+    #[allow(clippy::too_many_arguments)]
+    fn seen(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        state: &State,
+        since: f64,
+        varying: &Varying,
+        anchors: &[LoopFigures<Part>],
+        (trigger, contact): (Watched, Option<&Contact>),
+    ) -> Option<Part> {
+        let n = state.velocity.len();
+        let Tangent { positions, velocities, times } = varying.tangent;
+        let first = varying.chunk.unwrap_or(0) * WIDTH;
+        let width = WIDTH.min(times.len() - first);
+        let figures = varying.chunk.map_or(&self.constant, |chunk| &self.varied.chunks()[chunk]);
+        let own: Vec<Part> = (0..n).map(|row| with(0.0, positions, row, first)).collect();
+        let rates: Vec<Part> = (0..n).map(|row| with(state.velocity[row], velocities, row, first)).collect();
+        let of_parameters = varying.chunk.is_some();
+        // The derivatives of a number that depends on parameters and time.
+        let with_time = |value: f64, slope: &dyn Fn(usize) -> f64, rate: f64| {
+            let mut part = Part::of(value);
+            for index in 0..width {
+                let fixed = if of_parameters { slope(first + index) } else { 0.0 };
+                part.parts[index] = fixed + rate * times[first + index];
+            }
+            part
+        };
+        let efforts = self.efforts(&traced.mode, since, state.time);
+        let efforts: Vec<Part> = (0..n)
+            .map(|row| with_time(efforts.values[row], &|column| efforts.slopes[(row, column)], efforts.rates[row]))
+            .collect();
+        let Subject { elements, laws, parameters, .. } = *self.subject;
+        let of = EffortLaws { elements, laws, parameters, varied: &self.varied };
+        let drives: Vec<Part> = (0..elements.motors.len())
+            .map(|motor| {
+                let (value, slopes, rate) = of.drive(motor, since, state.time);
+                with_time(value, &|column| slopes[column], rate)
+            })
+            .collect();
+        let touch = contact.and_then(|contact| self.touch(contact, &figures.laws));
+        let at = Instant { figures, state, offsets: &own, anchors };
+        let sight = Sight {
+            at,
+            velocities: &rates,
+            elements,
+            mode: &traced.mode,
+            equations: mode,
+            efforts: &efforts,
+            drives: &drives,
+            touch: touch.as_ref(),
+        };
+        sight.value(trigger)
+    }
+
+    /// The contact at which a pair closes: the one with the least gap.
+    fn contact_of<'j>(&self, trigger: Watched, jump: &'j TracedJump) -> Option<&'j Contact> {
+        let Watched::Approach(pair) = trigger else { return None };
+        let bodies = body_states(self.subject.mechanism, &jump.before);
+        let gap = |contact: &&Contact| touch_motion(&contact.joint, &bodies).gap.abs();
+        let own = jump.contacts.iter().filter(|contact| contact.pair == pair);
+        own.min_by(|one, other| gap(one).total_cmp(&gap(other)))
+    }
+
+    /// A contact with the numbers of its colliders.
+    pub(super) fn touch<T: Number>(
+        &self,
+        contact: &Contact,
+        laws: &crate::derivatives::equations::laws::Laws<T>,
+    ) -> Option<TouchFigures<T>> {
+        let Subject { mechanism, .. } = *self.subject;
+        let pair = mechanism.nonsmooth.pairs.get(contact.pair)?;
+        let numbers = if contact.is_swapped() { [pair.b, pair.a] } else { [pair.a, pair.b] };
+        let colliders = numbers.map(|number| (&mechanism.nonsmooth.colliders[number], number));
+        let in_frame = |end: &Attachment| {
+            let own = end.body.map_or_else(Pose::identity, |body| self.subject.frames[body].inverse());
+            Attachment { body: end.body, frame: own * end.frame }
+        };
+        TouchFigures::new(&contact.joint, colliders, laws, &in_frame)
+    }
+
+    /// An event in words.
+    fn words(&self, trigger: Watched, contact: Option<&Contact>) -> String {
+        let Subject { mechanism, elements, .. } = *self.subject;
+        let joint = |index: usize| mechanism.joint_of_freedom(elements.joints[index].coordinate.freedom).to_string();
+        let motor = |index: usize| mechanism.joint_of_freedom(elements.motors[index].coordinate.freedom).to_string();
+        let side = |side: Side| if side == Side::Lower { "lower" } else { "upper" };
+        match trigger {
+            Watched::Gap(index, of) => format!("joint {:?} meets its {} limit", joint(index), side(of)),
+            Watched::Slide(index) => format!("joint {:?} stops", joint(index)),
+            Watched::Bears(index, _) => format!("joint {:?} is let go", joint(index)),
+            Watched::Margin => "held joints are let go".into(),
+            Watched::Motor(index, _) => format!("the motor of {:?} reaches its bound", motor(index)),
+            Watched::Excess(index) => format!("the motor of {:?} leaves its bound", motor(index)),
+            Watched::Approach(pair) => self.names("meets", contact.map_or(pair, |contact| contact.pair)),
+            Watched::SlipsTogether(pair) => self.names("stops on", pair),
+            Watched::Presses(_) => "a contact parts".into(),
+            Watched::Grips(_) => "a contact begins to slide".into(),
+            Watched::Slips(_) => "a contact stops".into(),
+            Watched::Feature(_) => "a contact leaves its features".into(),
+        }
+    }
+
+    fn names(&self, verb: &str, pair: usize) -> String {
+        let nonsmooth = &self.subject.mechanism.nonsmooth;
+        nonsmooth.pairs.get(pair).map_or_else(String::new, |pair| {
+            format!("{:?} {verb} {:?}", nonsmooth.colliders[pair.a].name, nonsmooth.colliders[pair.b].name)
+        })
+    }
+}

@@ -1,0 +1,11 @@
+//! Derivatives through events: steps that end where a watched function is zero, and jumps of velocities at one instant.
+
+pub mod efforts;
+pub mod impact;
+pub mod instant;
+mod jumping;
+mod locating;
+pub mod parameter;
+pub mod validity;
+pub mod walk;
+pub mod watched;

@@ -1,0 +1,68 @@
+//! A parameter of a run: the derivatives of constant numbers and of the start by it, and of efforts that change in time.
+//!
+//! ```text
+//!     ∂τ(t)/∂θ = Σ_k w_k τ(t; θ + k δ)        k = −4 … 4, without 0        over models with other numbers
+//! ```
+//!
+//! Source: B. Fornberg, Generation of finite difference formulas on arbitrarily spaced grids, Math. Comp. 51 (1988), table 1.
+
+use crate::mechanism::description::forces::{Forces, JointCourse};
+use crate::mechanism::description::nonsmooth::Motor;
+use nalgebra::DVector;
+
+/// Weights of differences over k widths, k = 1..4: the derivative is their sum over both signs, over the width.
+pub const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+
+/// Efforts that follow time.
+#[derive(Clone, Debug)]
+pub struct TimeLaws {
+    pub motors: Vec<Motor>,
+    pub courses: Vec<JointCourse>,
+}
+
+/// A parameter.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Of all figures, in their order.
+    pub figures: Vec<f64>,
+    /// Of the start (n each).
+    pub position: DVector<f64>,
+    pub velocity: DVector<f64>,
+    /// Of a constant effort (n).
+    pub constant_effort: DVector<f64>,
+    /// Models with other numbers, with their weights.
+    pub others: Vec<(f64, TimeLaws)>,
+}
+
+impl Parameter {
+    /// One that changes none of the n freedoms.
+    pub fn none(freedoms: usize) -> Self {
+        let zero = DVector::zeros(freedoms);
+        Parameter {
+            figures: Vec::new(),
+            position: zero.clone(),
+            velocity: zero.clone(),
+            constant_effort: zero,
+            others: Vec::new(),
+        }
+    }
+
+    /// ∂/∂θ of a number of the laws of time.
+    pub fn slope(&self, of: impl Fn(&TimeLaws) -> f64) -> f64 {
+        self.others.iter().map(|(weight, laws)| weight * of(laws)).sum()
+    }
+}
+
+impl TimeLaws {
+    /// Of motors and forces.
+    pub fn new(motors: &[Motor], forces: &Forces) -> Self {
+        TimeLaws { motors: motors.to_vec(), courses: forces.joint_courses.clone() }
+    }
+
+    /// The next instant after a time at which an effort changes its law (s).
+    pub fn next_instant(&self, time: f64) -> f64 {
+        let motors = self.motors.iter().map(|motor| motor.next_instant(time));
+        let courses = self.courses.iter().map(|load| load.course.next_instant(time));
+        motors.chain(courses).fold(f64::INFINITY, f64::min)
+    }
+}

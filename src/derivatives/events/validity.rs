@@ -1,0 +1,71 @@
+//! How far the derivatives of a run with events hold.
+//!
+//! ```text
+//!     two events change their order     |δθ| = |t₂ − t₁| / |∂t₂/∂θ − ∂t₁/∂θ|
+//!     an event is missed (grazing)      |δθ| = |φ̇| / (2 |φ̈| |∂t/∂θ|)               φ̈ = 2 (φ₀ + φ̇ h)/h², the mean over its step
+//!     a limit is met that was missed    |δθ| = φ / |∂φ/∂θ|                          where a joint turns back before it
+//! ```
+//!
+//! Each is the change of one parameter at which the derivative ends, to first order: a size, no bound. The smallest is told for each parameter.
+
+use nalgebra::DVector;
+
+/// An event with the derivatives of its time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventSlope {
+    /// s.
+    pub time: f64,
+    /// The element and its event in words.
+    pub what: String,
+    /// ∂t/∂θ (p).
+    pub by: Vec<f64>,
+    /// φ̇ at the event: small for events that graze [unit of the function per s].
+    pub rate: f64,
+}
+
+/// The smallest change of each parameter at which the derivative ends.
+#[derive(Clone, Debug)]
+pub struct Validity {
+    /// Infinite if no event bounds it (p).
+    pub within: Vec<f64>,
+    /// Its cause in words; empty if there is none (p).
+    pub causes: Vec<String>,
+}
+
+impl Validity {
+    /// Of p parameters, before any event.
+    pub fn new(parameters: usize) -> Self {
+        Validity { within: vec![f64::INFINITY; parameters], causes: vec![String::new(); parameters] }
+    }
+
+    fn see(&mut self, parameter: usize, size: f64, cause: impl FnOnce() -> String) {
+        if size < self.within[parameter] {
+            (self.within[parameter], self.causes[parameter]) = (size, cause());
+        }
+    }
+
+    /// An event, with its function at the start of its step of length h (s), after another event.
+    pub fn see_event(&mut self, event: &EventSlope, at_start: f64, step: f64, last: Option<&EventSlope>) {
+        let second = 2.0 * (at_start + event.rate * step) / (step * step);
+        for (parameter, by) in event.by.iter().enumerate() {
+            if *by != 0.0 {
+                let size = event.rate.abs() / (2.0 * second.abs() * by.abs());
+                self.see(parameter, size, || format!("{} at {:.6} s is missed", event.what, event.time));
+            }
+            if let Some(last) = last {
+                let apart = (by - last.by[parameter]).abs();
+                let cause = || {
+                    format!("{} at {:.6} s comes before {} at {:.6} s", event.what, event.time, last.what, last.time)
+                };
+                self.see(parameter, (event.time - last.time).abs() / apart, cause);
+            }
+        }
+    }
+
+    /// A limit that a joint turns back from, at this distance with these derivatives (p).
+    pub fn see_near(&mut self, what: &str, time: f64, gap: f64, by: &DVector<f64>) {
+        for (parameter, by) in by.iter().enumerate() {
+            self.see(parameter, gap / by.abs(), || format!("{what} near {time:.6} s"));
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! The derivatives of a run along its trace: step by step, and through the jumps between them.
+//!
+//! ```text
+//!     step to a given instant T(θ)       δh = δT − δt₀                     δt̄ = δT
+//!     step to an event φ = 0             δh = −(φ_x δx̄ + φ_t δt₀ + φ_θ δθ)/φ̇        δt̄ = δt₀ + δh        δx̄ at fixed h
+//!     jump                               δv⁺ = j_q δq + j_v δv + j_θ δθ
+//! ```
+//!
+//! Steps, modes and active sets are those of the trace; states are solved again to rounding. Held joints keep the derivatives of their places: the
+//! place at which a joint sticks is a function of the parameters.
+
+use crate::derivatives::equations::figures::{End, LoopFigures, frame};
+use crate::derivatives::equations::placed::end_frame;
+use crate::derivatives::equations::residual::still;
+use crate::derivatives::events::efforts::{EffortLaws, Efforts};
+use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::parameter::{Parameter, TimeLaws};
+use crate::derivatives::events::validity::{EventSlope, Validity};
+use crate::derivatives::forward::failure::SensitivityError;
+use crate::derivatives::forward::stage_equations::BothFigures;
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem, WIDTH, lifted};
+use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied, with};
+use crate::derivatives::linear::independent::Independent;
+use crate::derivatives::numbers::number::Number;
+use crate::events::trace::{JointMode, Mode, MotorMode, Traced, TracedJump, TracedStep};
+use crate::instant::holding::elements::{Elements, inward};
+use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::state::State;
+use nalgebra::{DMatrix, DVector};
+
+/// A tick is this close to a multiple of its period.
+const AT_TICK: f64 = 1e-9;
+
+/// The model of a run whose derivatives are wanted.
+pub(crate) struct Subject<'w> {
+    pub mechanism: &'w Mechanism,
+    pub elements: &'w Elements,
+    /// The frames of the bodies, each in the body's own.
+    pub frames: &'w [Pose],
+    pub tableau: &'w Tableau,
+    pub laws: &'w TimeLaws,
+    pub parameters: &'w [Parameter],
+}
+
+/// Derivatives along a run.
+pub(crate) struct Walk<'w> {
+    pub(super) subject: &'w Subject<'w>,
+    figures: BothFigures<f64>,
+    pub(super) constant: BothFigures<Part>,
+    pub(super) varied: Varied,
+    /// Where it is.
+    pub state: State,
+    pub tangent: Tangent,
+    /// Of efforts that motors hold between ticks (motors × p).
+    given: DMatrix<f64>,
+    /// Whether a step was made.
+    begun: bool,
+    /// The largest rate before a jump [rad/s or m/s].
+    pub(super) fastest: f64,
+    /// Points of contacts that stick, with their derivatives for each [`WIDTH`] parameters.
+    anchored: Vec<(LoopFigures<f64>, Vec<LoopFigures<Part>>)>,
+    /// Events so far, and how far the derivatives hold.
+    pub events: Vec<EventSlope>,
+    pub validity: Validity,
+}
+
+impl<'w> Walk<'w> {
+    /// At the start of a run.
+    pub fn new(subject: &'w Subject<'w>, start: &State) -> Self {
+        let Subject { mechanism, elements, frames, parameters, .. } = *subject;
+        let (n, p) = (mechanism.velocity_count, parameters.len());
+        let slopes: Vec<Vec<f64>> = parameters.iter().map(|parameter| parameter.figures.clone()).collect();
+        let column = |of: &dyn Fn(&Parameter) -> &DVector<f64>| {
+            DMatrix::from_fn(n, p, |row, column| of(&parameters[column])[row])
+        };
+        Walk {
+            subject,
+            figures: BothFigures::taken(mechanism, elements, frames, |_, value| value),
+            constant: BothFigures::taken(mechanism, elements, frames, |_, value| Part::of(value)),
+            varied: Varied::new(mechanism, elements, frames, &slopes),
+            state: start.clone(),
+            tangent: Tangent {
+                positions: column(&|parameter| &parameter.position),
+                velocities: column(&|parameter| &parameter.velocity),
+                times: DVector::zeros(p),
+            },
+            given: DMatrix::zeros(elements.motors.len(), p),
+            begun: false,
+            fastest: fastest(&start.velocity),
+            anchored: Vec::new(),
+            events: Vec::new(),
+            validity: Validity::new(p),
+        }
+    }
+
+    /// Goes along a trace; `at` is called at the end of every step to a given instant.
+    ///
+    /// # Errors
+    /// [`SensitivityError`] where a step or jump has no derivative.
+    pub fn along(&mut self, trace: &[Traced], at: &mut dyn FnMut(&State, &Tangent)) -> Result<(), SensitivityError> {
+        for (index, entry) in trace.iter().enumerate() {
+            match entry {
+                Traced::Step(step) => {
+                    let next = trace[index + 1..].iter().find_map(|entry| match entry {
+                        Traced::Jump(jump) => Some(&**jump),
+                        Traced::Step(_) => None,
+                    });
+                    self.step(step, next)?;
+                    if step.triggers.is_empty() {
+                        at(&self.state, &self.tangent);
+                    }
+                }
+                Traced::Jump(jump) => self.jump(jump)?,
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn failed(&self) -> SensitivityError {
+        SensitivityError::Step { time: self.state.time }
+    }
+
+    pub(super) fn efforts(&self, mode: &Mode, since: f64, time: f64) -> Efforts {
+        let Subject { elements, laws, parameters, .. } = *self.subject;
+        let of = EffortLaws { elements, laws, parameters, varied: &self.varied };
+        of.at(mode, &self.given, since, time, self.state.velocity.len())
+    }
+
+    /// The equations of a mode.
+    fn mode(&self, traced: &TracedStep) -> Result<StepMode, SensitivityError> {
+        let Subject { mechanism, elements, frames, .. } = *self.subject;
+        if let Some(touch) = traced.closures.touches.first() {
+            let of = [&touch.a, &touch.b].map(|end| end.body.map_or("the world", |body| &mechanism.bodies[body].name));
+            return Err(SensitivityError::Closed { time: self.state.time, contact: of.join(" and ") });
+        }
+        let moves = mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| !**held);
+        let free: Vec<usize> = moves.flat_map(|(body, _)| body.joint.velocity_range()).collect();
+        let end = |at: &Attachment| {
+            let own = at.body.map_or_else(Pose::identity, |body| frames[body].inverse());
+            End { body: at.body, frame: frame(&(own * at.frame), &mut |value| value) }
+        };
+        let anchors = traced.closures.anchors.iter();
+        let anchors =
+            anchors.map(|joint| LoopFigures { kind: joint.kind, a: end(&joint.a), b: end(&joint.b), length: 0.0 });
+        let motors = elements.motors.iter().zip(&traced.mode.motors).enumerate();
+        let motors = motors.filter(|(_, (_, mode))| **mode == MotorMode::Unbounded);
+        let motors = motors.map(|(index, (motor, _))| (index, motor.coordinate)).collect();
+        let mut mode = StepMode { free, rows: Vec::new(), row_count: 0, motors, anchors: anchors.collect() };
+        let gradient = self.gradient(&mode);
+        mode.row_count = gradient.nrows();
+        let of_free = gradient.select_columns(&mode.free);
+        mode.rows = Independent::of(&of_free, &vec![1.0; mode.free.len()]).rows;
+        Ok(mode)
+    }
+
+    /// G of all closures at the state.
+    pub(super) fn gradient(&self, mode: &StepMode) -> DMatrix<f64> {
+        let n = self.state.velocity.len();
+        let anchors: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
+        let still = vec![Part::zero(); n];
+        let at = Instant { figures: &self.constant, state: &self.state, offsets: &still, anchors: &anchors };
+        let columns: Vec<Vec<Part>> = (0..n)
+            .map(|freedom| {
+                let mut unit = still.clone();
+                unit[freedom] = Part::of(1.0);
+                at.closure_rates(&unit)
+            })
+            .collect();
+        let rows = columns.first().map_or(0, Vec::len);
+        DMatrix::from_fn(rows, n, |row, column| columns[column][row].value)
+    }
+
+    /// The anchors of a mode with their derivatives, for each [`WIDTH`] parameters: new ones are where their corners are now.
+    fn anchors(&mut self, mode: &StepMode) -> Vec<Vec<LoopFigures<Part>>> {
+        let n = self.state.velocity.len();
+        self.anchored.retain(|(known, _)| mode.anchors.iter().any(|anchor| same(anchor, known)));
+        for anchor in &mode.anchors {
+            if self.anchored.iter().any(|(known, _)| same(anchor, known)) {
+                continue;
+            }
+            let varied = self.varied.chunks().iter().enumerate().map(|(chunk, figures)| {
+                let offsets: Vec<Part> =
+                    (0..n).map(|row| with(0.0, &self.tangent.positions, row, chunk * WIDTH)).collect();
+                let at = Instant { figures, state: &self.state, offsets: &offsets, anchors: &[] };
+                let placed = still(&at.placed(&vec![Part::zero(); n]));
+                let mut joint: LoopFigures<Part> = lifted(anchor);
+                let corner = end_frame(&joint.b, &placed).origin;
+                joint.a.frame.origin = match joint.a.body {
+                    None => corner,
+                    Some(body) => {
+                        let frame = &placed[body].frame;
+                        frame.axes.transpose().apply(corner - frame.origin)
+                    }
+                };
+                joint
+            });
+            self.anchored.push((anchor.clone(), varied.collect()));
+        }
+        let chunk = |chunk: usize| self.anchored.iter().map(|(_, varied)| varied[chunk].clone()).collect();
+        (0..self.varied.chunks().len()).map(chunk).collect()
+    }
+
+    /// The derivatives of efforts that motors work out at a tick.
+    fn meet_ticks(&mut self, mode: &Mode, since: f64) {
+        let Subject { elements, laws, parameters, .. } = *self.subject;
+        let of = EffortLaws { elements, laws, parameters, varied: &self.varied };
+        for (index, motor) in elements.motors.iter().enumerate() {
+            let MotorMode::Given(effort) = mode.motors[index] else { continue };
+            let ticks = since / motor.period;
+            if self.begun && (ticks - ticks.round()).abs() > AT_TICK {
+                continue;
+            }
+            let (at, p) = (motor.coordinate, parameters.len());
+            let (_, slopes, rate) = of.drive(index, since, since);
+            for column in 0..p {
+                let law = &self.varied.chunks()[column / WIDTH].laws.motors[index];
+                let part = |value: &Part| value.parts[column % WIDTH];
+                let bounded = effort.abs() >= motor.max_effort;
+                self.given[(index, column)] = if bounded {
+                    effort.signum() * part(&law.bound)
+                } else {
+                    slopes[column] + rate * self.tangent.times[column]
+                        - law.kp.value * self.tangent.positions[(at.freedom, column)]
+                        - law.kd.value * self.tangent.velocities[(at.freedom, column)]
+                        - part(&law.kp) * self.state.position[at.position]
+                        - part(&law.kd) * self.state.velocity[at.freedom]
+                };
+            }
+        }
+        self.begun = true;
+    }
+
+    fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
+        let Subject { mechanism, laws, parameters, .. } = *self.subject;
+        let since = self.state.time;
+        self.meet_ticks(&traced.mode, since);
+        for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
+            for freedom in body.joint.velocity_range() {
+                self.state.velocity[freedom] = 0.0;
+                self.tangent.velocities.row_mut(freedom).fill(0.0);
+            }
+        }
+        let mode = self.mode(traced)?;
+        let anchors = self.anchors(&mode);
+        if let Some(&trigger) = traced.triggers.first() {
+            return self.step_to_event(traced, &mode, &anchors, trigger, next);
+        }
+        // An instant may move with a parameter.
+        let reached = laws.next_instant(since);
+        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
+        let later = |parameter: &Parameter| {
+            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
+        };
+        let later = DVector::from_iterator(parameters.len(), parameters.iter().map(later));
+        if mode.free.is_empty() {
+            self.state.time = traced.end.time;
+            self.tangent.times = later;
+            return Ok(());
+        }
+        let before = self.state.clone();
+        let (solved, efforts) = self.solved(&traced.mode, &mode, traced.end.time - since)?;
+        let longer = &later - &self.tangent.times;
+        self.carry(&mode, traced.end.time - since, &solved, &efforts, &anchors, &longer)?;
+        self.take_end(solved, traced.end.time);
+        self.see_near(traced, &before);
+        Ok(())
+    }
+
+    /// A step of some length (s), solved, and its efforts at all stages.
+    pub(super) fn solved(
+        &self,
+        of: &Mode,
+        mode: &StepMode,
+        step: f64,
+    ) -> Result<(SolvedStep, Vec<Efforts>), SensitivityError> {
+        let since = self.state.time;
+        let nodes = &self.subject.tableau.nodes;
+        let efforts: Vec<Efforts> = nodes.iter().map(|node| self.efforts(of, since, since + step * node)).collect();
+        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+        let solved = self.problem(mode, step, &values).solve().ok_or_else(|| self.failed())?;
+        Ok((solved, efforts))
+    }
+
+    pub(super) fn problem<'p>(&'p self, mode: &'p StepMode, step: f64, efforts: &'p [DVector<f64>]) -> StepProblem<'p> {
+        StepProblem {
+            mechanism: self.subject.mechanism,
+            figures: &self.figures,
+            constant: &self.constant,
+            tableau: self.subject.tableau,
+            mode,
+            start: &self.state,
+            step,
+            efforts,
+        }
+    }
+
+    /// Carries the derivatives over a solved step.
+    pub(super) fn carry(
+        &mut self,
+        mode: &StepMode,
+        step: f64,
+        solved: &SolvedStep,
+        efforts: &[Efforts],
+        anchors: &[Vec<LoopFigures<Part>>],
+        longer: &DVector<f64>,
+    ) -> Result<(), SensitivityError> {
+        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+        let slopes: Vec<DMatrix<f64>> = efforts.iter().map(|efforts| efforts.slopes.clone()).collect();
+        let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
+        let inputs = InputSlopes { efforts: &slopes, rates: &rates, anchors };
+        let mut tangent = self.tangent.clone();
+        let problem = self.problem(mode, step, &values);
+        tangent.carry(&problem, solved, &self.varied, &inputs, longer).ok_or_else(|| self.failed())?;
+        self.tangent = tangent;
+        Ok(())
+    }
+
+    /// Goes to the end of a solved step.
+    pub(super) fn take_end(&mut self, solved: SolvedStep, time: f64) {
+        if let Some(end) = solved.stages.into_iter().last() {
+            self.state = end;
+        }
+        self.state.time = time;
+        self.fastest = self.fastest.max(fastest(&self.state.velocity));
+    }
+
+    /// Notes limits that a joint has turned back from within a step.
+    fn see_near(&mut self, traced: &TracedStep, before: &State) {
+        let Subject { mechanism, elements, .. } = *self.subject;
+        for (joint, mode) in elements.joints.iter().zip(&traced.mode.joints) {
+            let JointMode::Free { .. } = mode else { continue };
+            for side in joint.sides() {
+                let rates = [before, &self.state].map(|state| inward(side) * joint.rate(state));
+                if rates[0] < 0.0 && rates[1] > 0.0 {
+                    let gaps = [before, &self.state].map(|state| joint.gap(side, joint.position(state)));
+                    let name = &mechanism.bodies[joint.owner(side)].joint.name;
+                    let by = self.tangent.positions.row(joint.coordinate.freedom).transpose();
+                    let what = format!("joint \"{name}\" meets a limit");
+                    self.validity.see_near(&what, self.state.time, gaps[0].min(gaps[1]), &by);
+                }
+            }
+        }
+    }
+}
+
+/// The largest of some rates.
+pub(super) fn fastest(rates: &[f64]) -> f64 {
+    rates.iter().fold(0.0, |most, rate| most.max(rate.abs()))
+}
+
+/// Whether two anchors are the same one.
+fn same(one: &LoopFigures<f64>, other: &LoopFigures<f64>) -> bool {
+    let ends = |joint: &LoopFigures<f64>| [joint.a.body, joint.b.body];
+    ends(one) == ends(other) && one.a.frame == other.a.frame && one.b.frame == other.b.frame
+}

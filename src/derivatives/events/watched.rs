@@ -1,0 +1,112 @@
+//! The functions at whose zero a step ends, with their derivatives.
+//!
+//! ```text
+//!     distance to a limit   ±(q − bound)             what a motor can still do   bound ∓ u
+//!     rate of a joint       q̇                        what a held joint bears     λ − lo, hi − λ
+//!     gap of a pair         φ(q)
+//! ```
+
+use crate::derivatives::equations::contacts::TouchFigures;
+use crate::derivatives::equations::residual::still;
+use crate::derivatives::events::instant::{Accelerations, Instant, Moved};
+use crate::derivatives::forward::step::{Part, StepMode};
+use crate::derivatives::numbers::number::Number;
+use crate::events::trace::{JointMode, Mode, MotorMode, Watched};
+use crate::instant::holding::elements::Elements;
+use crate::mechanism::motion::event::Side;
+
+/// A state with its derivatives, in which a function is asked for.
+pub(crate) struct Sight<'s> {
+    pub at: Instant<'s, Part>,
+    pub velocities: &'s [Part],
+    pub elements: &'s Elements,
+    pub mode: &'s Mode,
+    pub equations: &'s StepMode,
+    /// The efforts that act (n).
+    pub efforts: &'s [Part],
+    /// The part of each motor's effort that depends on time alone.
+    pub drives: &'s [Part],
+    /// The contact of the function, if it is a gap.
+    pub touch: Option<&'s TouchFigures<Part>>,
+}
+
+impl Sight<'_> {
+    /// The value of a function; `None` if it has no derivative that is known here.
+    pub fn value(&self, watched: Watched) -> Option<Part> {
+        let laws = &self.at.figures.laws;
+        Some(match watched {
+            Watched::Gap(index, side) => {
+                let position = self.position(index);
+                match side {
+                    Side::Lower => position - laws.joints[index].lower,
+                    Side::Upper => laws.joints[index].upper - position,
+                }
+            }
+            Watched::Slide(index) => {
+                let rate = self.velocities[self.elements.joints[index].coordinate.freedom];
+                match self.mode.joints[index] {
+                    JointMode::Free { sliding } => rate.times(f64::from(sliding)),
+                    JointMode::Held { .. } => rate,
+                }
+            }
+            Watched::Bears(index, side) => {
+                let bears = self.holding(index)?;
+                let friction = laws.joints[index].friction;
+                if side == Side::Lower { bears + friction } else { friction - bears }
+            }
+            Watched::Motor(index, side) => {
+                let effort = self.unbounded(index);
+                let bound = laws.motors[index].bound;
+                if side == Side::Lower { bound + effort } else { bound - effort }
+            }
+            Watched::Excess(index) => {
+                let MotorMode::Saturated(sign) = self.mode.motors[index] else { return None };
+                self.unbounded(index).times(f64::from(sign)) - laws.motors[index].bound
+            }
+            Watched::Approach(_) => {
+                let placed = still(&self.at.placed(&vec![Part::zero(); self.velocities.len()]));
+                self.touch?.at(&placed).gap
+            }
+            Watched::Margin
+            | Watched::Presses(_)
+            | Watched::Grips(_)
+            | Watched::Slips(_)
+            | Watched::SlipsTogether(_)
+            | Watched::Feature(_) => return None,
+        })
+    }
+
+    fn position(&self, joint: usize) -> Part {
+        let at = self.elements.joints[joint].coordinate;
+        let state = self.at.state;
+        let value = Part::of(state.position[at.position]) + Part::of(state.compensation[at.position]);
+        value + self.at.offsets[at.freedom]
+    }
+
+    /// The effort of a motor without bound.
+    fn unbounded(&self, motor: usize) -> Part {
+        let at = self.elements.motors[motor].coordinate;
+        let (law, state) = (&self.at.figures.laws.motors[motor], self.at.state);
+        let position = Part::of(state.position[at.position]) + self.at.offsets[at.freedom];
+        self.drives[motor] - law.kp * position - law.kd * self.velocities[at.freedom]
+    }
+
+    /// λ of a held joint.
+    pub fn holding(&self, joint: usize) -> Option<Part> {
+        let values = |parts: &[Part]| -> Vec<f64> { parts.iter().map(|part| part.value).collect() };
+        let mut state = self.at.state.clone();
+        state.velocity = values(self.velocities);
+        let found = Accelerations::of(self.at.figures, &state, self.equations, &values(self.efforts))?;
+        let (accelerations, multipliers) = found.varied(&self.at, self.equations, self.velocities, self.efforts)?;
+        let drives = self.equations.drives(&self.at.figures.laws);
+        let lacking = self.at.lacking(&Moved {
+            velocities: self.velocities,
+            accelerations: &accelerations,
+            multipliers: &multipliers,
+            efforts: self.efforts,
+            drives: &drives,
+        });
+        let members = self.elements.joints[joint].members.iter();
+        Some(members.fold(Part::zero(), |sum, member| sum + lacking[member.coordinate.freedom].times(member.factor)))
+    }
+}

@@ -1,0 +1,114 @@
+//! The trace of a run: its steps, and the jumps between them, for derivatives ([`crate::derivatives`]).
+//!
+//! ```text
+//!     step:  x₀, mode, held joints ─▶ x̄, functions that are zero there         jump:  x⁻, limits and contacts that meet ─▶ x⁺
+//! ```
+//!
+//! A run without a trace keeps none of this.
+
+use crate::events::integrator::Eventful;
+use crate::events::next_step::Ending;
+use crate::instant::holding::held::Closures;
+use crate::instant::holding::touching::Contact;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, StepError};
+use crate::mechanism::motion::state::State;
+use crate::stepping::integrator::MethodError;
+use crate::stepping::recipe::{Recipe, Steps};
+
+pub(crate) use crate::events::effects::impact::Meeting;
+pub(crate) use crate::events::finding::watched::Watched;
+pub(crate) use crate::events::modes::mode::{JointMode, Mode, MotorMode};
+
+/// A step of the scheme.
+#[derive(Clone)]
+pub(crate) struct TracedStep {
+    /// The state of the whole mechanism at the end, before the event there.
+    pub end: State,
+    pub mode: Mode,
+    /// For each body whether its joint is held.
+    pub held: Vec<bool>,
+    /// The closed contacts as closures.
+    pub closures: Closures,
+    /// The functions that are zero at the end; empty for a step to a given instant.
+    pub triggers: Vec<Watched>,
+}
+
+/// What happens at one instant.
+#[derive(Clone)]
+pub(crate) struct TracedJump {
+    pub before: State,
+    pub after: State,
+    /// Limits and contacts that meet.
+    pub meetings: Vec<Meeting>,
+    pub contacts: Vec<Contact>,
+}
+
+/// An entry of a trace.
+#[derive(Clone)]
+pub(crate) enum Traced {
+    Step(Box<TracedStep>),
+    Jump(Box<TracedJump>),
+}
+
+/// A run from instant to instant that keeps its trace.
+pub(crate) struct TracedRun {
+    eventful: Eventful,
+    mechanism: Mechanism,
+}
+
+/// A run has no trace.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum TraceError {
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// No step of the scheme was made here.
+    #[error("no step of the scheme was made at t = {time} s")]
+    FirstOrder { time: f64 },
+}
+
+impl TracedRun {
+    /// With this number of stages; no step is longer than `longest` (s).
+    ///
+    /// # Errors
+    /// [`MethodError`] for stages that cannot be.
+    pub fn new(mechanism: &Mechanism, stages: usize, longest: f64) -> Result<Self, MethodError> {
+        let recipe = Recipe { steps: Steps::Fixed { stages, step: longest }, kept: Vec::new() };
+        let mut eventful = Eventful::new(mechanism, recipe)?;
+        eventful.trace = Some(Vec::new());
+        Ok(TracedRun { eventful, mechanism: mechanism.clone() })
+    }
+
+    /// Makes a step towards an instant (s), and returns its trace.
+    ///
+    /// # Errors
+    /// [`TraceError`] where a step cannot be made, or is one of first order.
+    pub fn step(&mut self, state: &mut State, until: f64) -> Result<Vec<Traced>, TraceError> {
+        let since = state.time;
+        self.eventful.step(&self.mechanism, Inputs::NONE, state, until)?;
+        let trace = self.eventful.trace.as_mut().map(std::mem::take).unwrap_or_default();
+        let is_step = |entry: &Traced| matches!(entry, Traced::Step(_));
+        if state.time > since && !trace.iter().any(is_step) {
+            return Err(TraceError::FirstOrder { time: since });
+        }
+        Ok(trace)
+    }
+}
+
+impl Eventful {
+    /// Keeps a step in the trace, if there is one; `state` is its end before the events there.
+    pub(super) fn trace_step(&mut self, state: &State, ending: &Ending) {
+        let Some(trace) = self.trace.as_mut().filter(|_| !ending.is_at_start()) else { return };
+        let key = &self.workspaces.active().key;
+        trace.push(Traced::Step(Box::new(TracedStep {
+            end: state.clone(),
+            mode: self.mode.clone(),
+            held: key.held.clone(),
+            closures: key.closures.clone(),
+            triggers: ending.triggers().to_vec(),
+        })));
+    }
+}
