@@ -66,7 +66,7 @@ impl Model {
     ) -> PyResult<Self> {
         let mut loader = Loader::default();
         if let Some((kp, kd)) = hold {
-            loader = loader.hold(Hold { kp, kd });
+            loader = loader.hold(Hold { kp, kd, ..Hold::default() });
         }
         if let Some(name) = keyframe {
             loader = loader.keyframe(&name);
