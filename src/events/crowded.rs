@@ -4,12 +4,10 @@
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to the tolerance          v: largest speed so far [m/s]
 //!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`, if such crowds follow soon
 //!     ends:     calm, and   n_s c (n + 3 n_c)² < ½ (1/h) c_c (i + 5) n                                expected cost for a second of the motion (s)
-//!     n_s = min(200, 10/t_c)    where no tick bounds the steps
 //! ```
 //!
-//! n are rates, n_c closed contacts, i the iterations of a step; n_s is the number of exact steps in a calm second, and t_c the time without an event
-//! so far (s): the longer a motion was calm, the longer its next steps are. c and c_c are the measured costs of an iteration for each squared
-//! unknown, and of a step over events for each rate. All are counts: the choice does not depend on a clock.
+//! n are rates, n_c closed contacts, i the iterations of a step; n_s is the number of exact steps in a calm second, c and c_c are the measured costs of an
+//! iteration for each squared unknown, and of a step over events for each rate. All are counts: the choice does not depend on a clock.
 
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
@@ -38,8 +36,6 @@ const FALLS: f64 = 0.1;
 const ITERATION: f64 = 2e-7;
 const STEP: f64 = 4e-7;
 const CALM_STEPS: f64 = 200.0;
-/// Exact steps in a time as long as the calm one before: a quadruped that sways to rest under motors takes five in a second.
-const CALM_AGAIN: f64 = 10.0;
 /// Iterations that the other work of a step is worth, and iterations of a usual step.
 const OVERHEAD: f64 = 5.0;
 const USUAL: f64 = 8.0;
@@ -114,15 +110,9 @@ impl Eventful {
     /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
     fn is_over(&mut self, made: &Made, length: f64) -> bool {
         let rates = self.model.whole.velocity_count as f64;
-        let is_calm = self.progress.crowding.is_calm(made.closed);
-        let calm = self.progress.crowding.calm_steps() as f64 * length;
-        // Steps between ticks do not grow.
-        let ticks = self.model.elements.motors.iter().any(|motor| motor.period > 0.0)
-            || self.previous.outside.iter().any(|effort| *effort != 0.0);
-        let steps = if ticks { CALM_STEPS } else { CALM_STEPS.min(CALM_AGAIN / calm) };
-        let exact = steps * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
+        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
         let over = STEP * (made.iterations as f64 + OVERHEAD) * rates / length;
-        is_calm && exact < 0.5 * over && !made.asleep
+        self.progress.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
     }
 
     /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.

@@ -164,11 +164,6 @@ impl Crowding {
         self.calm.0 >= self.calm.1
     }
 
-    /// Steps over events without an event until now.
-    pub fn calm_steps(&self) -> usize {
-        self.calm.0
-    }
-
     /// Steps over events end at a time (s).
     pub fn leave(&mut self, time: f64) {
         self.spell.1 = time;

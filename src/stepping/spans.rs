@@ -1,18 +1,17 @@
 //! Steps of a motion that is interrupted at given instants: ticks of a controller, kinks of a table of targets.
 //!
 //! Instants bound the steps, and the truncation of a scheme with many stages is far below the rounding in such a short span. Three stages (order 4)
-//! or five (order 8) are enough there, for a fraction of the work where contacts or loops couple the stages. A span is made in one step:
+//! are enough there, for a fraction of the work where contacts or loops couple the stages. A span is made in one step:
 //!
 //! ```text
 //!     span τ = until − t < h      h: the step that many stages would make (s)
 //!     accepted with three stages, if  E ≤ min(1.7 c √ε, (T/2)^{2/3})  and the energy changes by no more than its share of T
-//!     otherwise with five, if they are accepted as steps of five stages are;  otherwise made with many stages
 //! ```
 //!
 //! E is the top Legendre coefficient of the displacements in the step (rad, m), ε the stop of the iteration, T the tolerance (m), `c = 0.34`
-//! ([`crate::length::stage_choice`]). The local error of three stages is less than E²/100, so that ten thousand spans leave 3 % of T. After each
-//! refusal in a row twice as many of the next spans are not tried with that number of stages. The order between events is the order of many stages,
-//! because spans are made with few stages only where both are below the tolerance.
+//! ([`crate::length::stage_choice`]). The local error is less than E²/100, so that ten thousand spans leave 3 % of T. A refused span is made with
+//! many stages. After each refusal in a row twice as many of the next spans are made with many stages. The order between events is the order of many
+//! stages, because spans are made with few stages only where both are below the tolerance.
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::length::companion::Companion;
@@ -24,39 +23,30 @@ use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
-/// The numbers of stages that are tried, the fewest first.
-const TRIED: [StageChoice; 2] = [StageChoice::Fewest, StageChoice::Few];
-/// Spans in a row that many stages have made in one step each, before fewer are tried: the last step of a run is no such span.
+/// Spans in a row that many stages have made in one step each, before three stages are tried: the last step of a run is no such span.
 const IN_A_ROW: usize = 2;
-/// Spans that are made with more stages after a refusal.
+/// Spans that are made with many stages after a refusal.
 const WAIT: usize = 8;
 /// That number doubles with each refusal in a row, this often at most.
 const DOUBLINGS: u32 = 3;
 
-/// The scheme with many stages, and with fewer in spans that are short beside its steps.
+/// The scheme with many stages, and with three stages in spans that are short beside its steps.
 #[derive(Clone)]
 pub struct SpanSteps {
     many: Lobatto,
-    few: [Fewer; TRIED.len()],
+    few: Option<Box<Lobatto>>,
     recipe: Recipe,
-    /// Which of the few stages made the last step; `None` if many did.
-    by_few: Option<usize>,
+    /// Whether three stages made the last step.
+    by_few: bool,
     /// Whether a given instant bounds the next step.
     given: bool,
     /// Spans to given instants in a row that many stages have made in one step.
     in_a_row: usize,
-    /// The cost of refused spans that no outcome has counted yet.
-    lost: Cost,
-}
-
-/// The scheme with a few stages, and how its spans went.
-#[derive(Clone, Default)]
-struct Fewer {
-    /// `None` before the first span.
-    steps: Option<Box<Lobatto>>,
-    /// Spans that more stages make before these are tried again, and refusals in a row.
+    /// Spans that many stages make before three are tried again, and refusals in a row.
     waits: usize,
     refusals: u32,
+    /// The cost of refused spans that no outcome has counted yet.
+    lost: Cost,
 }
 
 impl SpanSteps {
@@ -69,11 +59,13 @@ impl SpanSteps {
         let recipe = recipe.clone();
         Ok(SpanSteps {
             many,
-            few: Default::default(),
+            few: None,
             recipe,
-            by_few: None,
+            by_few: false,
             given: false,
             in_a_row: 0,
+            waits: 0,
+            refusals: 0,
             lost: Cost::default(),
         })
     }
@@ -83,59 +75,49 @@ impl SpanSteps {
         self.given = given;
     }
 
-    /// Whether few stages made the last step: a span that is short beside the steps of the motion.
+    /// Whether three stages made the last step: a span that is short beside the steps of the motion.
     pub fn is_short_span(&self) -> bool {
-        self.by_few.is_some()
+        self.by_few
     }
 
     /// The scheme that made the last step.
     fn last(&self) -> &Lobatto {
-        self.by_few.and_then(|few| self.few[few].steps.as_deref()).unwrap_or(&self.many)
+        self.few.as_deref().filter(|_| self.by_few).unwrap_or(&self.many)
     }
 
     fn last_mut(&mut self) -> &mut Lobatto {
-        self.by_few.and_then(|few| self.few[few].steps.as_deref_mut()).unwrap_or(&mut self.many)
+        match &mut self.few {
+            Some(few) if self.by_few => few,
+            _ => &mut self.many,
+        }
     }
 
-    /// The schemes with few stages that have made spans.
-    fn fewer(&self) -> impl Iterator<Item = &Lobatto> {
-        self.few.iter().filter_map(|few| few.steps.as_deref())
-    }
-
-    /// Whether the span from a time to `until` (s) is to be tried with few stages.
+    /// Whether the span from a time to `until` (s) is to be tried with three stages.
     fn is_short(&self, time: f64, until: f64) -> bool {
         let StepPace::Step { length, .. } = self.many.step_pace(0.0) else { return false };
-        self.given && self.in_a_row >= IN_A_ROW && until - time < length && self.many.companion().is_none()
+        self.given
+            && self.in_a_row >= IN_A_ROW
+            && self.waits == 0
+            && until - time < length
+            && self.many.companion().is_none()
     }
 
-    /// Tries a span with a few stages, unless they were refused not long ago.
-    fn try_few(
-        &mut self,
-        few: usize,
-        mechanism: &Mechanism,
-        inputs: Inputs,
-        state: &mut State,
-        until: f64,
-    ) -> Option<StepOutcome> {
-        let Fewer { steps, waits, refusals } = &mut self.few[few];
-        if *waits > 0 {
-            *waits -= 1;
-            return None;
-        }
-        if steps.is_none() {
+    /// Tries a span with three stages.
+    fn try_few(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        if self.few.is_none() {
             let Steps::Chosen { tolerance, stop, .. } = self.recipe.steps else { return None };
-            let chosen = Steps::Chosen { tolerance, stop, stages: TRIED[few] };
-            *steps = Recipe { steps: chosen, ..self.recipe.clone() }.lobatto(mechanism).ok().map(Box::new);
+            let steps = Steps::Chosen { tolerance, stop, stages: StageChoice::Fewest };
+            self.few = Recipe { steps, ..self.recipe.clone() }.lobatto(mechanism).ok().map(Box::new);
         }
-        match steps.as_mut()?.span(mechanism, inputs, state, until) {
+        match self.few.as_mut()?.span(mechanism, inputs, state, until) {
             Ok(made) => {
-                *refusals = 0;
+                self.refusals = 0;
                 Some(made)
             }
             Err(cost) => {
                 self.lost.add(&cost);
-                *waits = WAIT << (*refusals).min(DOUBLINGS);
-                *refusals += 1;
+                self.waits = WAIT << self.refusals.min(DOUBLINGS);
+                self.refusals += 1;
                 None
             }
         }
@@ -187,12 +169,13 @@ impl SpanSteps {
 
     /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
     pub fn between(&self) -> Option<f64> {
-        self.fewer().map(|few| few.between()).fold(self.many.between(), |worst, few| Some(worst?.max(few?)))
+        let few = self.few.as_ref().map_or(Some(0.0), |few| few.between());
+        Some(self.many.between()?.max(few?))
     }
 
     /// The largest error of samples inside steps that were too long for a damper (m).
     pub fn ringing_inside(&self) -> f64 {
-        self.fewer().map(Lobatto::ringing_inside).fold(self.many.ringing_inside(), f64::max)
+        self.few.as_ref().map_or(0.0, |few| few.ringing_inside()).max(self.many.ringing_inside())
     }
 
     /// Carries a companion from the next step on ([`Lobatto::accompany`]); all steps have many stages then.
@@ -219,28 +202,27 @@ impl Integrator for SpanSteps {
         state: &mut State,
         until: f64,
     ) -> Result<StepOutcome, StepError> {
-        if self.is_short(state.time, until) {
-            for few in 0..TRIED.len() {
-                if let Some(mut outcome) = self.try_few(few, mechanism, inputs, state, until) {
-                    outcome.cost.add(&std::mem::take(&mut self.lost));
-                    self.by_few = Some(few);
-                    return Ok(outcome);
-                }
-            }
+        if self.is_short(state.time, until)
+            && let Some(outcome) = self.try_few(mechanism, inputs, state, until)
+        {
+            self.by_few = true;
+            return Ok(outcome);
         }
-        if self.by_few.take().is_some() {
+        if self.by_few {
             // Many stages have not seen the spans since their last step, and go on with its length.
             self.many.keep_pace(self.many.step_pace(state.time), state.time);
+            self.by_few = false;
         }
         let mut outcome = self.many.step(mechanism, inputs, state, until)?;
         outcome.cost.add(&std::mem::take(&mut self.lost));
+        self.waits = self.waits.saturating_sub(1);
         self.in_a_row = if self.given && state.time == until { self.in_a_row + 1 } else { 0 };
         Ok(outcome)
     }
 
     fn take_abandoned(&mut self) -> Cost {
         let mut cost = self.many.take_abandoned();
-        for few in self.few.iter_mut().filter_map(|few| few.steps.as_mut()) {
+        if let Some(few) = &mut self.few {
             cost.add(&few.take_abandoned());
         }
         cost
@@ -256,15 +238,15 @@ impl Integrator for SpanSteps {
 
     fn description(&self) -> MethodDescription {
         let mut description = self.many.description();
-        let mut total = description.step * self.many.step_count() as f64;
-        for few in self.fewer() {
+        if let Some(few) = &self.few {
             let of_few = few.description();
             description.include_stability(&of_few);
-            total += of_few.step * few.step_count() as f64;
-            description.few_stage_steps += few.step_count();
-        }
-        if description.adaptive && description.few_stage_steps > 0 {
-            description.step = total / (self.many.step_count() + description.few_stage_steps).max(1) as f64;
+            let (many_steps, few_steps) = (self.many.step_count(), few.step_count());
+            let total = description.step * many_steps as f64 + of_few.step * few_steps as f64;
+            if description.adaptive {
+                description.step = total / (many_steps + few_steps).max(1) as f64;
+            }
+            description.few_stage_steps = few_steps;
         }
         description
     }

@@ -42,32 +42,6 @@ fn a_joint_that_sticks_slips_at_the_tick_whose_effort_friction_cannot_bear_and_a
     }
 }
 
-/// Two rods on hinges, the first one pushed by a motor to and fro by 300 N m, in turns of 10 ms.
-fn shaken(steps: StepChoice) -> Finished {
-    let upper = hinge("hip", None, Vector3::zeros(), 0.25, 1.2, 0.03);
-    let lower = hinge("knee", Some(0), Vector3::new(0.0, 0.0, 0.25 - 0.6), 0.3, 0.8, 0.02);
-    let mut mechanism = mechanism(vec![upper, lower]);
-    let turns: Vec<(f64, f64)> =
-        (0..60).map(|turn| (0.01 * f64::from(turn) - 5e-3, [300.0, -300.0][turn as usize % 2])).collect();
-    let target = Target::table(&turns, Interpolation::Hold).expect("a target");
-    motor(&mut mechanism, 0, MotorLaw::Effort, target, f64::INFINITY, 0.01);
-    run(&mechanism, &at_rest(&mechanism, &[0.0, 0.2]), 0.5, steps)
-}
-
-#[test]
-fn spans_in_which_three_stages_are_refused_have_five_and_end_within_the_tolerance() {
-    let exact = shaken(fixed(9, 0.01));
-    for tolerance in [1e-3, 1e-4] {
-        let found = shaken(StepChoice::Unestimated(tolerance));
-        let off = found.state.position.iter().zip(&exact.state.position).map(|(a, b)| (a - b).abs());
-        let off = off.fold(0.0, f64::max);
-        println!("{tolerance:e}: {off:e}, {} of {} steps", found.method.few_stage_steps, found.summary.steps);
-        assert!(off < tolerance, "{tolerance:e}: {off:e}");
-        // In 10 ms the first rod turns by 0.2 rad, which three stages refuse: they were tried in a span of 64, and nine stages made the others.
-        assert!(found.method.few_stage_steps >= 40, "{}", found.method.few_stage_steps);
-    }
-}
-
 /// The quadruped of `robots/`, whose motors are sampled every millisecond, after 0.3 s.
 fn standing(steps: StepChoice) -> Finished {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/quadruped_dropped.toml");

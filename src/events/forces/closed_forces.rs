@@ -117,25 +117,17 @@ impl Closing {
         let whole = at.whole;
         let bodies = body_states(whole, state);
         let blocks = blocks(at, &bodies);
-        // The accelerations first, which leave the factors of the mass matrix for the response of the rows.
-        let mut free = vec![0.0; whole.velocity_count];
-        response.accelerations(state, efforts, &mut free);
         let rows = Rows::of(response, state, &blocks);
-        let mut closing = Closing { bodies, blocks, rows, free, offset: Vec::new() };
-        closing.accelerate(at, state);
+        let mut closing = Closing { bodies, blocks, rows, free: vec![0.0; whole.velocity_count], offset: Vec::new() };
+        closing.drive(at, response, state, efforts);
         closing
     }
 
     /// The same in the same state under other efforts: its bodies, rows and their response are functions of the state alone.
     pub fn drive(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
-        response.accelerations(state, efforts, &mut self.free);
-        self.accelerate(at, state);
-    }
-
-    /// Finds b from the accelerations without forces.
-    fn accelerate(&mut self, at: &Present, state: &State) {
         let Present { whole, elements, mode, .. } = *at;
         let Closing { bodies, blocks, free, offset, .. } = self;
+        response.accelerations(state, efforts, free);
         let joint = |contact: usize| &mode.contacts[contact].contact.joint;
         *offset = second_rates(whole, elements, bodies, state, free, blocks, joint);
     }

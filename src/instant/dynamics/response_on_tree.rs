@@ -34,10 +34,6 @@ pub(crate) struct ResponseOnTree {
     following: Option<Following>,
     zero: Vec<f64>,
     free: Vec<f64>,
-    /// The state whose accelerations were asked for last: its bodies are placed, and `ode` has the factors of its mass matrix.
-    known: Option<State>,
-    /// Whether columns of Y are asked for in that state.
-    factored: bool,
 }
 
 impl ResponseOnTree {
@@ -57,27 +53,14 @@ impl ResponseOnTree {
             following: None,
             zero: vec![0.0; mechanism.velocity_count],
             free: vec![0.0; mechanism.velocity_count],
-            known: None,
-            factored: false,
             mechanism: driven,
         }
     }
 
     /// The accelerations of a state under its forces and these efforts, one entry a degree of freedom.
     pub fn accelerations(&mut self, state: &State, efforts: &[f64], out: &mut [f64]) {
-        let ResponseOnTree { mechanism, ode, bodies, accelerations, closing, known, .. } = self;
-        match known {
-            // Under other efforts alone.
-            Some(known) if is_same(known, state) => {}
-            Some(known) => {
-                place_bodies(mechanism, state, bodies);
-                known.copy_from(state);
-            }
-            none => {
-                place_bodies(mechanism, state, bodies);
-                *none = Some(state.clone());
-            }
-        }
+        let ResponseOnTree { mechanism, ode, bodies, accelerations, closing, .. } = self;
+        place_bodies(mechanism, state, bodies);
         ode.drive_at(state.time, Inputs::constant(efforts));
         ode.accelerations_of_placed(&state.position, &state.velocity, bodies, out);
         if let Some(following) = Following::at(mechanism, |efforts, answer| ode.respond(efforts, answer)) {
@@ -90,14 +73,7 @@ impl ResponseOnTree {
 
     /// Takes a state at which columns of Y are asked for.
     pub fn place(&mut self, state: &State) {
-        let ResponseOnTree { mechanism, bare, closing, following, zero, free, known, factored, .. } = self;
-        // The factors of the mass matrix are those of the positions alone.
-        let here = known.as_ref().is_some_and(|known| known.position == state.position);
-        *factored = here && closing.is_none() && mechanism.mimics.is_empty();
-        if *factored {
-            *following = None;
-            return;
-        }
+        let ResponseOnTree { mechanism, bare, closing, following, zero, free, .. } = self;
         bare.accelerations(&state.position, zero, free);
         *following = Following::at(mechanism, |efforts, answer| bare.respond(efforts, answer));
         if let Some(closing) = closing.as_mut().filter(|_| following.is_none()) {
@@ -107,9 +83,8 @@ impl ResponseOnTree {
 
     /// Y τ for efforts τ at the state that was taken last.
     pub fn answer(&mut self, efforts: &[f64], out: &mut [f64]) {
-        let ResponseOnTree { mechanism, ode, bare, closing, following, factored, .. } = self;
-        let factors = if *factored { ode } else { bare };
-        factors.respond(efforts, out);
+        let ResponseOnTree { mechanism, bare, closing, following, .. } = self;
+        bare.respond(efforts, out);
         if let Some(following) = following {
             following.follow(out);
         } else if let Some(closing) = closing {
@@ -130,9 +105,4 @@ impl ResponseOnTree {
             closing.velocities(mechanism, &mut state.velocity);
         }
     }
-}
-
-/// Whether two states place the bodies alike, with the same velocities.
-fn is_same(one: &State, other: &State) -> bool {
-    one.position == other.position && one.velocity == other.velocity && one.compensation == other.compensation
 }

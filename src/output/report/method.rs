@@ -38,7 +38,7 @@ pub struct MethodReport {
     pub first_order_residual: f64,
     /// and the largest overlap that was moved apart in them (m).
     pub first_order_lift: f64,
-    /// Steps with three or five stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
+    /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
     pub few_stage_steps: usize,
     /// How often each contact solver has solved a problem of an event.
     pub contact_solvers: SolversReport,
