@@ -11,7 +11,7 @@
 
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
-use crate::events::crowding::LABOUR_WITHIN;
+use crate::events::parts::crowding::LABOUR_WITHIN;
 use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;

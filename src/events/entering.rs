@@ -5,7 +5,7 @@
 //!                                                  ─▶ holding, watched
 //! ```
 
-use crate::events::crowding::STEP;
+use crate::events::parts::crowding::STEP;
 use crate::events::effects::immobile::held_bodies;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::holding::Holding;

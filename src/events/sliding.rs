@@ -6,7 +6,7 @@
 //!
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
-use crate::events::crowding::JAM_STEP;
+use crate::events::parts::crowding::JAM_STEP;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, slipping};

@@ -344,7 +344,7 @@ fn pull(rows: &Rows, values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::events::crowding::STEP;
+    use crate::events::parts::crowding::STEP;
     use crate::events::modes::mode::JointMode;
     use crate::mechanism::description::closure::{Coordinate, JointLimit};
     use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
