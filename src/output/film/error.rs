@@ -1,4 +1,4 @@
-//! The reasons for which there is no film.
+//! The reasons for the absence of a film.
 
 use crate::drawing::error::ChartError;
 use crate::output::page::PageError;
@@ -50,12 +50,10 @@ pub enum FilmError {
 }
 
 impl FilmError {
-    /// A file that could not be written.
     pub(super) fn write(file: &Path, reason: std::io::Error) -> Self {
         FilmError::Write(ChartError::Write { path: file.into(), reason })
     }
 
-    /// An option that no film can have.
     pub(super) fn option(option: &'static str, given: impl std::fmt::Display, reason: impl Into<String>) -> Self {
         FilmError::Option { option, given: given.to_string(), reason: reason.into() }
     }

@@ -4,7 +4,6 @@
 //!     log ─ page/motion.rs ─▶ poses at the samples
 //!     model ─ page/looks.rs, page/colliders.rs ─▶ parts.rs (primitives.rs, normals.rs)      triangles of each body
 //!     both ─▶ scene.rs (camera.rs, background.rs) ─▶ canvas.rs ─▶ formats.rs (palette.rs) ─▶ file
-//!     t_k = t_0 + k · speed / rate        the instant of the picture k (s)
 //! ```
 //!
 //! The renderer is the program's own: it needs no browser and no graphics card, and the same log and build give the same bytes. A browser may draw the
@@ -26,7 +25,7 @@ mod scene;
 pub use camera::View;
 pub use error::FilmError;
 pub use formats::Format;
-pub use options::{FilmOptions, RATES, SIDES};
+pub use options::FilmOptions;
 
 use crate::drawing::files::write_with;
 use crate::model::Model;
@@ -96,42 +95,4 @@ pub fn write_film(
         notes
     };
     Ok(Filmed { pictures: instants.len(), span: [instants[0], instants[instants.len() - 1]], notes })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{FilmOptions, Format};
-
-    #[test]
-    fn instants_follow_each_other_by_the_speed_over_the_rate() {
-        let slow = FilmOptions { rate: 20.0, speed: 0.5, ..FilmOptions::default() };
-        let instants = slow.instants(Format::Gif, [0.0, 1.0]).expect("instants");
-        // 2 s of film at 20 pictures a second, and the last instant.
-        assert_eq!((instants.len(), instants[1], instants[40]), (41, 0.025, 1.0));
-        let part = FilmOptions { times: vec![0.25, 0.5], ..slow.clone() };
-        assert_eq!(part.instants(Format::Mp4, [0.0, 1.0]).expect("instants").len(), 11);
-        assert_eq!(slow.instants(Format::Png, [0.0, 1.0]).expect("instants"), [1.0]);
-        let outside = FilmOptions { times: vec![1.5], ..slow };
-        let refused = outside.instants(Format::Png, [0.0, 1.0]).expect_err("outside").to_string();
-        assert_eq!(refused, "--time 1.5: the log has samples from 0 to 1 s");
-    }
-
-    #[test]
-    fn numbers_that_no_film_can_have_are_refused() {
-        let usual = FilmOptions::default;
-        let cases = [
-            (FilmOptions { size: [8, 540], ..usual() }, Format::Gif, "--size 8x540"),
-            (FilmOptions { size: [961, 540], ..usual() }, Format::Mp4, "even numbers"),
-            (FilmOptions { rate: 0.0, ..usual() }, Format::Gif, "--fps 0"),
-            (FilmOptions { rate: f64::NAN, ..usual() }, Format::Gif, "--fps NaN"),
-            (FilmOptions { speed: -1.0, ..usual() }, Format::Gif, "--speed -1"),
-            (FilmOptions { times: vec![0.0, 1.0, 2.0], ..usual() }, Format::Gif, "--time 0,1,2"),
-            (FilmOptions { times: vec![0.0; 100], ..usual() }, Format::Png, "smaller --size"),
-        ];
-        for (options, format, words) in cases {
-            let refused = options.check(format).expect_err(words).to_string();
-            assert!(refused.contains(words), "{refused}");
-        }
-        assert!(usual().check(Format::Mp4).is_ok());
-    }
 }

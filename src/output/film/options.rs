@@ -1,4 +1,8 @@
-//! The options of a film.
+//! The options of a film, and the instants of its pictures.
+//!
+//! ```text
+//!     t_k = t_0 + k · speed / rate        the instant of the picture k (s)
+//! ```
 
 use crate::output::film::camera::View;
 use crate::output::film::error::FilmError;
@@ -96,5 +100,43 @@ impl FilmOptions {
         // A last picture that is late by roundings is shown, too.
         let count = ((to - from) / step + 1e-6).floor() as usize;
         Ok((0..=count).map(|k| (from + k as f64 * step).min(to)).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FilmOptions, Format};
+
+    #[test]
+    fn instants_follow_each_other_by_the_speed_over_the_rate() {
+        let slow = FilmOptions { rate: 20.0, speed: 0.5, ..FilmOptions::default() };
+        let instants = slow.instants(Format::Gif, [0.0, 1.0]).expect("instants");
+        // 2 s of film at 20 pictures a second, and the last instant.
+        assert_eq!((instants.len(), instants[1], instants[40]), (41, 0.025, 1.0));
+        let part = FilmOptions { times: vec![0.25, 0.5], ..slow.clone() };
+        assert_eq!(part.instants(Format::Mp4, [0.0, 1.0]).expect("instants").len(), 11);
+        assert_eq!(slow.instants(Format::Png, [0.0, 1.0]).expect("instants"), [1.0]);
+        let outside = FilmOptions { times: vec![1.5], ..slow };
+        let refused = outside.instants(Format::Png, [0.0, 1.0]).expect_err("outside").to_string();
+        assert_eq!(refused, "--time 1.5: the log has samples from 0 to 1 s");
+    }
+
+    #[test]
+    fn numbers_that_no_film_can_have_are_refused() {
+        let usual = FilmOptions::default;
+        let cases = [
+            (FilmOptions { size: [8, 540], ..usual() }, Format::Gif, "--size 8x540"),
+            (FilmOptions { size: [961, 540], ..usual() }, Format::Mp4, "even numbers"),
+            (FilmOptions { rate: 0.0, ..usual() }, Format::Gif, "--fps 0"),
+            (FilmOptions { rate: f64::NAN, ..usual() }, Format::Gif, "--fps NaN"),
+            (FilmOptions { speed: -1.0, ..usual() }, Format::Gif, "--speed -1"),
+            (FilmOptions { times: vec![0.0, 1.0, 2.0], ..usual() }, Format::Gif, "--time 0,1,2"),
+            (FilmOptions { times: vec![0.0; 100], ..usual() }, Format::Png, "smaller --size"),
+        ];
+        for (options, format, words) in cases {
+            let refused = options.check(format).expect_err(words).to_string();
+            assert!(refused.contains(words), "{refused}");
+        }
+        assert!(usual().check(Format::Mp4).is_ok());
     }
 }
