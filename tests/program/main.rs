@@ -20,6 +20,7 @@ mod python_readback;
 mod redundant;
 mod replay;
 mod rules;
+mod sensitivity_verb;
 mod spanning_tree;
 mod special_files;
 mod stress;

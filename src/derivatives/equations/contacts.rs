@@ -13,7 +13,7 @@ use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
 use crate::mechanism::description::closure::Attachment;
-use crate::mechanism::description::contact::{Collider, Feature, Pairing, Shape, TouchJoint};
+use crate::mechanism::description::contact::{Collider, Cores, Feature, Pairing, Shape, TouchJoint};
 use crate::mechanism::ground::smooth::{Smooth, Triple};
 use crate::mechanism::motion::contact_geometry::{self, contact};
 use std::ops::{Add, Mul, Sub};
@@ -124,7 +124,11 @@ impl<T: Number> TouchFigures<T> {
             axis: axis(frame, 2),
         };
         let [a, b] = [&self.a, &self.b].map(|end| end_frame(end, placed));
-        let cores = Pairing { reach: 0.0, radius: 0.0, ..self.pairing };
+        // The radii of round features are added with their derivatives; the length of a rope is no such radius.
+        let cores = match self.pairing.cores {
+            Cores::Hollow => self.pairing,
+            _ => Pairing { reach: 0.0, radius: 0.0, ..self.pairing },
+        };
         let found = contact(cores, self.side, place(&a), place(&b), || axis(&b, 0));
         let normal = Vector(found.normal.0.map(|entry| entry.0));
         let point = Vector(found.point.0.map(|entry| entry.0)) - normal.scaled(self.radius);

@@ -6,7 +6,8 @@
 //!     a limit is met that was missed    |δθ| = φ / |∂φ/∂θ|                          where a joint turns back before it
 //! ```
 //!
-//! Each is the change of one parameter at which the derivative ends, to first order: a size, no bound. The smallest is told for each parameter.
+//! Each is the change of one parameter at which the derivative ends, to first order: a size, no bound. The smallest is told for each parameter. The
+//! margins of decisions are not among them: whether a joint that stops sticks, and whether a contact slides in an impact.
 
 use nalgebra::DVector;
 

@@ -18,7 +18,7 @@ pub enum SensitivityError {
     NoValue { key: String },
     /// The structure changes with the number.
     #[error(
-        "{key}: other values than {value} change the structure of the mechanism, so that there is no derivative by it"
+        "{key}: other values than {value} change the structure of the mechanism, or a cylinder, ellipsoid, rope or mesh that may touch, so that there is no derivative by it"
     )]
     Structure { key: String, value: f64 },
     /// An event whose function has no derivative here.
@@ -45,7 +45,7 @@ pub enum SensitivityError {
     )]
     FirstOrder { time: f64 },
     /// Parts of mechanisms that are not known here.
-    #[error("derivatives of runs are for trees of joints without {part}: {advice}")]
+    #[error("derivatives of runs do not know {part}: {advice}")]
     Unsupported { part: &'static str, advice: &'static str },
     /// A step was not solved again.
     #[error("the step at t = {time} s could not be solved to rounding again; take shorter steps")]

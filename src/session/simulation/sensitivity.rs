@@ -213,6 +213,12 @@ fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
     if colliders.iter().any(|collider| matches!(collider.shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. })) {
         return refuse("ellipsoids and ropes", INSTEAD);
     }
+    if !mechanism.forces.gravity_compensations.is_empty() {
+        return refuse("gravity compensation", "leave it out, or compare runs with other numbers");
+    }
+    if mechanism.moves_joints() {
+        return refuse("joints that are moved in time", "drive these joints with motors");
+    }
     let balls = |freedom: usize| {
         let body = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body].joint);
         body.is_some_and(|joint| {

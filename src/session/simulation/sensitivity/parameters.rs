@@ -153,10 +153,15 @@ fn listed(model: &Model) -> Vec<f64> {
     all
 }
 
-/// The shapes whose points are given one by one: no parameter may move these.
+/// The shapes whose features do not follow their numbers here, as points that are given one by one and rims: no parameter may change these.
 fn given_shapes(mechanism: &Mechanism) -> impl Iterator<Item = &Shape> {
     let shapes = mechanism.nonsmooth.colliders.iter().map(|collider| &collider.shape);
-    shapes.filter(|shape| matches!(shape, Shape::Hull(_) | Shape::Mesh(_)))
+    shapes.filter(|shape| {
+        matches!(
+            shape,
+            Shape::Cylinder { .. } | Shape::Ellipsoid { .. } | Shape::Hollow { .. } | Shape::Hull(_) | Shape::Mesh(_)
+        )
+    })
 }
 
 /// The motion from one state to another (n): turns of ball joints as rotation vectors about the axes of the child.
