@@ -222,7 +222,7 @@ impl Recorded {
         py.detach(|| write_text(&path, &text)).map_err(|error| input(py, error))
     }
 
-    /// Writes a film of the run; options that are not given are those of the command line.
+    /// Writes a film of the run with these options; returns the number of pictures.
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn save_film(
         &self,

@@ -9,9 +9,9 @@
 //! `film(t)` is the page's own function (`page/assets/main.js`). A shell gives the browser the two descriptors, because a Rust program can hand on only
 //! standard input and output. Source: <https://chromedevtools.github.io/devtools-protocol/>.
 
-use crate::output::film::FilmError;
 use crate::output::film::camera::View;
 use crate::output::film::canvas::Image;
+use crate::output::film::error::FilmError;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Cursor, Write};
 use std::path::PathBuf;

@@ -6,8 +6,8 @@
 //!     png   one picture, or several side by side
 //! ```
 
-use crate::output::film::FilmError;
 use crate::output::film::canvas::Image;
+use crate::output::film::error::FilmError;
 use crate::output::film::palette::{Histogram, TRANSPARENT};
 use gif::{DisposalMethod, Encoder, Repeat};
 use std::borrow::Cow;

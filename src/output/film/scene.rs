@@ -10,10 +10,10 @@
 //! so that the same log and build give the same bytes.
 
 use crate::mechanism::description::joint::Pose;
-use crate::output::film::FilmOptions;
 use crate::output::film::background::{Ground, lamp, light};
 use crate::output::film::camera::{Bounds, Camera};
 use crate::output::film::canvas::{Canvas, FINE, Image, Linear, Spot};
+use crate::output::film::options::FilmOptions;
 use crate::output::film::parts::{Part, Parts, pose_of};
 use crate::output::page::motion::Motion;
 use nalgebra::Vector3;

@@ -24,8 +24,8 @@ class Obstacles {
     // The frames of half spaces.
     this.planes = [];
     // A tile is a little deeper than it is, so that the grid in the same plane lies on it.
-    const tile = view.tinted(new THREE.MeshStandardMaterial({ roughness: 0.9, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 }), "--tile");
-    const edge = view.tinted(new THREE.LineBasicMaterial(), "--tile-edge");
+    const tile = tinted(new THREE.MeshStandardMaterial({ roughness: 0.9, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 }), "--tile");
+    const edge = tinted(new THREE.LineBasicMaterial(), "--tile-edge");
     const look = { color: OBSTACLE_COLOR, roughness: 0.8, transparent: true, opacity: 0.55, depthWrite: false, side: THREE.DoubleSide };
     const solid = new THREE.MeshStandardMaterial(look);
     const isTile = (obstacle) => obstacle.kind === "half_space";

@@ -17,6 +17,12 @@ function shade(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
+// A material with a colour of `page.css`.
+function tinted(material, name) {
+  withTheme(() => material.color.set(shade(name)));
+  return material;
+}
+
 // The colour of the curve number k.
 function curveColor(k) {
   return shade(`--curve-${k % 8}`);

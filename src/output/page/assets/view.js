@@ -27,6 +27,8 @@ class View {
     this.following = null;
     this.waiting = false;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    // After the materials have their other colours.
+    darkness.addEventListener("change", () => this.draw());
   }
 
   resize() {
@@ -102,7 +104,7 @@ class View {
       }
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points.map((x) => x * cell)), 3));
-      return new THREE.LineSegments(geometry, this.tinted(new THREE.LineBasicMaterial(), names[isAxis ? 1 : 0]));
+      return new THREE.LineSegments(geometry, tinted(new THREE.LineBasicMaterial(), names[isAxis ? 1 : 0]));
     };
     this.grid = new THREE.Group();
     for (const plane of planes) {
@@ -114,15 +116,6 @@ class View {
     }
     this.scene.add(this.grid);
     return cell;
-  }
-
-  // A material with a colour of `page.css`, light or dark.
-  tinted(material, name) {
-    withTheme(() => {
-      material.color.set(shade(name));
-      this.draw();
-    });
-    return material;
   }
 
   // The place of something in these groups under the pointer, if any.
