@@ -11,10 +11,10 @@
 
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
-use crate::events::crowding::LABOUR_WITHIN;
 use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
+use crate::events::parts::crowding::LABOUR_WITHIN;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::workspaces::Workspaces;
 use crate::events::parts::workspaces::larger;

@@ -5,7 +5,6 @@
 //!                                                  ─▶ holding, watched
 //! ```
 
-use crate::events::crowding::STEP;
 use crate::events::effects::immobile::held_bodies;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::holding::Holding;
@@ -15,6 +14,7 @@ use crate::events::modes::instants::Instants;
 use crate::events::modes::mode::MotorMode;
 use crate::events::modes::piece::{Key, Piece};
 use crate::events::modes::present::Present;
+use crate::events::parts::crowding::STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;

@@ -20,6 +20,8 @@
 //! | `forces` | efforts that hold joints, forces of closed contacts, and their report |
 //! | `finding` | functions whose sign is watched, their first sign change within a step, distances that close |
 //! | `effects` | the effects of an event: impulses, which contacts stay closed and stick, the next mode, the list of events |
+//! | `crowd` | steps of first order over many events |
+//! | `parts` | the parts that the integrator owns: model, workspaces, the step at hand, progress, tally, the last step |
 //! | here | the integrator: its steps, steps that end at events, rest, and crowds of events |
 //!
 //! A room imports those above it in this table. Limits, friction, motors and pairs of shapes are in [`crate::instant::holding::elements`] and
@@ -37,7 +39,6 @@ mod crowd;
 #[cfg(test)]
 mod crowd_tests;
 mod crowded;
-mod crowding;
 mod effects;
 mod entering;
 mod finding;
@@ -51,7 +52,6 @@ mod moving;
 mod next_step;
 mod parts;
 mod quiet;
-mod repeats;
 mod singular;
 mod sliding;
 mod steps;

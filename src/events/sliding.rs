@@ -6,7 +6,6 @@
 //!
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
-use crate::events::crowding::JAM_STEP;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, slipping};
@@ -14,6 +13,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::present::Present;
 use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
+use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;

@@ -344,8 +344,8 @@ fn pull(rows: &Rows, values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::events::crowding::STEP;
     use crate::events::modes::mode::JointMode;
+    use crate::events::parts::crowding::STEP;
     use crate::mechanism::description::closure::{Coordinate, JointLimit};
     use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};

@@ -8,8 +8,6 @@
 
 use crate::events::integrator::Eventful;
 use crate::events::next_step::Ending;
-use crate::instant::holding::held::Closures;
-use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError};
@@ -20,37 +18,7 @@ use crate::stepping::recipe::{Recipe, Steps};
 pub(crate) use crate::events::effects::impact::Meeting;
 pub(crate) use crate::events::finding::watched::Watched;
 pub(crate) use crate::events::modes::mode::{JointMode, Mode, MotorMode};
-
-/// A step of the scheme.
-#[derive(Clone)]
-pub(crate) struct TracedStep {
-    /// The state of the whole mechanism at the end, before the event there.
-    pub end: State,
-    pub mode: Mode,
-    /// For each body whether its joint is held.
-    pub held: Vec<bool>,
-    /// The closed contacts as closures.
-    pub closures: Closures,
-    /// The functions that are zero at the end; empty for a step to a given instant.
-    pub triggers: Vec<Watched>,
-}
-
-/// What happens at one instant.
-#[derive(Clone)]
-pub(crate) struct TracedJump {
-    pub before: State,
-    pub after: State,
-    /// Limits and contacts that meet.
-    pub meetings: Vec<Meeting>,
-    pub contacts: Vec<Contact>,
-}
-
-/// An entry of a trace.
-#[derive(Clone)]
-pub(crate) enum Traced {
-    Step(Box<TracedStep>),
-    Jump(Box<TracedJump>),
-}
+pub(crate) use crate::events::parts::traced::{Traced, TracedJump, TracedStep};
 
 /// A run from instant to instant that keeps its trace.
 pub(crate) struct TracedRun {

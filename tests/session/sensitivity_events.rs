@@ -41,6 +41,9 @@ fn ball_on_a_slide() -> Model {
     Model::load(scene("ball.toml", &text)).expect("a model")
 }
 
+/// Height and speed after a change of a number.
+type Moved<'m> = &'m dyn Fn(f64) -> [f64; 2];
+
 /// Height and speed of a ball let go at h over a floor at `floor`, after n bounces.
 fn bounced(h: f64, v: f64, g: f64, e: f64, floor: f64, time: f64) -> [f64; 2] {
     let h = h - floor;
@@ -95,7 +98,7 @@ fn a_ball_that_bounces_on_the_floor_has_the_derivatives_of_its_closed_form() {
     let run = derivatives(&model, 9, 0.1, time, &keys);
     let z = run.keys.iter().position(|key| key.ends_with(".z") && key.starts_with("start")).expect("a height");
     let at = |h: f64, g: f64, e: f64, floor: f64| bounced(1.1 + h, 0.0, 9.81 + g, 0.8 + e, 0.1 + floor, time);
-    let wanted: [(usize, &dyn Fn(f64) -> [f64; 2]); 5] = [
+    let wanted: [(usize, Moved); 5] = [
         (z, &|by| at(by, 0.0, 0.0, 0.0)),
         (6, &|by| at(0.0, 0.0, by, 0.0)),
         (7, &|by| at(0.0, -by, 0.0, 0.0)),

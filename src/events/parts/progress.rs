@@ -3,8 +3,8 @@
 //! Invariants: `asleep` only if all bodies rest and nothing acts that changes with time; `quiet` counts steps at rest in a row; `in_crowd` only for
 //! mechanisms that have a workspace for steps over many impacts.
 
-use crate::events::crowding::Crowding;
-use crate::events::repeats::Repeats;
+use crate::events::parts::crowding::Crowding;
+use crate::events::parts::repeats::Repeats;
 use crate::mechanism::motion::state::State;
 
 /// The progress of a run.

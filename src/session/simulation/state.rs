@@ -81,7 +81,9 @@ impl Simulation {
         if !time.is_finite() {
             return Err(Error::Option { option: "time", value: time, wanted: "give a finite number" });
         }
-        let motion = self.model.coordinates().state(self.model.description(), q, v)?;
+        let mut motion = self.model.coordinates().state(self.model.description(), q, v)?;
+        // Joints that are moved in time are where they are then.
+        motion.time = time;
         let mut started = self.model.loaded().settled(motion, &Start::default())?;
         started.state.time = time;
         let placed =
