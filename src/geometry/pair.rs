@@ -362,6 +362,8 @@ impl PairGeometry {
         let of_first = match &self.first {
             First::HalfSpace(_) | First::Hollow(_) => return None,
             First::Mesh(mesh) => {
+                // Off its faces the tangent plane does not lie on it.
+                let FeatureId::Face(_) = side(true, place) else { return None };
                 let is_flat = |within: f64| {
                     let highest = mesh.highest(&self.second, (&rotation, &translation), [&normal, &point], within);
                     highest <= self.extents.within(FLAT)
