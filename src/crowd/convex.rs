@@ -147,7 +147,7 @@ fn convex(
     problem: &Problem,
     impulses: &mut [Vector3<f64>],
     shifts: &[f64],
-    v: &mut Vec<f64>,
+    v: &mut [f64],
     proximal: f64,
     room: &mut Workspace,
 ) {

@@ -36,6 +36,7 @@ const RENEWED: f64 = 1e-6;
 impl Eventful {
     /// Finds or makes the reduced mechanism of the mode, and its watched functions.
     pub(super) fn enter(&mut self, state: &mut State) {
+        self.trial.reserves.forget();
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
             workspaces: Workspaces { response, .. },

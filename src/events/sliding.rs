@@ -202,7 +202,7 @@ impl Eventful {
 
     /// Sum of the sizes of all forces [N or N m].
     fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
-        let Piece { moving, small, .. } = &*self.workspaces.active();
+        let Piece { moving, small, .. } = self.workspaces.active();
         let driving = self.mode.driving_efforts(&self.model.elements, inputs, end);
         let efforts = driving.iter().map(|effort| effort.abs()).sum();
         Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)

@@ -33,7 +33,7 @@ fn robots_that_collapse_limp_neither_overlap_the_floor_nor_gain_energy() {
         assert!(summary.steps < 3000, "{name}: {}", summary.steps);
         // Six rounds of moving apart leave this of an overlap of shapes that turn.
         assert!(summary.contact.penetration <= 1e-7, "{name}: {:?}", summary.contact);
-        // Losses are booked, so that the balance is rounding.
-        assert!(summary.max_relative_energy_error < 1e-9, "{name}: {}", summary.max_relative_energy_error);
+        // Losses are booked. Exact steps within a tolerance of 1e-3 m before the collapse are not made again with finer ones.
+        assert!(summary.max_relative_energy_error < 1e-7, "{name}: {}", summary.max_relative_energy_error);
     }
 }

@@ -188,7 +188,10 @@ fn too_low(
     efforts: &[f64],
     height: f64,
 ) -> (Vec<usize>, f64) {
-    let is_rebound = |index: usize| before[index] <= meetings[index].rest;
+    let is_rebound = |index: usize| {
+        let meeting = &meetings[index];
+        before[index] <= meeting.rest || (meeting.rate(&state.velocity) - before[index]).abs() > meeting.rest
+    };
     let leaves =
         |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
     if !meetings.iter().enumerate().any(leaves) {

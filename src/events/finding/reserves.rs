@@ -9,7 +9,7 @@
 //! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the
 //! speed of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at.
 //! Bodies that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in
-//! proportion to the bodies. Reserves last over events, because those move no body far.
+//! proportion to the bodies. Reserves last until a mode ends.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (a heap of times before which no pair can collide).
 
@@ -69,6 +69,16 @@ impl Reserves {
         });
         let pairs: Vec<Reserve> = pairs.collect();
         Reserves { asked: (0..pairs.len()).collect(), travel, pairs, ..Reserves::default() }
+    }
+
+    /// Forgets all reserves: another mode begins, in which bodies may be quicker between the samples of steps than those before told.
+    pub fn forget(&mut self) {
+        let Reserves { pairs, queue, asked, left, .. } = self;
+        pairs.iter_mut().for_each(|pair| pair.spent_at = f64::NEG_INFINITY);
+        queue.clear();
+        left.clear();
+        asked.clear();
+        asked.extend(0..pairs.len());
     }
 
     /// A look at a step with these speeds and this length (s) begins. The same step may be looked at again with another end.

@@ -13,7 +13,7 @@
 //! in one step of first order of 1e-6 s. Jams that follow each other soon take 4, 16 and 64 times that length, and then count as crowds.
 
 /// Length of a step of first order (s).
-pub(in crate::events) const STEP: f64 = 1e-4;
+pub(crate) const STEP: f64 = 1e-4;
 /// The most first-order steps of that length that leave a crowd. A longer time is left in fewer and longer steps.
 const FINE: usize = 16;
 /// Such steps are longer by this factor at most.
@@ -24,10 +24,10 @@ const CROWDS: [(usize, f64); 2] = [(100, 1e-5), (400, 1e-3)];
 /// of its unknowns. The break of ten billiard balls has 1e7, in impacts that are all true. Soon after a crowd less is enough.
 const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
-pub(in crate::events) const LABOUR_WITHIN: f64 = 1e-2;
+pub(crate) const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
 /// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length.
-pub(in crate::events) const JAM_STEP: f64 = 1e-6;
+pub(crate) const JAM_STEP: f64 = 1e-6;
 /// A jam that follows within [`SOON`] times the last length takes a step that is longer by this factor, up to the length of steps of crowds.
 const JAM_LONGER: f64 = 4.0;
 /// A crowd is left by one such step. Another crowd within this many of its steps takes twice as many as before.
@@ -41,7 +41,7 @@ const LONGEST: usize = 512;
 
 /// Steps that have become many, and the steps of first order that are to be made.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::events) struct Crowding {
+pub(crate) struct Crowding {
     /// Work since a time (s), for each kind of crowd.
     counts: [(usize, f64); CROWDS.len()],
     /// Work of iterations, and events, since a time (s).

@@ -15,7 +15,7 @@ const LEFT: f64 = 1e-4;
 
 /// The model of a motion that is smooth in pieces.
 #[derive(Clone)]
-pub(in crate::events) struct HybridModel {
+pub(crate) struct HybridModel {
     /// The mechanism with all its joints free.
     pub whole: Arc<Mechanism>,
     /// Joints with limits or friction, and motors.

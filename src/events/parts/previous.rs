@@ -12,7 +12,7 @@ use std::cell::RefCell;
 
 /// What is kept of the last step.
 #[derive(Clone)]
-pub(in crate::events) struct PreviousStep {
+pub(crate) struct PreviousStep {
     /// The state after all events at its end.
     pub left: Option<State>,
     /// Its mode, where there are pairs that may touch.

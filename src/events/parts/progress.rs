@@ -9,7 +9,7 @@ use crate::mechanism::motion::state::State;
 
 /// The progress of a run.
 #[derive(Clone)]
-pub(in crate::events) struct Progress {
+pub(crate) struct Progress {
     /// When the run began (s).
     pub began: f64,
     /// Whether a given instant bounds the next step, and not only the end of the run.

@@ -27,7 +27,7 @@ const MOST_UNFOUNDED: i32 = 5;
 
 /// The events at the instant where the last step ended, as far as they may repeat.
 #[derive(Clone)]
-pub(in crate::events) struct Repeats {
+pub(crate) struct Repeats {
     /// Number of events after the first one at an instant, and that instant (s).
     flips: (usize, f64),
     /// Modes in which steps ended where they began.
@@ -37,7 +37,7 @@ pub(in crate::events) struct Repeats {
     /// Whether the last event left the mode unchanged.
     looks_away: bool,
     /// Functions that the step does not look at.
-    pub(in crate::events) ignored: Vec<Watched>,
+    pub(crate) ignored: Vec<Watched>,
 }
 
 impl Repeats {

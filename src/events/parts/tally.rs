@@ -14,7 +14,7 @@ const MATTERS: f64 = 1e-9;
 
 /// The figures of a run so far.
 #[derive(Clone, Default)]
-pub(in crate::events) struct Tally {
+pub(crate) struct Tally {
     /// Number of steps, and how long they were together (s).
     pub steps: usize,
     pub stepped: f64,

@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 
 /// The step at hand.
 #[derive(Clone)]
-pub(in crate::events) struct StepTrial {
+pub(crate) struct StepTrial {
     /// The state at which it begins.
     pub origin: State,
     /// A state inside, and the evaluated functions there.

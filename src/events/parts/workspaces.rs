@@ -11,13 +11,13 @@ use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::integrator::MethodDescription;
 
 /// The larger of two errors, if both are known.
-pub(in crate::events) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+pub(crate) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
     Some(one?.max(other?))
 }
 
 /// The workspaces of a run.
 #[derive(Clone)]
-pub(in crate::events) struct Workspaces {
+pub(crate) struct Workspaces {
     /// One for each mode that is kept: the reduced mechanism, and its steps.
     pub pieces: Vec<Shared<Piece>>,
     /// The piece in use, and the piece of the last step.

@@ -191,7 +191,9 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         beside: &mut State,
         carrying: &Carrying,
     ) -> Option<Energy> {
-        self.end_both(mechanism, [state, beside], carrying)
+        let energy = self.end_both(mechanism, [&mut *state, beside], carrying)?;
+        state.time += self.length;
+        Some(energy)
     }
 
     fn keep_carried(&mut self) {

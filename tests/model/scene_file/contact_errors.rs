@@ -174,7 +174,10 @@ fn wrong_pairs_and_links_are_refused_with_file_line_and_name() {
             format!("{TWO}[[contact.pair]]\na = \"*\"\nb = \"*\"\nfriction = 1"),
             &["scene.toml:7: ", "names no link with a collision shape and no obstacle; there are none"],
         ),
-        (link("name = \"arm\""), &["scene.toml:3: link \"arm\": give its collision, friction or restitution"]),
+        (
+            link("name = \"arm\""),
+            &["scene.toml:3: link \"arm\": give its collision, friction, restitution or surface_velocity"],
+        ),
         (
             link("name = \"arm\"\ncollision = \"box\""),
             &["scene.toml:5: link \"arm\": link.collision: unknown variant `box`", "`hull`"],

@@ -84,7 +84,7 @@ fn wrong_motors_are_refused_with_file_line_and_key() {
             effort("true"),
             &[
                 "scene.toml:6: motor on \"hinge\": motor.target: ",
-                "a number, a list of [time, value], or the name of a CSV",
+                "a number, a list of [time, value], the name of a CSV",
             ],
         ),
         (effort("[]"), &["scene.toml:6: motor on \"hinge\": ", "no values"]),

@@ -45,10 +45,13 @@ fn the_nearest_that_says_friction_and_restitution_decides() {
     set.set(&numbers).unwrap();
     assert_eq!(pairs(&Model::from_scene(&set).unwrap().0), pairs(&model));
     for (text, said) in [
-        ("[[link]]\nname = \"foot\"\n", "scene.toml:10: link \"foot\": give its collision, friction or restitution"),
+        (
+            "[[link]]\nname = \"foot\"\n",
+            "scene.toml:10: link \"foot\": give its collision, friction, restitution or surface_velocity",
+        ),
         (
             "[[link]]\nname = \"foot\"\nshape = 1\nfriction = 1\n",
-            "scene.toml:13: link \"foot\": friction and restitution are of the whole link",
+            "scene.toml:13: link \"foot\": friction, restitution and surface_velocity are of the whole link",
         ),
         (
             "[[link]]\nname = \"foot\"\nfriction = -1\n",

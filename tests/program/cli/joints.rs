@@ -31,7 +31,7 @@ fn the_model_lists_limits_friction_motors_and_speeds() {
     assert_eq!(report["friction"], json!([{"joint": "hinge", "effort": 0.25, "never_matters": null}]));
     assert_eq!(report["speeds"], json!([{"joint": "hinge", "speed": 4.0}]));
     let motor = json!({"joint": "hinge", "kind": "position", "kp": 100.0, "kd": 5.0, "target": 0.5, "target_changes": true,
-                       "max_effort": 3.0, "period": 0.0});
+                       "max_effort": 3.0, "period": 0.0, "gravity_compensation": 0.0});
     assert_eq!(report["motors"], json!([motor]));
     let output = run(&folder, &["model", "scene.toml"]);
     let table = text(&output.stdout);
