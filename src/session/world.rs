@@ -164,8 +164,8 @@ impl World {
         let gains = self
             .hold
             .iter()
-            .flat_map(|hold| hold.kp.into_iter().chain(hold.kd).chain(hold.gravity))
-            .map(|gain| ("hold", gain));
+            .flat_map(|hold| [("hold kp", hold.kp), ("hold kd", hold.kd), ("hold gravity", hold.gravity)])
+            .filter_map(|(option, gain)| Some((option, gain?)));
         if let Some((option, value)) = gains.clone().find(|(_, gain)| !gain.is_finite() || *gain < 0.0) {
             return Err(Error::Option { option, value, wanted: "give a gain that is finite and not negative" });
         }

@@ -107,7 +107,7 @@ impl Steps {
 
 impl Simulation {
     /// Makes the run to its end, and computes the derivatives of its q and v by parameters: `start.q` and `start.v` (all freedoms, or
-    /// `start.q.JOINT`), `effort.JOINT` (a constant effort), and key paths of [`Model::params`], masses, lengths, springs, gains and targets, friction,
+    /// `start.q.JOINT`), `effort.JOINT` (a constant effort), and key paths of `Model::params`, masses, lengths, springs, gains and targets, friction,
     /// limits and restitution among them. The derivative is exact for the steps of the run, through its events: an event moves in time.
     ///
     /// ```
