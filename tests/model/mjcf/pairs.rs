@@ -80,6 +80,10 @@ fn as_mjcf(robot: &Robot) -> Option<String> {
 fn moves_alike(urdf: &Path, folder: &Path) -> Option<()> {
     let name = stem(urdf);
     let robot = robot_without_meshes(&std::fs::read_to_string(urdf).ok()?, urdf).ok()?;
+    // A model of MuJoCo without joints moves nothing.
+    if robot.joints.is_empty() {
+        return None;
+    }
     let other = folder.join(format!("{name}.xml"));
     std::fs::write(&other, as_mjcf(&robot)?).expect("a model");
     let one = Model::loader().without(catena::prelude::Left::Contact).load(urdf).ok()?;
@@ -134,8 +138,8 @@ fn robots_of_this_repository_move_alike_as_urdf_and_as_mjcf() {
     let folder = scratch("pairs");
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
     let alike = urdf_files(&robots).iter().filter(|urdf| moves_alike(urdf, &folder).is_some()).count();
-    // All but those with spherical and floating joints.
-    assert!(alike >= 9, "{alike}");
+    // All but those with spherical and floating joints, and single bodies without a joint.
+    assert!(alike >= 8, "{alike}");
 }
 
 /// The files with an ending in the folders that a variable names, and below them; empty, with the reason printed, without it.
