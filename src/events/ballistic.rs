@@ -10,12 +10,10 @@
 
 use crate::events::finding::watched::{Seen, Watched};
 use crate::events::forces::closed_forces::accelerations;
-use crate::events::integrator::Eventful;
-use crate::events::modes::present::Present;
+use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::tolerances::BALLISTIC_GAP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
-use crate::events::parts::workspaces::Workspaces;
 use crate::instant::holding::touching::TOUCHED;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
@@ -48,17 +46,10 @@ impl Eventful {
 
     /// The state in which the first gap closes, and that gap.
     fn first_gap(&mut self, inputs: Inputs, longest: f64, origin: &State) -> Option<(State, Watched)> {
-        let Eventful {
-            model: HybridModel { whole, elements, touching, .. },
-            workspaces: Workspaces { response, pieces, current, .. },
-            trial: StepTrial { holding, efforts, .. },
-            mode,
-            ..
-        } = self;
+        let InUse { present, response, efforts, unique } = self.in_use();
         let mut all = vec![0.0; efforts.len()];
-        mode.efforts_at(elements, inputs, origin.time, origin, &mut all);
-        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-        let accelerations = accelerations(&present, response, origin, &all, holding.is_unique());
+        present.mode.efforts_at(present.elements, inputs, origin.time, origin, &mut all);
+        let accelerations = accelerations(&present, response, origin, &all, unique);
         let moves: Vec<f64> = accelerations.into_iter().map(|(acceleration, _)| acceleration).collect();
         let (mut until, mut first) = (longest, None);
         let gaps: Vec<Watched> = self.trial.watched.iter().copied().filter(|watched| is_gap(*watched)).collect();

@@ -46,13 +46,7 @@ fn boxes(count: usize, half: Vector3<f64>, friction: f64, restitution: f64) -> M
     let mut mechanism =
         Mechanism::new("boxes", Vector3::z() * -9.81, (0..count).map(body).collect()).expect("free bodies");
     let nonsmooth = &mut mechanism.nonsmooth;
-    let collider = |body, shape| Collider {
-        name: "one".into(),
-        body,
-        pose: Pose::identity(),
-        shape,
-        surface_velocity: Vector3::zeros(),
-    };
+    let collider = |body, shape| Collider::still("one", body, Pose::identity(), shape);
     nonsmooth.colliders.push(collider(None, Shape::HalfSpace));
     nonsmooth.colliders.extend((0..count).map(|body| collider(Some(body), Shape::Box { half })));
     for a in 0..=count {
@@ -195,13 +189,7 @@ fn chain() -> Mechanism {
         mechanism.nonsmooth.limits.push(JointLimit { coordinate, lower: -0.3, upper: 0.4, restitution: 0.2 });
     }
     let nonsmooth = &mut mechanism.nonsmooth;
-    let collider = |body, shape| Collider {
-        name: "one".into(),
-        body,
-        pose: Pose::identity(),
-        shape,
-        surface_velocity: Vector3::zeros(),
-    };
+    let collider = |body, shape| Collider::still("one", body, Pose::identity(), shape);
     nonsmooth.colliders.push(collider(None, Shape::HalfSpace));
     for body in 0..4 {
         nonsmooth.colliders.push(collider(Some(body), Shape::Box { half: Vector3::new(0.1, 0.05, 0.02) }));

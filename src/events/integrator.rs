@@ -18,8 +18,8 @@ use crate::events::parts::tally::Tally;
 use crate::events::parts::traced::{Traced, TracedJump};
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::{Workspaces, larger};
-use crate::instant::holding::held::Closures;
-use crate::instant::holding::held::Held;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::held::{Closures, Held};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::{distance, probes};
@@ -50,6 +50,16 @@ pub struct Eventful {
     pub(super) commands: Commands,
     /// The steps and jumps since it was taken last; `None` for a run without derivatives.
     pub(super) trace: Option<Vec<Traced>>,
+}
+
+/// The mode in use, with the room for its accelerations.
+pub(super) struct InUse<'a> {
+    pub present: Present<'a>,
+    pub response: &'a mut Response,
+    /// Room for the efforts along the degrees of freedom [N m or N].
+    pub efforts: &'a mut Vec<f64>,
+    /// Whether forces of contacts are the only ones that hold the motion.
+    pub unique: bool,
 }
 
 impl Eventful {
@@ -220,6 +230,18 @@ impl Eventful {
             self.leave_companion();
         }
         self.carry_out(inputs, state, Found { triggers, height: self.model.height, anew: false })
+    }
+
+    /// The mode in use.
+    pub(super) fn in_use(&mut self) -> InUse<'_> {
+        let Workspaces { response, pieces, current, .. } = &mut self.workspaces;
+        let HybridModel { whole, elements, touching, .. } = &self.model;
+        InUse {
+            present: Present { whole, elements, touching, mode: &self.mode, moving: &pieces[*current].moving },
+            response,
+            efforts: &mut self.trial.efforts,
+            unique: self.trial.holding.is_unique(),
+        }
     }
 
     /// The same without known contacts: they are looked for everywhere.

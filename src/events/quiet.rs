@@ -1,11 +1,7 @@
 //! Rest on contacts: bodies that have stopped moving are not simulated until something changes. Belts that rub on them go on taking work.
 
 use crate::events::forces::closed_forces::accelerations;
-use crate::events::integrator::Eventful;
-use crate::events::modes::present::Present;
-use crate::events::parts::model::HybridModel;
-use crate::events::parts::trial::StepTrial;
-use crate::events::parts::workspaces::Workspaces;
+use crate::events::integrator::{Eventful, InUse};
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
@@ -34,16 +30,9 @@ impl Eventful {
         {
             return false;
         }
-        let Eventful {
-            model: HybridModel { whole, elements, touching, .. },
-            workspaces: Workspaces { response, pieces, current, .. },
-            trial: StepTrial { holding, efforts, .. },
-            mode,
-            ..
-        } = self;
-        mode.efforts_at(elements, inputs, state.time, state, efforts);
-        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-        let all = accelerations(&present, response, state, efforts, holding.is_unique());
+        let InUse { present, response, efforts, unique } = self.in_use();
+        present.mode.efforts_at(present.elements, inputs, state.time, state, efforts);
+        let all = accelerations(&present, response, state, efforts, unique);
         all.iter().all(|(acceleration, size)| acceleration.abs() <= ROUNDING * size)
     }
 

@@ -9,14 +9,12 @@
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, slipping};
-use crate::events::integrator::Eventful;
+use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::piece::Piece;
-use crate::events::modes::present::Present;
 use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
-use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
@@ -89,18 +87,10 @@ impl Eventful {
         if !self.slides() {
             return Stopping { until: f64::INFINITY, slow: None, straight: false };
         }
-        let Eventful {
-            model: HybridModel { whole, elements, touching, .. },
-            workspaces: Workspaces { response, pieces, current, .. },
-            trial: StepTrial { holding, efforts, .. },
-            mode,
-            ..
-        } = self;
-        let mut all = vec![0.0; efforts.len()];
-        mode.efforts_at(elements, inputs, since, state, &mut all);
-        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let rest = slip_at_rest(self.memory.fastest);
-        let unique = holding.is_unique();
+        let InUse { present, response, efforts, unique } = self.in_use();
+        let mut all = vec![0.0; efforts.len()];
+        present.mode.efforts_at(present.elements, inputs, since, state, &mut all);
         let Slipping { first, turns } = slipping(&present, response, state, &all, unique, rest);
         let stops = first.map_or(f64::INFINITY, |stop| stop.time());
         let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= STOPPED_SLIP * rest);

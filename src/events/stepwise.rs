@@ -364,13 +364,7 @@ mod tests {
         let mut mechanism = Mechanism::new("ball", Vector3::z() * -9.81, vec![body]).expect("a free body");
         let nonsmooth = &mut mechanism.nonsmooth;
         for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider {
-                name: "one".into(),
-                body,
-                pose: Pose::identity(),
-                shape,
-                surface_velocity: Vector3::zeros(),
-            });
+            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
@@ -401,13 +395,7 @@ mod tests {
         let mut mechanism = Mechanism::new("box", Vector3::z() * -9.81, vec![body]).expect("a free body");
         let nonsmooth = &mut mechanism.nonsmooth;
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider {
-                name: "one".into(),
-                body,
-                pose: Pose::identity(),
-                shape,
-                surface_velocity: Vector3::zeros(),
-            });
+            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
@@ -453,13 +441,7 @@ mod tests {
         let nonsmooth = &mut mechanism.nonsmooth;
         nonsmooth.limits.push(JointLimit { coordinate, lower: -1.0, upper: 0.0, restitution: 0.0 });
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider {
-                name: "one".into(),
-                body,
-                pose: Pose::identity(),
-                shape,
-                surface_velocity: Vector3::zeros(),
-            });
+            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };

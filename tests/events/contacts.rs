@@ -24,21 +24,9 @@ pub fn over_floor(
     let body = Body { name: "body".into(), parent: None, mass, inertia, joint };
     let mut mechanism = Mechanism::new("contact", gravity, vec![body]).expect("one body");
     let nonsmooth = &mut mechanism.nonsmooth;
-    nonsmooth.colliders.push(Collider {
-        name: "floor".into(),
-        body: None,
-        pose: Pose::identity(),
-        shape: Shape::HalfSpace,
-        surface_velocity: Vector3::zeros(),
-    });
+    nonsmooth.colliders.push(Collider::still("floor", None, Pose::identity(), Shape::HalfSpace));
     for (number, (shape, pose)) in shapes.into_iter().enumerate() {
-        nonsmooth.colliders.push(Collider {
-            name: format!("shape{number}"),
-            body: Some(0),
-            pose,
-            shape,
-            surface_velocity: Vector3::zeros(),
-        });
+        nonsmooth.colliders.push(Collider::still(format!("shape{number}"), Some(0), pose, shape));
         nonsmooth.pairs.push(ContactPair { number, a: 0, b: number + 1, friction, restitution });
     }
     mechanism

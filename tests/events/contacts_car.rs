@@ -54,13 +54,7 @@ fn car() -> (Mechanism, State) {
     }
     let mut mechanism = Mechanism::new("car", Vector3::new(0.0, 0.0, -GRAVITY), bodies).expect("a car");
     let nonsmooth = &mut mechanism.nonsmooth;
-    let collider = |name: &str, body, shape| Collider {
-        name: name.into(),
-        body,
-        pose: Pose::identity(),
-        shape,
-        surface_velocity: Vector3::zeros(),
-    };
+    let collider = |name: &str, body, shape| Collider::still(name, body, Pose::identity(), shape);
     nonsmooth.colliders.push(collider("floor", None, Shape::HalfSpace));
     for number in 0..4 {
         nonsmooth.colliders.push(collider("tyre", Some(number + 1), Shape::Sphere { radius: RADIUS }));

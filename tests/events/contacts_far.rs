@@ -22,21 +22,9 @@ fn let_go(shape: Shape, place: Vector3<f64>, height: f64) -> (Mechanism, State) 
     let mut mechanism = Mechanism::new("ball", Vector3::z() * -GRAVITY, vec![body]).expect("one body");
     let nonsmooth = &mut mechanism.nonsmooth;
     let pose = Pose::from_parts(Translation3::from(place), Pose::identity().rotation);
-    nonsmooth.colliders.push(Collider {
-        name: "block".into(),
-        body: None,
-        pose,
-        shape,
-        surface_velocity: Vector3::zeros(),
-    });
+    nonsmooth.colliders.push(Collider::still("block", None, pose, shape));
     let shape = Shape::Sphere { radius: RADIUS };
-    nonsmooth.colliders.push(Collider {
-        name: "ball".into(),
-        body: Some(0),
-        pose: Pose::identity(),
-        shape,
-        surface_velocity: Vector3::zeros(),
-    });
+    nonsmooth.colliders.push(Collider::still("ball", Some(0), Pose::identity(), shape));
     nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
     let mut start = State::zero(&mechanism);
     let at = place + Vector3::new(0.2, 0.3, height + RADIUS + GAP);

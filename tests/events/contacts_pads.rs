@@ -33,13 +33,7 @@ fn gripper(frictions: [f64; 2]) -> Mechanism {
             .enumerate()
     {
         let (name, pose) = (gripper.bodies[body].name.clone(), Pose::translation(place, 0.0, 0.0));
-        gripper.nonsmooth.colliders.push(Collider {
-            name,
-            body: Some(body),
-            pose,
-            shape,
-            surface_velocity: Vector3::zeros(),
-        });
+        gripper.nonsmooth.colliders.push(Collider::still(name, Some(body), pose, shape));
     }
     for (jaw, friction) in frictions.into_iter().enumerate() {
         meet(&mut gripper, jaw, 2, friction, 0.0);

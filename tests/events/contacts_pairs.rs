@@ -112,13 +112,7 @@ fn shapes_that_never_meet_change_a_motion_by_roundings_alone() {
     let mut with = plain.clone();
     for body in [Some(0), Some(1)] {
         let shape = Shape::Capsule { radius: 0.05, half: 0.2 };
-        with.nonsmooth.colliders.push(Collider {
-            name: "link".into(),
-            body,
-            pose: Pose::identity(),
-            shape,
-            surface_velocity: Vector3::zeros(),
-        });
+        with.nonsmooth.colliders.push(Collider::still("link", body, Pose::identity(), shape));
     }
     let floor = obstacle(&mut with, Shape::HalfSpace, Vector3::new(0.0, 0.0, -3.0));
     meet(&mut with, floor, 0, 0.5, 0.5);

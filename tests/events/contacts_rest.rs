@@ -166,7 +166,7 @@ fn between(pads: [Shape; 2], forces: [f64; 2], friction: f64, height: f64) -> (M
     let mut pads = mechanism(bodies.collect());
     for (number, shape) in shapes.into_iter().enumerate() {
         let (name, body, pose) = (format!("shape{number}"), Some(number), Pose::identity());
-        pads.nonsmooth.colliders.push(Collider { name, body, pose, shape, surface_velocity: Vector3::zeros() });
+        pads.nonsmooth.colliders.push(Collider::still(name, body, pose, shape));
     }
     for (pad, force) in forces.into_iter().enumerate() {
         meet(&mut pads, pad, 2, friction, 0.0);

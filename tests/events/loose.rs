@@ -43,7 +43,7 @@ pub fn loose(gravity: Vector3<f64>, bodies: &[(f64, Shape)]) -> Mechanism {
     for (number, (_, shape)) in bodies.iter().enumerate() {
         let name = format!("body{number}");
         let (body, pose, shape) = (Some(number), Pose::identity(), shape.clone());
-        mechanism.nonsmooth.colliders.push(Collider { name, body, pose, shape, surface_velocity: Vector3::zeros() });
+        mechanism.nonsmooth.colliders.push(Collider::still(name, body, pose, shape));
     }
     mechanism
 }
@@ -51,13 +51,7 @@ pub fn loose(gravity: Vector3<f64>, bodies: &[(f64, Shape)]) -> Mechanism {
 /// Adds a shape of the world; returns its number.
 pub fn obstacle(mechanism: &mut Mechanism, shape: Shape, at: Vector3<f64>) -> usize {
     let pose = Pose::translation(at.x, at.y, at.z);
-    mechanism.nonsmooth.colliders.push(Collider {
-        name: "obstacle".into(),
-        body: None,
-        pose,
-        shape,
-        surface_velocity: Vector3::zeros(),
-    });
+    mechanism.nonsmooth.colliders.push(Collider::still("obstacle", None, pose, shape));
     mechanism.nonsmooth.colliders.len() - 1
 }
 

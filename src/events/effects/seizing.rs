@@ -90,13 +90,7 @@ mod tests {
         for (body, pose, shape) in
             [(Some(0), end, Shape::Sphere { radius: 0.01 }), (None, Pose::identity(), Shape::HalfSpace)]
         {
-            nonsmooth.colliders.push(Collider {
-                name: "one".into(),
-                body,
-                pose,
-                shape,
-                surface_velocity: Vector3::zeros(),
-            });
+            nonsmooth.colliders.push(Collider::still("one", body, pose, shape));
         }
         nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 3.0, restitution: 0.0 });
         let (half, mut state) = (0.25_f64, State::zero(&mechanism));

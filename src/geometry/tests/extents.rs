@@ -7,7 +7,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 fn collider(body: Option<usize>, place: Vector3<f64>, shape: Shape) -> Collider {
     let pose = Pose::from_parts(Translation3::from(place), UnitQuaternion::identity().to_rotation_matrix());
-    Collider { name: "one".into(), body, pose, shape, surface_velocity: Vector3::zeros() }
+    Collider::still("one", body, pose, shape)
 }
 
 #[test]

@@ -50,18 +50,12 @@ pub fn collider(kind: &str, size: f64, numbers: &mut Numbers) -> Collider {
         "box" => Shape::Box { half: Vector3::new(length(), length(), length()) },
         _ => Shape::Hull(Arc::new((0..40).map(|_| numbers.vector().normalize() * 0.2 * size).collect())),
     };
-    Collider {
-        name: kind.into(),
-        body: None,
-        pose: numbers.pose(0.1 * size),
-        shape,
-        surface_velocity: Vector3::zeros(),
-    }
+    Collider::still(kind, None, numbers.pose(0.1 * size), shape)
 }
 
 /// A collider at the origin of its body.
 pub fn at_origin(shape: Shape) -> Collider {
-    Collider { name: String::new(), body: None, pose: Pose::identity(), shape, surface_velocity: Vector3::zeros() }
+    Collider::still("", None, Pose::identity(), shape)
 }
 
 /// A pair at the origins of their bodies.

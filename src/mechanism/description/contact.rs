@@ -104,6 +104,13 @@ pub struct Collider {
     pub surface_velocity: Vector3<f64>,
 }
 
+impl Collider {
+    /// A collider whose surface does not move over its body.
+    pub fn still(name: impl Into<String>, body: Option<usize>, pose: Pose, shape: Shape) -> Collider {
+        Collider { name: name.into(), body, pose, shape, surface_velocity: Vector3::zeros() }
+    }
+}
+
 /// Two colliders that may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPair {

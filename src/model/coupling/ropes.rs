@@ -7,7 +7,6 @@ use crate::model::description::contact_pairs::RopeRecord;
 use crate::model::description::coupling_error::CouplingProblem;
 use crate::model::description::model_error::ModelError;
 use crate::scene::{Element, Point, SceneRope};
-use nalgebra::Vector3;
 
 impl Builder<'_> {
     /// A rope of the scene file.
@@ -18,13 +17,8 @@ impl Builder<'_> {
         if a.attachment.body == b.attachment.body {
             return Err(stand.refuse(CouplingProblem::IdleRope { a: a.link, b: b.link }));
         }
-        let collider = |name: &str, end: &End, shape| Collider {
-            name: name.to_string(),
-            body: end.attachment.body,
-            pose: end.attachment.frame,
-            shape,
-            surface_velocity: Vector3::zeros(),
-        };
+        let collider =
+            |name: &str, end: &End, shape| Collider::still(name, end.attachment.body, end.attachment.frame, shape);
         let colliders =
             [collider(&rope.name, &a, Shape::Hollow { radius: rope.length }), collider(&b.link, &b, Shape::Point)];
         let (length, restitution) = (rope.length, rope.restitution);

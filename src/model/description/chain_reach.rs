@@ -249,13 +249,7 @@ mod tests {
     }
 
     fn ball(body: usize, radius: f64) -> Collider {
-        Collider {
-            name: String::new(),
-            body: Some(body),
-            pose: at(0.5, 0.0, 0.0),
-            shape: Shape::Sphere { radius },
-            surface_velocity: Vector3::zeros(),
-        }
+        Collider::still("", Some(body), at(0.5, 0.0, 0.0), Shape::Sphere { radius })
     }
 
     fn never_meet(mechanism: &Mechanism, one: &Collider, other: &Collider) -> bool {

@@ -223,7 +223,7 @@ mod tests {
     }
 
     fn collider(body: Option<usize>, shape: Shape, pose: Pose) -> Collider {
-        Collider { name: String::new(), body, pose, shape, surface_velocity: Vector3::zeros() }
+        Collider::still("", body, pose, shape)
     }
 
     #[test]

@@ -370,13 +370,7 @@ mod tests {
         let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
         let mut mechanism = Mechanism::new("ball", Vector3::zeros(), vec![body]).expect("a free body");
         for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
-            let collider = Collider {
-                name: "one".into(),
-                body,
-                pose: Pose::identity(),
-                shape,
-                surface_velocity: Vector3::zeros(),
-            };
+            let collider = Collider::still("one", body, Pose::identity(), shape);
             mechanism.nonsmooth.colliders.push(collider);
         }
         mechanism.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });

@@ -29,13 +29,7 @@ const STEP: f64 = 0.05;
 /// The arm, whose slider may touch a floor and a wall.
 fn touching_arm() -> Model {
     let mut model = arm();
-    let collider = |name: &str, body| Collider {
-        name: name.to_string(),
-        body,
-        pose: Pose::identity(),
-        shape: Shape::HalfSpace,
-        surface_velocity: Vector3::zeros(),
-    };
+    let collider = |name: &str, body| Collider::still(name, body, Pose::identity(), Shape::HalfSpace);
     let pair = |number, b| ContactPair { number, a: 0, b, friction: 0.5, restitution: 0.0 };
     model.mechanism.nonsmooth.colliders =
         vec![collider("slider", Some(1)), collider("floor", None), collider("wall", None)];

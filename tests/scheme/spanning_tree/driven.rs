@@ -153,13 +153,7 @@ fn rows_that_fall_onto_a_floor_touch_it_at_the_same_instants_whichever_way_they_
             let body = mechanism.bodies.iter().position(|body| body.name == "coupler3");
             let shapes = [(None, floor, Shape::HalfSpace), (body, Pose::identity(), Shape::Sphere { radius: 0.1 })];
             for (body, pose, shape) in shapes {
-                mechanism.nonsmooth.colliders.push(Collider {
-                    name: format!("{shape:?}"),
-                    body,
-                    pose,
-                    shape,
-                    surface_velocity: Vector3::zeros(),
-                });
+                mechanism.nonsmooth.colliders.push(Collider::still(format!("{shape:?}"), body, pose, shape));
             }
             mechanism.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: mu, restitution });
         }
@@ -290,13 +284,7 @@ fn joints_carry_what_friction_motors_limits_and_contacts_exert_whichever_of_them
         (Some(3), Pose::identity(), Shape::Sphere { radius: 0.1 }),
     ];
     for (body, pose, shape) in shapes {
-        touching.nonsmooth.colliders.push(Collider {
-            name: format!("{shape:?}"),
-            body,
-            pose,
-            shape,
-            surface_velocity: Vector3::zeros(),
-        });
+        touching.nonsmooth.colliders.push(Collider::still(format!("{shape:?}"), body, pose, shape));
     }
     touching.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.0, restitution: 0.0 });
     assert!(plain.bodies[3].name.starts_with("coupler"), "{}", plain.bodies[3].name);

@@ -17,7 +17,7 @@
 
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::closure::{Attachment, LoopKind, Mimic};
-use crate::description::contact::{Grip, TouchJoint};
+use crate::description::contact::{Feature, Grip, TouchJoint};
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::motion::gaps::{loop_gaps, mimic_gap};
@@ -226,8 +226,14 @@ pub fn circuit(mechanism: &Mechanism, ends: [&Attachment; 2]) -> [Vec<usize>; 2]
 fn sizes(mechanism: &Mechanism, bodies: &[BodyState], circuits: &[[Vec<usize>; 2]]) -> Vec<f64> {
     let mut far = 0.0_f64;
     let loops = mechanism.loops.iter().map(|joint| [&joint.a, &joint.b].map(|end| end.place(bodies).0));
-    // The origins of touching features may be anywhere in a plane or on a line.
-    let touches = mechanism.touches.iter().map(|joint| [touch_motion(joint, bodies).point; 2]);
+    // The origins of touching features may be anywhere in a plane or on a line. A rope reaches from its first end to its point.
+    let touches = mechanism.touches.iter().map(|joint| {
+        let point = touch_motion(joint, bodies).point;
+        match joint.touch.features[0] {
+            Feature::Hollow { .. } => [joint.a.place(bodies).0, point],
+            _ => [point; 2],
+        }
+    });
     let own: Vec<f64> = loops
         .chain(touches)
         .zip(circuits)

@@ -109,13 +109,7 @@ fn on_floor(
         Body { name, parent: None, mass: *mass, inertia: *inertia, joint }
     };
     let mut mechanism = Mechanism::new("on_floor", gravity, bodies.iter().enumerate().map(body).collect())?;
-    let collider = |name: &str, body, shape| Collider {
-        name: name.into(),
-        body,
-        pose: Pose::identity(),
-        shape,
-        surface_velocity: Vector3::zeros(),
-    };
+    let collider = |name: &str, body, shape| Collider::still(name, body, Pose::identity(), shape);
     let nonsmooth = &mut mechanism.nonsmooth;
     nonsmooth.colliders.push(collider("floor", None, Shape::HalfSpace));
     for (number, (.., shape)) in bodies.iter().enumerate() {
