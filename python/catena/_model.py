@@ -37,7 +37,7 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     base_pose : x, y, z, roll, pitch, yaw of the root link in the world [m, rad]
     gravity : acceleration of gravity in the world, x, y, z [m/s²]; (0, 0, -9.81) if neither this nor the file says otherwise
     floor : height of a floor under everything [m]
-    contact : which shapes may touch: ``"none"``, ``"environment"`` or ``"all"``
+    contact : which shapes may touch: ``"none"``, ``"environment"`` (links with obstacles) or ``"all"``, the default in scenes with an obstacle, a floor or a free body
     without : what is left out: ``"limits"``, ``"friction"``, ``"damping"``, ``"motors"``, ``"contact"``
     packages : folders of ROS packages by name
     params : numbers by key path, as of :meth:`Model.with_params`

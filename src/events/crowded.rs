@@ -1,7 +1,7 @@
 //! A run in a crowd of events: when it begins, the length of its steps (`crowd/`), and when exact steps take over again.
 //!
 //! ```text
-//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to the tolerance          v: largest speed so far [m/s]
+//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
 //!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`, if such crowds follow soon
 //!     ends:     calm, and   n_s c (n + 3 n_c)² < ½ (1/h) c_c (i + 5) n                                expected cost for a second of the motion (s)
 //! ```
@@ -42,15 +42,20 @@ const USUAL: f64 = 8.0;
 const CHEAP: f64 = 1.0;
 
 impl Eventful {
-    /// The length of steps over events (s), and whether they keep to the tolerance.
+    /// The length of steps over events (s), and whether they keep to the tolerance, which asks for nothing beyond the horizon.
     fn crowd_length(&self) -> (f64, bool) {
         let mass: f64 = self.model.whole.bodies.iter().map(|body| body.mass).sum();
         let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.model.whole.gravity.norm());
         let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
         match kept {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
-            _ => (PLAIN, false),
+            _ => (PLAIN, self.progress.beyond_horizon),
         }
+    }
+
+    /// From now on no step can be accurate: runs that differ by roundings have met other events.
+    pub(crate) fn pass_horizon(&mut self) {
+        self.progress.beyond_horizon = true;
     }
 
     /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.

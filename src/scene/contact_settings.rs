@@ -52,13 +52,12 @@ pub struct MeshSource {
 }
 
 /// Which shapes may touch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Touching {
     /// No pair.
     None,
     /// Links and obstacles.
-    #[default]
     Environment,
     /// Links and obstacles, and the links of different robots.
     All,
@@ -139,8 +138,8 @@ pub struct SceneLink {
 /// All that a scene says of contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSettings {
-    /// Which shapes may touch.
-    pub touching: Touching,
+    /// Which shapes may touch, if that is said; see [`ContactSettings::touching`].
+    pub touching: Option<Touching>,
     /// Whether links of one robot touch each other; `None`: wherever shapes touch anything else.
     pub self_contact: Option<bool>,
     /// The default of μ.
@@ -160,7 +159,7 @@ pub struct ContactSettings {
 impl Default for ContactSettings {
     fn default() -> Self {
         ContactSettings {
-            touching: Touching::Environment,
+            touching: None,
             self_contact: None,
             friction: 0.5,
             restitution: 0.0,
@@ -173,9 +172,15 @@ impl Default for ContactSettings {
 }
 
 impl ContactSettings {
+    /// Which shapes may touch: what is said, or everything in a scene with an obstacle.
+    pub fn touching(&self) -> Touching {
+        let everything = if self.obstacles.is_empty() { Touching::Environment } else { Touching::All };
+        self.touching.unwrap_or(everything)
+    }
+
     /// Whether shapes of one robot touch what is not of that robot, in a scene with this number of robots.
     pub fn touches_others(&self, robots: usize) -> bool {
-        match self.touching {
+        match self.touching() {
             Touching::None => false,
             Touching::Environment => !self.obstacles.is_empty(),
             Touching::All => !self.obstacles.is_empty() || robots > 1,
@@ -184,7 +189,7 @@ impl ContactSettings {
 
     /// Whether links of one robot touch each other, in a scene with this number of robots.
     pub fn touches_itself(&self, robots: usize) -> bool {
-        self.touching != Touching::None && self.self_contact.unwrap_or(self.touches_others(robots))
+        self.touching() != Touching::None && self.self_contact.unwrap_or(self.touches_others(robots))
     }
 
     /// The choice for a collision shape of a link, by its place among the shapes of the link from 1: its own setting, else the setting of the link.

@@ -178,21 +178,19 @@ impl World {
     /// The user's contact settings, or else the settings of the scene, with all parts that are left out of the simulation.
     fn contact_settings(&self, mut settings: ContactSettings) -> Result<ContactSettings, Error> {
         let without = self.without.contains(&Left::Contact);
-        if let Some(touching) = self.contact {
-            settings.touching = touching;
-        }
+        settings.touching = self.contact.or(settings.touching);
         if let Some(height) = self.floor {
             if settings.obstacles.iter().any(|obstacle| obstacle.name == Obstacle::FLOOR) {
                 return Err(Error::FloorTwice(Obstacle::FLOOR));
             }
-            if settings.touching == Touching::None && !without {
+            if settings.touching() == Touching::None && !without {
                 return Err(Error::FloorUntouched);
             }
             settings.obstacles.push(Obstacle::floor(height));
         }
         if without {
             // Without contact, its files are not read.
-            settings.touching = Touching::None;
+            settings.touching = Some(Touching::None);
         }
         Ok(settings)
     }

@@ -42,6 +42,7 @@ mod couplings;
 mod crowds;
 mod ellipsoids;
 mod exact;
+mod free_bodies;
 mod laws;
 mod loads;
 mod locked;

@@ -11,7 +11,7 @@ pub struct ContactArgs {
     #[arg(long, value_name = "Z", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = finite)]
     pub floor: Option<f64>,
 
-    /// Which collision shapes may touch: none, environment (links with obstacles), all (links of different robots, too) [default: environment]
+    /// Which collision shapes may touch: none, environment (links with obstacles), all (links of different robots, too) [default: all, in scenes with an obstacle, a floor or a free body]
     #[arg(long, value_name = "PAIRS")]
     pub contact: Option<Touching>,
 }

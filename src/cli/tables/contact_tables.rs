@@ -45,7 +45,7 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
         json!({"a": name(left.pair.a), "b": name(left.pair.b), "rule": because.name(), "reason": because.reason()})
     });
     let contact = json!({
-        "touching": contact.settings.touching.name(),
+        "touching": contact.settings.touching().name(),
         "shapes": shapes.collect::<Value>(),
         "pairs": pairs.collect::<Value>(),
         "never_touch": left_out.collect::<Value>(),
@@ -67,7 +67,7 @@ pub fn write_note(model: &Model, text: &mut String) {
     let links = model.robots.iter().flat_map(|placed| &placed.robot.links);
     let touching = links.filter(|link| !link.collisions.is_empty()).count();
     if touching > 0 && model.mechanism.nonsmooth.colliders.is_empty() {
-        let why = match model.contact.settings.touching {
+        let why = match model.contact.settings.touching() {
             Touching::None => "contact is left out",
             _ => "there is no obstacle (--floor gives one)",
         };

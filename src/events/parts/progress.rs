@@ -20,6 +20,8 @@ pub(crate) struct Progress {
     pub crowding: Crowding,
     /// Whether the run makes steps over many impacts now.
     pub in_crowd: bool,
+    /// Whether runs that differ by roundings have met other events before, so that no step can be accurate.
+    pub beyond_horizon: bool,
     /// Whether the laws could not be solved at all where the last step ended: the next one is of first order.
     pub undecided: bool,
     /// Whether all bodies rest on contacts, and stay there until the next event.
@@ -39,6 +41,7 @@ impl Progress {
             repeats: Repeats::new(),
             crowding: Crowding::CALM,
             in_crowd: false,
+            beyond_horizon: false,
             undecided: false,
             asleep: false,
             quiet: 0,

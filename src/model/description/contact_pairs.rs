@@ -80,7 +80,7 @@ pub(crate) fn contact_pairs(
     for (a, one) in colliders.iter().enumerate() {
         for (b, other) in colliders.iter().enumerate().skip(a + 1) {
             let own = owners[a] == owners[b];
-            if never_asked(settings.touching, itself, [owners[a], owners[b]]).is_some()
+            if never_asked(settings.touching(), itself, [owners[a], owners[b]]).is_some()
                 || (own && one.name == other.name)
             {
                 continue;
@@ -118,7 +118,7 @@ pub(crate) enum NeverAsked {
     OneLink,
     #[error("links of one robot touch each other with self_contact = true in [contact] only")]
     OneRobot,
-    #[error("links of different robots touch with pairs = \"all\" in [contact] only")]
+    #[error("links of different robots do not touch: there is no obstacle, or [contact] says pairs = \"environment\"")]
     Robots,
 }
 
@@ -140,7 +140,7 @@ pub(crate) fn rules_of_nothing(
     named: &[(&str, Owner)],
 ) -> Vec<(usize, NeverAsked)> {
     let itself = settings.touches_itself(robots);
-    if settings.touching == Touching::None {
+    if settings.touching() == Touching::None {
         return Vec::new();
     }
     let why = |rule: &PairRule| {
@@ -151,7 +151,7 @@ pub(crate) fn rules_of_nothing(
         let pairs = ones.iter().flat_map(|one| others.iter().map(move |other| [*one, *other]));
         let never = |[one, other]: [&(&str, Owner); 2]| match one.1 {
             Owner::Robot(_) if one == other => Some(NeverAsked::OneLink),
-            _ => never_asked(settings.touching, itself, [one.1, other.1]),
+            _ => never_asked(settings.touching(), itself, [one.1, other.1]),
         };
         let reasons: Option<Vec<_>> = pairs.map(never).collect();
         reasons?.into_iter().max()

@@ -73,7 +73,7 @@ impl Model {
                     mechanism.nonsmooth.colliders.clear();
                     mechanism.nonsmooth.pairs.clear();
                     // The obstacles and their meshes stay: the log carries them, so that the run can be made again.
-                    self.contact.settings.touching = Touching::None;
+                    self.contact.settings.touching = Some(Touching::None);
                     self.contact.owners.clear();
                     self.contact.left_out.clear();
                 }

@@ -4,7 +4,7 @@
 use crate::geometry::check_shape;
 use crate::mechanism::description::contact::Shape;
 use crate::meshes::collision_surface;
-use crate::scene::contact_settings::{ContactSettings, MeshSource, Obstacle, PairRule, SceneLink};
+use crate::scene::contact_settings::{ContactSettings, MeshSource, Obstacle, PairRule, SceneLink, Touching};
 use crate::scene::coupling::LinkReference;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::{normalised, turn, turn_of_z};
@@ -24,9 +24,10 @@ use std::sync::Arc;
 use toml::Spanned;
 
 impl CouplingReader<'_> {
-    /// All that the file says of contact; the meshes of obstacles are read.
+    /// All that the file says of contact, in a scene with or without `bodies`; the meshes of obstacles are read.
     pub fn contact(
         &self,
+        bodies: bool,
         table: Option<ContactTable>,
         obstacles: Vec<Spanned<ObstacleTable>>,
         links: Vec<Spanned<LinkTable>>,
@@ -36,7 +37,8 @@ impl CouplingReader<'_> {
         let table = table.unwrap_or_default();
         let rules = table.pair.into_iter().map(|pair| self.pair_rule(pair)).collect::<Result<_, _>>()?;
         Ok(ContactSettings {
-            touching: table.pairs,
+            // Free bodies are there to touch each other.
+            touching: table.pairs.or(bodies.then_some(Touching::All)),
             self_contact: table.self_contact,
             friction: table.friction.map_or(defaults.friction, |friction| friction.0),
             restitution: table.restitution.map_or(defaults.restitution, |restitution| restitution.0),

@@ -45,7 +45,7 @@ pub(crate) enum ShapeKind {
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct ContactTable {
-    pub pairs: Touching,
+    pub pairs: Option<Touching>,
     pub self_contact: Option<bool>,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,

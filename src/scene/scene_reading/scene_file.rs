@@ -59,6 +59,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(source) };
     let file: FileTable = text.read()?;
     let mut robots = robots(&text, file.robot, files)?;
+    let has_bodies = !file.body.is_empty();
     bodies(&text, file.body, &mut robots, files)?;
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
@@ -71,7 +72,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut motors = reader.motors(file.motor, &loops, files, &mut tables)?;
     let motions = reader.motions(file.motion, &loops, &mut motors, files, &mut tables)?;
     let joints = reader.joints(file.joint, &loops)?;
-    let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
+    let contact = reader.contact(has_bodies, file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
     for said in &contact.links {
         if let LinkReference::Link { robot, link } = said.link {

@@ -94,6 +94,15 @@ impl RunIntegrator {
         }
     }
 
+    /// From now on no step can be accurate: runs that differ by roundings have met other events.
+    pub(crate) fn pass_horizon(&mut self) {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.pass_horizon(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.pass_horizon(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => {}
+        }
+    }
+
     /// A bound of the overlap of shapes in the steps so far (m).
     pub(crate) fn overlap(&self) -> f64 {
         match self {

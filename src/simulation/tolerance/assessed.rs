@@ -269,6 +269,13 @@ impl<'a> Assessed<'a> {
             self.by = By::Nothing;
             self.run.leave_companion();
         }
+        let finer = self.may_begin_again && self.stop > FINEST;
+        if self.next.is_none() && estimate > wanted && !finer && self.differ.or_else(|| self.difference()).is_some() {
+            self.run.pass_horizon();
+            if let By::Beside(beside) = &mut self.by {
+                beside.run.pass_horizon();
+            }
+        }
     }
 
     /// Whether finer steps may carry the run on to a state, as far as is known; it does not restart any more if they do not. Steps over events have the

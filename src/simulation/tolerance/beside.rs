@@ -24,7 +24,7 @@ pub(crate) enum Behind {
 
 /// A separate coarser run, and its state.
 pub(crate) struct Beside {
-    run: RunIntegrator,
+    pub(crate) run: RunIntegrator,
     pub(crate) state: State,
     pub(crate) events: Vec<Event>,
 }

@@ -33,7 +33,7 @@ impl Reader<'_> {
         scene.tables.iter().for_each(|table| self.mix(table.text.as_bytes()));
         let meshes = scene.contact.obstacles.iter().filter_map(|obstacle| obstacle.mesh.as_ref());
         meshes.for_each(|mesh| self.mix(&mesh.bytes));
-        let touches = !scene.contact.obstacles.is_empty() || scene.contact.touching == Touching::All;
+        let touches = !scene.contact.obstacles.is_empty() || scene.contact.touching() == Touching::All;
         let links = scene.robots.iter().flat_map(|robot| &robot.robot.links).filter(|_| touches);
         for shape in links.flat_map(|link| &link.collisions) {
             if let Geometry::Mesh(mesh) = &shape.geometry

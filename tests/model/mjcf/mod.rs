@@ -147,10 +147,10 @@ fn free_bodies_loops_excluded_pairs_and_followers_become_those_of_a_scene() {
     // Bits of contact that never meet: the robot touches the floor alone.
     let masked = text.replace("<geom type", "<geom contype='1' conaffinity='2' type");
     assert_eq!(read("mjcf_masked", &masked).expect("a scene").contact.self_contact, Some(false));
-    assert_eq!(scene.contact.touching, Touching::All);
+    assert_eq!(scene.contact.touching, Some(Touching::All));
     let off = text.replace("<worldbody>", "<option><flag contact='disable' gravity='disable'/></option><worldbody>");
     let scene = read("mjcf_flags", &off).expect("a scene");
-    assert_eq!((scene.contact.touching, scene.gravity), (Touching::None, Some(nalgebra::Vector3::zeros())));
+    assert_eq!((scene.contact.touching, scene.gravity), (Some(Touching::None), Some(nalgebra::Vector3::zeros())));
 }
 
 #[test]
