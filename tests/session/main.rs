@@ -8,6 +8,7 @@ mod linear;
 mod quantities;
 mod runs;
 mod sensitivity;
+mod sensitivity_contacts;
 mod sensitivity_events;
 mod sensors;
 mod states;
