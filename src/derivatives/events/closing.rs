@@ -32,9 +32,6 @@ const STAYS: f64 = 1e-8;
 /// A slip below this is none [m/s].
 const NO_SPEED: f64 = 1e-12;
 
-/// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
-pub(super) type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
-
 impl Walk<'_> {
     /// The corners that stick in a step.
     pub(super) fn anchors_of(&self, traced: &TracedStep) -> Vec<LoopFigures<f64>> {

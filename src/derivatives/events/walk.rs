@@ -10,7 +10,7 @@
 //! place at which a joint sticks is a function of the parameters.
 
 use crate::derivatives::equations::closed::ClosedContacts;
-use crate::derivatives::events::closing::Anchored;
+use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
@@ -42,6 +42,9 @@ pub(crate) struct Subject<'w> {
     pub laws: &'w TimeLaws,
     pub parameters: &'w [Parameter],
 }
+
+/// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
+type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
 
 /// Derivatives along a run.
 pub(crate) struct Walk<'w> {

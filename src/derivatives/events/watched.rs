@@ -4,7 +4,7 @@
 //!     distance to a limit   ±(q − bound)             what a motor can still do   bound ∓ u
 //!     rate of a joint       q̇                        what a held joint bears     λ − lo, hi − λ
 //!     gap of a pair         φ(q)
-//!     closed contacts       λ_N,  μ λ_N − |λ_T|,  u_T · t₀      [`crate::derivatives::events::bearing`]
+//!     closed contacts       λ_N,  μ λ_N − |λ_T|,  u_T · t₀      their forces in accelerations
 //! ```
 
 use crate::derivatives::equations::contacts::TouchFigures;

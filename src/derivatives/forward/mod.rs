@@ -5,3 +5,4 @@ pub mod stage_equations;
 pub mod step;
 pub mod tangent;
 mod touching;
+pub mod twelve;

@@ -17,11 +17,12 @@
 
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::closures::{closures, push as push_closures, with_rates};
-use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame, LoopFigures};
+use crate::derivatives::equations::figures::{BodyFigures, End, Figures, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::{Offsets, Placed, end_frame, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms, still};
 use crate::derivatives::forward::touching::{BodiesInStep, TouchInStep};
+use crate::derivatives::forward::twelve::{Twelve, place_of, rate_of};
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
@@ -88,13 +89,6 @@ struct AtStage<'s, T> {
     placed: &'s [Vec<Placed<T>>],
     started: &'s [Placed<Jet<T>>],
     touches: &'s [TouchInStep<T>],
-}
-
-/// Place or rate of a body in R¹².
-#[derive(Clone, Copy)]
-pub(in crate::derivatives) struct Twelve<T> {
-    pub origin: Vector<T>,
-    pub axes: Matrix<T>,
 }
 
 impl<T: Number> StepMotion<'_, T> {
@@ -376,37 +370,4 @@ pub(in crate::derivatives) fn momentum<T: Number>(body: &BodyFigures<T>, axes: &
         torque = torque + axis.cross(pull);
     }
     Load { force, torque }
-}
-
-fn place_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
-    of_frame(&placed.frame, |jet| jet.value)
-}
-
-/// The rate of a body.
-pub(in crate::derivatives) fn rate_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
-    of_frame(&placed.frame, |jet| jet.rate)
-}
-
-fn of_frame<T: Number>(frame: &Frame<Jet<T>>, part: impl Fn(Jet<T>) -> T + Copy) -> Twelve<T> {
-    Twelve { origin: frame.origin.map(part), axes: frame.axes.map(|column| column.map(part)) }
-}
-
-impl<T: Number> Twelve<T> {
-    pub(super) fn zero() -> Self {
-        Twelve { origin: Vector::zero(), axes: Matrix([Vector::zero(); 3]) }
-    }
-
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        let axes = std::array::from_fn(|column| self.axes.0[column] + other.axes.0[column]);
-        Twelve { origin: self.origin + other.origin, axes: Matrix(axes) }
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        let axes = std::array::from_fn(|column| self.axes.0[column] - other.axes.0[column]);
-        Twelve { origin: self.origin - other.origin, axes: Matrix(axes) }
-    }
-
-    pub(super) fn scaled(&self, factor: T) -> Self {
-        Twelve { origin: self.origin.scaled(factor), axes: self.axes.map(|column| column.scaled(factor)) }
-    }
 }

@@ -17,7 +17,7 @@ use crate::derivatives::equations::closed::{ClosedTouch, Friction, across, along
 use crate::derivatives::equations::contacts::Touching;
 use crate::derivatives::equations::figures::BodyFigures;
 use crate::derivatives::equations::placed::Placed;
-use crate::derivatives::forward::stage_equations::Twelve;
+use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
