@@ -43,6 +43,20 @@ def test_a_number_that_the_data_does_not_tell_is_refused(robots):
         catena.fit(catena.load(robots / "friction_pendulum.toml"), t, np.zeros((21, 1)), ["gravity.y"])
 
 
+def test_a_run_has_the_derivatives_that_it_is_asked_for(double_pendulum):
+    sim = catena.Sim(double_pendulum, stages=5, step=0.02)
+    sim.q["shoulder"] = 0.3
+    result = sim.run(0.4, rate=50, sensitivity=["lower_arm.mass"])
+    own = result.sensitivity
+    # They are those of the same steps.
+    assert np.allclose(own.q[-1], result.q[-1], rtol=0, atol=1e-12) and own.dq.shape[1:] == (2, 1)
+    q = [0.3, double_pendulum.start()[0][1]]
+    assert np.array_equal(own.dq, double_pendulum.sensitivity("lower_arm.mass", q, [0.0, 0.0], duration=0.4, stages=5, step=0.02).dq)
+    assert sim.run(0.1).sensitivity is None
+    with pytest.raises(catena.InputError, match="from time 0 on"):
+        sim.run(0.1, sensitivity="lower_arm.mass")
+
+
 def loss_and_gradient(model, keys):
     """Σ q² of the samples and its gradient, by hand."""
     from catena._motion import Motion
