@@ -155,7 +155,7 @@ impl Eventful {
         for (block, side) in blocks.iter().zip(sides) {
             let restitution = match (block.of, side) {
                 (Of::Joint(joint), Some(_)) => self.model.elements.joints[joint].restitution,
-                (Of::Joint(_), None) => 0.0,
+                (Of::Joint(_), None) | (Of::Moment { .. }, _) => 0.0,
                 (Of::Contact(contact), _) => self.model.touching.pairs[contacts[contact].pair].restitution,
             };
             if restitution > 0.0 && impulses[row] > 0.0 && before[row] < -slow {
@@ -366,7 +366,7 @@ mod tests {
         for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
             nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
-        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
+        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0, moments: Default::default() });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
         eventful.workspaces.crowd = None;
@@ -397,7 +397,7 @@ mod tests {
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
             nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
-        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3 });
+        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3, moments: Default::default() });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
         eventful.workspaces.crowd = None;
@@ -443,7 +443,7 @@ mod tests {
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
             nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
-        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
+        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0, moments: Default::default() });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
         eventful.workspaces.crowd = None;

@@ -241,6 +241,8 @@ impl Walk<'_> {
             Watched::Presses(_) => "a contact parts".into(),
             Watched::Grips(_) => "a contact begins to slide".into(),
             Watched::Slips(_) => "a contact stops".into(),
+            Watched::Resists(..) => "a contact begins to roll or spin".into(),
+            Watched::Turns(..) => "a contact stops to roll or spin".into(),
             Watched::Feature(_) => "a contact leaves its features".into(),
         }
     }

@@ -72,6 +72,8 @@ impl Sight<'_> {
             | Watched::Grips(_)
             | Watched::Slips(_)
             | Watched::SlipsTogether(_)
+            | Watched::Resists(..)
+            | Watched::Turns(..)
             | Watched::Feature(_) => return None,
         })
     }

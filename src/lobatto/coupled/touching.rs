@@ -45,9 +45,13 @@ impl<V: Lanes> Touching<V> {
         let touches = SpatialTouch::all(&mechanism.touches, mechanism.gravity.norm());
         let mut moving = vec![[false; 2]; mechanism.bodies.len()];
         for touch in touches.iter().filter(|touch| touch.feels_slip()) {
-            touch.bodies().into_iter().flatten().for_each(|body| moving[body][touch.kind_of_rate()] = true);
+            let [scheme, slips] = touch.moments().map_or([false; 2], |moments| moments.kinds_of_rates());
+            for body in touch.bodies().into_iter().flatten() {
+                moving[body][touch.kind_of_rate()] = true;
+                moving[body] = [moving[body][0] | scheme, moving[body][1] | slips];
+            }
         }
-        let rubs = mechanism.rubbing().next().is_some();
+        let rubs = touches.iter().any(SpatialTouch::brakes);
         Touching {
             mixing: tableau.filter(|_| touches.iter().any(SpatialTouch::feels_slip)).map(StageMixing::new),
             leans: vec![Lean::default(); if rubs { touches.len() } else { 0 }],
@@ -107,7 +111,10 @@ impl<V: Lanes> Touching<V> {
                 [0, 1].map(|side: usize| (&rates[side], moved[body][side].anchor_from(&anchor, origin)))
             };
             touch.slip(mixing, step, ends.map(|end| end.map(of)));
-            if touch.friction() != 0.0 {
+            if touch.moments().is_some() {
+                touch.turn(mixing, step, ends.map(|end| end.map(|body| &rates[body])));
+            }
+            if touch.brakes() {
                 leans[number] = touch.lean(mixing);
             }
         }
@@ -155,12 +162,20 @@ impl<V: Lanes> Touching<V> {
         let mut friction = friction.iter_mut().zip(behind);
         let mut lags = false;
         for (touch, rows) in self.touches.iter_mut().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
-            if touch.friction() == 0.0 {
+            if touch.rolls() {
                 for (axis, change) in touch.rolling().into_iter().enumerate() {
                     rolling[rows.start + 1 + axis] = Some(change);
                 }
-            } else if let Some((friction, behind)) = friction.next() {
+            } else if touch.friction() != 0.0
+                && let Some((friction, behind)) = friction.next()
+            {
                 [*friction, *behind] = touch.turning_friction(self.step, multipliers[rows.start]);
+            }
+            if let Some(moments) = touch.moments() {
+                let held = rows.end - moments.changes().count();
+                moments.changes().zip(&mut rolling[held..]).for_each(|(change, row)| *row = Some(change));
+            }
+            if touch.brakes() {
                 lags |= touch.iterated();
             }
         }
@@ -185,7 +200,7 @@ impl<V: Lanes> Touching<V> {
 
     /// The velocities of driven surfaces along the tangents of contacts that roll, with the first row of each, where its bodies are placed [m/s].
     pub(crate) fn carried(&self, touches: &[Range<usize>]) -> impl Iterator<Item = (usize, [V; 2])> {
-        let belts = self.touches.iter().zip(touches).filter(|(touch, _)| touch.exchanges() && touch.rows() == 3);
+        let belts = self.touches.iter().zip(touches).filter(|(touch, _)| touch.exchanges() && touch.rolls());
         belts.map(|(touch, rows)| (rows.start + 1, touch.carried(0)))
     }
 
