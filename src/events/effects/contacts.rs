@@ -13,7 +13,6 @@ use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::Found;
 use crate::events::effects::planar_rims::{land_opposite, touching_point};
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
-use crate::events::effects::turnings::rows_of_rest;
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
 use crate::events::modes::tolerances::{SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
@@ -212,7 +211,7 @@ impl Contacts {
             rows.extend(own);
             let (slides, opens) = (is(&yielding.slides) || is(&self.slid), is(&yielding.opens));
             let turning = self.turning_above_rest(scene, &bodies, index, &yielding.halts);
-            rows.extend(rows_of_rest(scene, &bodies, contact, &turning));
+            rows.extend(self.rows_of_rest(scene, &bodies, index, &turning));
             let turns = [false, true].map(|spinning| self.is_among(index, spinning, &yielding.turns));
             candidates.push(Candidate { contact: contact.clone(), slip, slides, opens, turning, turns });
         }

@@ -143,7 +143,8 @@ pub(crate) fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], 
     for pair in 0..scene.touching.pairs.len() {
         let features = |mode: &Mode| {
             let own = mode.contacts.iter().filter(|closed| closed.contact.pair == pair);
-            own.map(|closed| (closed.contact.features, closed.slides.is_some(), closed.held_turns())).collect::<Vec<_>>()
+            own.map(|closed| (closed.contact.features, closed.slides.is_some(), closed.held_turns()))
+                .collect::<Vec<_>>()
         };
         done.pairs[pair] |= features(before) != features(after);
         let (was, is) = (of(before, pair), of(after, pair));
@@ -166,7 +167,9 @@ pub(crate) fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], 
         };
         let kind = kind.or_else(|| match (held(before), held(after)) {
             _ if was == PairMode::Open => None,
-            ([rolls, spins], [now_rolls, now_spins]) if now_rolls > rolls || now_spins > spins => Some(EventKind::Stick),
+            ([rolls, spins], [now_rolls, now_spins]) if now_rolls > rolls || now_spins > spins => {
+                Some(EventKind::Stick)
+            }
             ([rolls, spins], [now_rolls, now_spins]) if now_rolls < rolls || now_spins < spins => Some(EventKind::Slip),
             _ => None,
         });

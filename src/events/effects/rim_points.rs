@@ -7,9 +7,9 @@
 //! The lowest θ is halfway between two points that press: each round halves that angle, so that some fifteen rounds are as exact as laws are solved.
 
 use crate::events::effects::contacts::Contacts;
-use crate::events::effects::turnings::turning_faster;
 use crate::events::effects::decision::{Candidate, Decided, Scene};
 use crate::events::effects::flat_ends::Asked;
+use crate::events::effects::turnings::turning_faster;
 use crate::events::modes::tolerances::SLIPS_TOGETHER;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::contact::TouchJoint;

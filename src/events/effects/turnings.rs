@@ -26,13 +26,39 @@ impl Contacts {
         index: usize,
         halts: &[(usize, bool)],
     ) -> Turning {
-        let rest = |spinning: bool| if self.is_among(index, spinning, halts) { STOPPED_SLIP * self.rest } else { self.rest };
+        let rest =
+            |spinning: bool| if self.is_among(index, spinning, halts) { STOPPED_SLIP * self.rest } else { self.rest };
         turning_faster(scene, bodies, &self.all[index], [rest(false), rest(true)])
     }
 
     /// Whether a contact, by its number, is in a list of closed contacts that turn.
     pub(super) fn is_among(&self, index: usize, spinning: bool, list: &[(usize, bool)]) -> bool {
         self.known[index].is_some_and(|known| list.contains(&(known, spinning)))
+    }
+
+    /// The rows of the turnings of a contact, by its number, that rest, where there is friction against them.
+    pub(super) fn rows_of_rest(
+        &self,
+        scene: &Scene,
+        bodies: &[BodyState],
+        index: usize,
+        turning: &Turning,
+    ) -> Vec<Row> {
+        let contact = &self.all[index];
+        let lengths = &scene.touching.pairs[contact.pair].moments;
+        if lengths.are_zero() {
+            return Vec::new();
+        }
+        let normal = touch_motion(&contact.joint, bodies).normal;
+        let mut rows = Vec::new();
+        let mut rest = |along: &Vector3<f64>| rows.push(row_of_torque(scene.whole, bodies, &contact.joint, along));
+        if lengths.rolling > 0.0 && turning.across == Vector3::zeros() {
+            tangents(&normal).iter().for_each(&mut rest);
+        }
+        if lengths.spinning > 0.0 && turning.along == 0.0 {
+            rest(&normal);
+        }
+        rows
     }
 }
 
@@ -48,22 +74,4 @@ pub(super) fn turning_faster(scene: &Scene, bodies: &[BodyState], contact: &Cont
         across: if turns(across.norm(), rests[0], of.moments.rolling) { across } else { Vector3::zeros() },
         along: if turns(along.abs(), rests[1], of.moments.spinning) { along } else { 0.0 },
     }
-}
-
-/// The rows of the turnings of a contact that rest, where there is friction against them.
-pub(super) fn rows_of_rest(scene: &Scene, bodies: &[BodyState], contact: &Contact, turning: &Turning) -> Vec<Row> {
-    let lengths = &scene.touching.pairs[contact.pair].moments;
-    if lengths.are_zero() {
-        return Vec::new();
-    }
-    let normal = touch_motion(&contact.joint, bodies).normal;
-    let mut rows = Vec::new();
-    let mut rest = |along: &Vector3<f64>| rows.push(row_of_torque(scene.whole, bodies, &contact.joint, along));
-    if lengths.rolling > 0.0 && turning.across == Vector3::zeros() {
-        tangents(&normal).iter().for_each(&mut rest);
-    }
-    if lengths.spinning > 0.0 && turning.along == 0.0 {
-        rest(&normal);
-    }
-    rows
 }

@@ -210,10 +210,8 @@ pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> Cl
     let falls = held.falls();
     let together = held.falls_together(&falls);
     // Torques have another unit, and the rows that stand for normal forces are those forces.
-    let is_force: Vec<bool> = blocks
-        .iter()
-        .flat_map(|block| vec![!matches!(block.of, Of::Moment { .. }); block.rows.len()])
-        .collect();
+    let is_force: Vec<bool> =
+        blocks.iter().flat_map(|block| vec![!matches!(block.of, Of::Moment { .. }); block.rows.len()]).collect();
     let size = |row: usize| {
         let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))

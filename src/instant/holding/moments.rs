@@ -87,12 +87,16 @@ pub(crate) fn blocks_of_moments(
     if *moments == Moments::default() {
         return Vec::new();
     }
-    let turning = Turning::of(joint, bodies, &touch_motion(joint, bodies).normal);
+    let normal = touch_motion(joint, bodies).normal;
+    let turning = Turning::of(joint, bodies, &normal);
     let all = moments_of(lengths).map(|(spinning, length)| {
         let of = if spinning { moments.spinning } else { moments.rolling };
         let moment = match of {
             // It brakes against the turning of this instant.
-            Moment::Brakes { direction, .. } => Moment::Brakes { length, direction: current(&turning, spinning, direction) },
+            Moment::Brakes { direction, .. } => {
+                let now = if spinning { normal * turning.along } else { turning.across };
+                Moment::Brakes { length, direction: now.try_normalize(SLOWEST).unwrap_or(direction) }
+            }
             other => other,
         };
         block(mechanism, bodies, joint, [contact, usize::from(spinning)], length, moment)
@@ -102,14 +106,6 @@ pub(crate) fn blocks_of_moments(
 
 /// Slower turnings have the direction in which they began [rad/s].
 const SLOWEST: f64 = 1e-12;
-
-/// The direction of a turning now; of a spin it has the sign.
-fn current(turning: &Turning, spinning: bool, begins: Vector3<f64>) -> Vector3<f64> {
-    if !spinning {
-        return turning.across.try_normalize(SLOWEST).unwrap_or(begins);
-    }
-    begins
-}
 
 /// The block of a moment: of the contact `of[0]`, spinning if `of[1]` is one.
 fn block(

@@ -177,9 +177,8 @@ impl<V: Lanes> SpatialTouch<V> {
         self.braking.begin(&motion.slip, a + b + carried, given);
         if let Some(moments) = &mut self.moments {
             let bodies = [self.joint.a.body, self.joint.b.body];
-            let spin = |body: Option<usize>| {
-                body.map_or(Vector3::zeros(), |body| start.body_states()[body].angular_velocity)
-            };
+            let spin =
+                |body: Option<usize>| body.map_or(Vector3::zeros(), |body| start.body_states()[body].angular_velocity);
             moments.begin(&motion.normal, bodies.map(spin));
         }
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };

@@ -127,8 +127,7 @@ pub fn turning_accelerations(
     let spin = turning.dot(&normal);
     let across = turning - normal * spin;
     let along = |tangent: &Vector3<f64>| {
-        change.dot(tangent) - spin * turns.dot(tangent)
-            + across.dot(&ends[0].body.angular_velocity.cross(tangent))
+        change.dot(tangent) - spin * turns.dot(tangent) + across.dot(&ends[0].body.angular_velocity.cross(tangent))
     };
     [along(&tangents[0]), along(&tangents[1]), change.dot(&normal) + turning.dot(&turns)]
 }

@@ -60,7 +60,14 @@ impl Model {
             let (a, number) = (colliders.len(), pairs.len());
             colliders.extend(rope.colliders.iter().cloned());
             owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
-            pairs.push(ContactPair { number, a, b: a + 1, friction: 0.0, restitution: rope.restitution, moments: Default::default() });
+            pairs.push(ContactPair {
+                number,
+                a,
+                b: a + 1,
+                friction: 0.0,
+                restitution: rope.restitution,
+                moments: Default::default(),
+            });
         }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;

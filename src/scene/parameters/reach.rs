@@ -44,9 +44,7 @@ impl Place {
             }
             Place::LinkFriction { robot, link } => Optional(&mut surface(scene, *robot, *link)?.friction),
             Place::LinkRestitution { robot, link } => Optional(&mut surface(scene, *robot, *link)?.restitution),
-            Place::LinkMoment { robot, link, of } => {
-                Optional(surface(scene, *robot, *link)?.moments.get_mut(*of)?)
-            }
+            Place::LinkMoment { robot, link, of } => Optional(surface(scene, *robot, *link)?.moments.get_mut(*of)?),
             Place::LinkSurface { robot, link, axis } => {
                 let velocity = surface(scene, *robot, *link)?.velocity.get_or_insert(Vector3::zeros());
                 Number(velocity.get_mut(*axis)?)

@@ -5,6 +5,7 @@ mod derivatives;
 mod elimination;
 mod features;
 mod literal;
+mod moments;
 mod rolling;
 mod sliding;
 mod slip_onset;
@@ -32,7 +33,13 @@ fn feature(body: Option<usize>, place: Vector3<f64>, turn: Vector3<f64>) -> Atta
 
 /// A contact of two features.
 fn touch(features: [Feature; 2], grip: Grip, a: Attachment, b: Attachment) -> TouchJoint {
-    TouchJoint { touch: Touch { features, side: 1.0, grip }, a, b, surfaces: [Vector3::zeros(); 2], moments: Moments::default() }
+    TouchJoint {
+        touch: Touch { features, side: 1.0, grip },
+        a,
+        b,
+        surfaces: [Vector3::zeros(); 2],
+        moments: Moments::default(),
+    }
 }
 
 /// A point of a body, with a radius, on the floor.
