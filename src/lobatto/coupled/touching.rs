@@ -7,9 +7,10 @@
 //! ```
 //!
 //! The change of friction as slips turn is in rows of its own, after the rows of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
-//! across the slip, as the tension of a damper is. It is in the matrix alone, and converged steps do not depend on it.
+//! across the slip, as the tension of a damper is; likewise for the torques of rolling friction. It is in the matrix alone, and converged steps do not depend on it.
 
 use crate::equations::braking::Lean;
+use crate::equations::friction_moments::FrictionMoments;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::Moved;
 use crate::equations::touches::SpatialTouch;
@@ -134,8 +135,10 @@ impl<V: Lanes> Touching<V> {
             let lean = if self.leaning { self.leans.get(number) } else { None };
             touch.write(lean, &mut gaps[rows.clone()], &mut gradients[rows.clone()]);
         }
-        for (touch, rows) in self.rubbing().zip(rubbing) {
-            gradients[rows.start] = touch.across();
+        let slips = self.rubbing().map(SpatialTouch::across);
+        let rolls = self.touches.iter().filter_map(|touch| touch.moments().filter(|moments| moments.brakes_rolling()));
+        for (across, rows) in slips.chain(rolls.map(FrictionMoments::across)).zip(rubbing) {
+            gradients[rows.start] = across;
         }
     }
 
@@ -177,6 +180,14 @@ impl<V: Lanes> Touching<V> {
             }
             if touch.brakes() {
                 lags |= touch.iterated();
+            }
+        }
+        // The rows of rolling come after the rows of all slips.
+        for (touch, rows) in self.touches.iter().zip(touches) {
+            if let Some(moments) = touch.moments().filter(|moments| moments.brakes_rolling())
+                && let Some((friction, behind)) = friction.next()
+            {
+                [*friction, *behind] = moments.turning_friction(self.step, multipliers[rows.start]);
             }
         }
         lags

@@ -5,6 +5,7 @@
 //! ```text
 //!     brakes        the multiplier of the gap pushes with the torque −(ρ t_k + σ s n_k) on b        t = ± ω_T/|ω_T|,  s = ± 1
 //!     holds         h Σ_j a_ij e_j · ω_j = 0,  e of both tangents or n              gradient and push: the torque e on b
+//!     as it turns   R_k = ρ λ_k / h |t_k · ω_k|   of torques along n × t     in the matrix alone, as of slips
 //!     change        δ(e · ω) = e · η̇ + η_b · (ω_b × e) − η_a · (ω_a × e)           for turns η of the bodies
 //!     dissipated    h Σ_k b_k Λ_k (ρ t_k · ω_k + σ s n_k · ω_k)   [J]
 //! ```
@@ -151,9 +152,28 @@ impl<V: Lanes> FrictionMoments<V> {
         }
     }
 
+    /// Whether rolling friction brakes.
+    pub fn brakes_rolling(&self) -> bool {
+        self.moments.brakes_rolling()
+    }
+
+    /// The torque across the rolling, `n × t`, at the columns' and the rows' stages.
+    #[inline(always)]
+    pub fn across(&self) -> [[V; 6]; 2] {
+        [0, 1].map(|side: usize| {
+            let across = self.turning[side].normal.cross(self.rolling.directions()[side]);
+            Vector::zero().joined(across)
+        })
+    }
+
+    /// How rolling friction resists that the rolling turns, and where it lags behind, for the multiplier of the gap ([`Braking::turning`]).
+    pub fn turning_friction(&self, step: f64, multiplier: V) -> [V; 2] {
+        self.rolling.turning(self.turning[1], step, multiplier)
+    }
+
     /// Counts an iteration; whether the direction of the rolling lagged behind in it.
     pub fn iterated(&mut self) -> bool {
-        matches!(self.moments.rolling, Moment::Brakes { .. }) && self.rolling.iterated()
+        self.brakes_rolling() && self.rolling.iterated()
     }
 
     /// Adds them to the friction at the end of the step.

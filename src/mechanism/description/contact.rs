@@ -232,6 +232,11 @@ impl Moments {
         of(self.rolling, 2) + of(self.spinning, 1)
     }
 
+    /// Whether rolling friction brakes.
+    pub fn brakes_rolling(&self) -> bool {
+        matches!(self.rolling, Moment::Brakes { .. })
+    }
+
     /// Whether one of them brakes.
     pub fn brake(&self) -> bool {
         [self.rolling, self.spinning].iter().any(|moment| matches!(moment, Moment::Brakes { .. }))
