@@ -113,12 +113,12 @@ impl Eventful {
         place_bodies(&self.model.whole, state, &mut bodies);
         let Eventful {
             model: HybridModel { elements, touching, .. },
-            trial: StepTrial { holding, slips, .. },
+            trial: StepTrial { holding, slips, turns, .. },
             mode,
             ..
         } = self;
         let [since, time] = [state.time; 2];
-        watched.value(&Seen { elements, touching, mode, holding, since, time, state, bodies: &bodies, slips })
+        watched.value(&Seen { elements, touching, mode, holding, since, time, state, bodies: &bodies, slips, turns })
     }
 }
 

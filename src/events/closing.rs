@@ -11,6 +11,7 @@
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::cone::solve_roughly;
 use crate::instant::holding::blocks::{Block, Of, Rows};
+use crate::instant::holding::moments::{give_loads, have_moments};
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::motion::event::Side;
 use nalgebra::{DMatrix, DVector};
@@ -19,6 +20,8 @@ use nalgebra::{DMatrix, DVector};
 const ROUNDS: usize = 8;
 /// Blocks that come together more slowly than this part of the largest rate do not close.
 const APPROACHES: f64 = 1e-12;
+/// Rounds in which moments of friction get the normal impulses that bound them.
+const LOADS: usize = 4;
 /// A contact is held by friction where it needs less than this part of what there is.
 const HOLDS: f64 = 1.0 - 1e-9;
 
@@ -91,22 +94,34 @@ pub(super) fn impulses_among(rows: &Rows, rates: &[f64], blocks: &[Block]) -> Ve
         starts.push(first);
         first += block.rows.len();
     }
+    // The moments of a contact are among the blocks if the contact is.
+    let mut owners: Vec<usize> = Vec::with_capacity(blocks.len());
+    for (index, block) in blocks.iter().enumerate() {
+        let moment = matches!(block.of, Of::Moment { .. });
+        owners.push(owners.last().copied().filter(|_| moment).unwrap_or(index));
+    }
     let least = APPROACHES * rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     let approaches = |block: usize, rates: &[f64]| match blocks[block].law {
         Law::Interval { lower, .. } if lower < 0.0 => true,
-        _ => rates[starts[block]] < -least,
+        _ => rates[starts[owners[block]]] < -least,
     };
     let mut part: Vec<usize> = (0..blocks.len()).filter(|&block| approaches(block, rates)).collect();
     let mut impulses = vec![0.0; rates.len()];
     for _ in 0..ROUNDS {
         let own: Vec<usize> =
             part.iter().flat_map(|&block| starts[block]..starts[block] + blocks[block].rows.len()).collect();
-        let mobility = DMatrix::from_fn(own.len(), own.len(), |i, j| rows.square[(own[i], own[j])]);
-        let free: Vec<f64> = own.iter().map(|&row| rates[row]).collect();
+        let mut mobility = DMatrix::from_fn(own.len(), own.len(), |i, j| rows.square[(own[i], own[j])]);
+        let mut free: Vec<f64> = own.iter().map(|&row| rates[row]).collect();
         let laws: Vec<Law> = part.iter().map(|&block| blocks[block].law).collect();
-        let found = solve_roughly(&Problem { mobility: &mobility, free: &free, laws: &laws });
+        let of_part: Vec<Block> = part.iter().map(|&block| blocks[block].clone()).collect();
+        let mut found = vec![0.0; own.len()];
+        for _ in 0..if have_moments(&of_part) { LOADS } else { 1 } {
+            give_loads(&of_part, &mut mobility, &mut free, &found);
+            let answer = solve_roughly(&Problem { mobility: &mobility, free: &free, laws: &laws });
+            found = answer.unwrap_or_else(|| vec![0.0; own.len()]);
+        }
         impulses.fill(0.0);
-        own.iter().zip(found.unwrap_or_default()).for_each(|(&row, impulse)| impulses[row] = impulse);
+        own.iter().zip(found).for_each(|(&row, impulse)| impulses[row] = impulse);
         let after = &rows.square * DVector::from_column_slice(&impulses) + DVector::from_column_slice(rates);
         let more: Vec<usize> =
             (0..blocks.len()).filter(|block| !part.contains(block) && approaches(*block, after.as_slice())).collect();

@@ -58,10 +58,15 @@ impl Eventful {
         self.progress.beyond_horizon = true;
     }
 
+    /// Whether a pair has rolling or spinning friction, which steps over events leave out.
+    fn resists_turning(&self) -> bool {
+        self.model.touching.pairs.iter().any(|pair| !pair.moments.are_zero())
+    }
+
     /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.
     pub(super) fn bearable_labour(&self) -> Option<f64> {
         let (length, keeps) = self.crowd_length();
-        if self.workspaces.crowd.is_none() || !keeps {
+        if self.workspaces.crowd.is_none() || !keeps || self.resists_turning() {
             return None;
         }
         let second = STEP * (USUAL + OVERHEAD) * self.model.whole.velocity_count as f64 / length;
@@ -72,7 +77,7 @@ impl Eventful {
     /// switched off, or if the step cannot be made.
     pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
         let (length, keeps) = self.crowd_length();
-        if self.model.recipe.keeps(Rule::Crowds) || self.progress.crowding.is_brief(keeps) {
+        if self.model.recipe.keeps(Rule::Crowds) || self.resists_turning() || self.progress.crowding.is_brief(keeps) {
             return None;
         }
         let before = self.progress.crowding;

@@ -64,7 +64,7 @@ impl Eventful {
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
             workspaces: Workspaces { response, pieces, current, .. },
-            trial: StepTrial { holding, sample, evaluated, watched, efforts, bodies, placed, slips, .. },
+            trial: StepTrial { holding, sample, evaluated, watched, efforts, bodies, placed, slips, turns, .. },
             mode,
             ..
         } = self;
@@ -82,7 +82,7 @@ impl Eventful {
             placed.place(whole, sample, bodies);
             evaluated.bodies = true;
         }
-        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips };
+        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips, turns };
         for (value, &index) in values.iter_mut().zip(which) {
             *value = watched[index].value(&seen);
         }

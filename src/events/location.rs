@@ -113,6 +113,8 @@ impl Eventful {
                 Watched::Presses(contact)
                 | Watched::Grips(contact)
                 | Watched::Slips(contact)
+                | Watched::Resists(contact, _)
+                | Watched::Turns(contact, _)
                 | Watched::Feature(contact) => self.trial.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
             if fresh { f64::INFINITY } else { zero }
@@ -351,7 +353,7 @@ impl Eventful {
         let mut length = bracket.root - since;
         let mut slope = bracket.slope;
         // A slip has a direction before it stops, but not at the stop: its end is reached from before the stop.
-        let stops = matches!(self.trial.watched[bracket.watched], Watched::Slips(_) | Watched::SlipsTogether(_));
+        let stops = self.trial.watched[bracket.watched].is_braked();
         if stops {
             let before = if bracket.low > since { bracket.low - since } else { 0.5 * length };
             slope = 0.0;

@@ -24,6 +24,7 @@ impl Eventful {
         let asked = !(self.mode.contacts.is_empty() || self.workspaces.active().moving.is_empty());
         if !asked
             || inputs.feedback.is_some()
+            || self.model.whole.changes()
             || !self.is_driven_evenly()
             || self.rides_or_rubs()
             || state.velocity.iter().any(|&rate| rate != 0.0)

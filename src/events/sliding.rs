@@ -4,17 +4,23 @@
 //!     t_stop = |u_T| / (−u̇_T · t)       u̇_T = D λ + b, with the forces of the mode where the step begins
 //! ```
 //!
+//! Turnings that rolling and spinning friction brakes are slips at the arm of their pair.
+//!
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
-use crate::events::forces::closed_forces::{Slipping, slipping};
+use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
+use crate::events::modes::mode::Closed;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
+use crate::instant::holding::moments::Turning;
+use crate::instant::holding::touching::Contact;
+use crate::mechanism::description::contact::Moment;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
@@ -22,6 +28,7 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use crate::stepping::watching::unseen::Pushes;
+use nalgebra::Vector3;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
@@ -96,16 +103,20 @@ impl Eventful {
         let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= STOPPED_SLIP * rest);
         let straight = slow.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
         let slow = slow.and_then(|stop| {
-            let slip = if unique { Watched::Slips(stop.contact) } else { Watched::SlipsTogether(stop.pair) };
+            let slip = match stop.what {
+                What::Slips if unique => Watched::Slips(stop.contact),
+                What::Slips => Watched::SlipsTogether(stop.pair),
+                What::Rolls | What::Spins => Watched::Turns(stop.contact, stop.what == What::Spins),
+            };
             self.trial.watched.iter().position(|known| *known == slip)
         });
         let stops = if stops < SOON { SHORT_OF * stops } else { BEYOND * stops };
         Stopping { until: since + stops.min(TURNS * turns).max(SOONEST), slow, straight }
     }
 
-    /// Whether any closed contact slides.
+    /// Whether friction brakes any closed contact: it slides, or turns against a moment.
     pub(super) fn slides(&self) -> bool {
-        self.mode.contacts.iter().any(|closed| closed.slides.is_some())
+        self.mode.contacts.iter().any(Closed::is_braked)
     }
 
     /// A step is not made shorter than this (s) where it cannot be solved.
@@ -201,19 +212,48 @@ impl Eventful {
     /// Takes the directions in which closed contacts slide at the end of the step that was made last. Near a stop the component across a slip is the
     /// error of the step: a slow slip that would turn by more than half a right angle keeps its direction.
     pub(super) fn turn_slips(&mut self) {
-        let Eventful { trial: StepTrial { bodies, slips, .. }, mode, memory, .. } = self;
-        for (closed, along) in mode.contacts.iter().zip(slips) {
-            let slip = touch_motion(&closed.contact.joint, bodies).slip;
+        let Eventful { trial: StepTrial { bodies, slips, turns, .. }, model, mode, memory, .. } = self;
+        let turn = |slip: Vector3<f64>, arm: f64, along: &mut Vector3<f64>| {
             let speed = slip.norm();
-            if speed > SLOWED * memory.fastest || slip.dot(along) > ALIKE * speed {
+            if arm * speed > SLOWED * memory.fastest || slip.dot(along) > ALIKE * speed {
                 *along = slip.try_normalize(0.0).unwrap_or(*along);
             }
+        };
+        for (closed, (along, turns)) in mode.contacts.iter().zip(slips.iter_mut().zip(turns)) {
+            let Contact { pair, joint, .. } = &closed.contact;
+            let motion = touch_motion(joint, bodies);
+            turn(motion.slip, 1.0, along);
+            if closed.moments.brake() {
+                let turning = Turning::of(joint, bodies, &motion.normal);
+                turn(turning.across, model.touching.pairs[*pair].arm(), &mut turns[0]);
+            }
         }
+    }
+
+    /// The directions in which a closed contact turns where the bodies are placed, against its moments of friction.
+    fn turning_now(&self, closed: &Closed) -> [Vector3<f64>; 2] {
+        let Closed { contact: Contact { pair, joint, .. }, moments, .. } = closed;
+        if !moments.brake() {
+            return [Vector3::zeros(); 2];
+        }
+        let normal = touch_motion(joint, &self.trial.bodies).normal;
+        let turning = Turning::of(joint, &self.trial.bodies, &normal);
+        let rest = slip_at_rest(self.memory.fastest);
+        let arm = self.model.touching.pairs[*pair].arm();
+        let begins = |moment: Moment| match moment {
+            Moment::Brakes { direction, .. } => direction,
+            Moment::Free | Moment::Holds => Vector3::zeros(),
+        };
+        let now = |of: Vector3<f64>, begins: Vector3<f64>| {
+            of.try_normalize(0.0).filter(|_| arm * of.norm() > rest).unwrap_or(begins)
+        };
+        [now(turning.across, begins(moments.rolling)), now(normal * turning.along, begins(moments.spinning))]
     }
 
     /// Takes the directions in which closed contacts slide in a state; those that begin to slide have the ones of the decision.
     pub(super) fn note_slips(&mut self, state: &State) {
         self.trial.slips.clear();
+        self.trial.turns.clear();
         if self.mode.contacts.is_empty() {
             return;
         }
@@ -224,6 +264,7 @@ impl Eventful {
             // Slower than rest it has no direction of its own.
             let moving = slip.norm() > slip_at_rest(self.memory.fastest);
             self.trial.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
+            self.trial.turns.push(self.turning_now(closed));
         }
     }
 }

@@ -4,7 +4,7 @@
 //!     v_f = v₀ + h a(q₀, v₀)                       under all forces, motors and inputs; without what follows
 //!     v̄  = v_f + Y Wᵀ P,   u = D P + W v_f
 //!     limits and contacts:   0 ≤ P_N ⊥ u_N + φ/h ≥ 0      for all that may close in the step, plastic, within Coulomb's cone
-//!     friction of joints:    |P| ≤ h τ_f
+//!     friction of joints:    |P| ≤ h τ_f;    rolling and spinning friction: within ρ P_N and σ P_N
 //!     q̄  = q₀ + h v̄,  on closures, within limits and out of overlaps by the least motion
 //! ```
 //!
@@ -23,6 +23,7 @@ use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::inward;
+use crate::instant::holding::moments::{Turning, blocks_of_turning};
 use crate::instant::holding::touching::Contact;
 use crate::instant::start::assembly::assemble;
 use crate::mechanism::description::body_state::WORLD;
@@ -155,7 +156,7 @@ impl Eventful {
         for (block, side) in blocks.iter().zip(sides) {
             let restitution = match (block.of, side) {
                 (Of::Joint(joint), Some(_)) => self.model.elements.joints[joint].restitution,
-                (Of::Joint(_), None) => 0.0,
+                (Of::Joint(_), None) | (Of::Moment { .. }, _) => 0.0,
                 (Of::Contact(contact), _) => self.model.touching.pairs[contacts[contact].pair].restitution,
             };
             if restitution > 0.0 && impulses[row] > 0.0 && before[row] < -slow {
@@ -207,9 +208,13 @@ impl Eventful {
                 let rows = rows_of_contact(&self.model.whole, &bodies, &contact.joint, of.friction > 0.0);
                 let law = Law::of_contact(of.friction, None);
                 blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
+                let (number, whole) = (contacts.len(), &self.model.whole);
+                let still = Turning::default();
+                blocks.extend(blocks_of_turning(whole, &bodies, &contact.joint, &of.moments, number, &still));
                 gaps.push(gap);
+                gaps.resize(blocks.len(), 0.0);
                 contacts.push(contact);
-                sides.push(None);
+                sides.resize(blocks.len(), None);
             }
         }
         (Closing { blocks, gaps, contacts, sides }, seen)
@@ -366,7 +371,14 @@ mod tests {
         for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
             nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
-        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
+        nonsmooth.pairs.push(ContactPair {
+            number: 0,
+            a: 0,
+            b: 1,
+            friction: 0.5,
+            restitution: 0.0,
+            moments: Default::default(),
+        });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
         eventful.workspaces.crowd = None;
@@ -397,7 +409,14 @@ mod tests {
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
             nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
-        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.3 });
+        nonsmooth.pairs.push(ContactPair {
+            number: 0,
+            a: 0,
+            b: 1,
+            friction: 1.0,
+            restitution: 0.3,
+            moments: Default::default(),
+        });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
         eventful.workspaces.crowd = None;
@@ -443,7 +462,14 @@ mod tests {
         for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
             nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
         }
-        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 1.0, restitution: 0.0 });
+        nonsmooth.pairs.push(ContactPair {
+            number: 0,
+            a: 0,
+            b: 1,
+            friction: 1.0,
+            restitution: 0.0,
+            moments: Default::default(),
+        });
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
         let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
         eventful.workspaces.crowd = None;

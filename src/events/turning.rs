@@ -9,6 +9,8 @@
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
+use crate::instant::holding::moments::Turning;
+use crate::instant::holding::touching::Contact;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::touches::touch_motion;
 
@@ -49,7 +51,9 @@ impl Eventful {
 
     /// How a slip has turned that has no part along its old direction any more, if it has not stopped.
     pub(super) fn turns(&mut self, since: f64, watched: Watched) -> Option<Turned> {
+        let rolls = matches!(watched, Watched::Turns(_, false));
         let contacts: Vec<usize> = match watched {
+            Watched::Turns(contact, false) => vec![contact],
             Watched::Slips(contact) => vec![contact],
             Watched::SlipsTogether(pair) => {
                 let own = |contact: &usize| self.mode.contacts[*contact].contact.pair == pair;
@@ -64,7 +68,13 @@ impl Eventful {
         let mut speed = |part: f64| {
             self.place(Inside::at(since + part * (end - since)));
             let of = |contact: &usize| {
-                touch_motion(&self.mode.contacts[*contact].contact.joint, &self.trial.bodies).slip.norm()
+                let Contact { pair, joint, .. } = &self.mode.contacts[*contact].contact;
+                let motion = touch_motion(joint, &self.trial.bodies);
+                if rolls {
+                    let turning = Turning::of(joint, &self.trial.bodies, &motion.normal);
+                    return self.model.touching.pairs[*pair].arm() * turning.across.norm();
+                }
+                motion.slip.norm()
             };
             contacts.iter().map(of).fold(0.0, f64::max)
         };

@@ -30,6 +30,8 @@ pub struct Obstacle {
     pub friction: Option<f64>,
     /// e with everything, if given.
     pub restitution: Option<f64>,
+    /// Lengths of rolling and of spinning friction with everything, if given (m).
+    pub moments: [Option<f64>; 2],
     /// Velocity of its surface, as of a belt, in the axes of the obstacle as given [m/s].
     pub surface_velocity: Vector3<f64>,
     /// The mesh that it was read from.
@@ -99,6 +101,8 @@ pub struct PairRule {
     pub friction: Option<f64>,
     /// e.
     pub restitution: Option<f64>,
+    /// Lengths of rolling and of spinning friction (m).
+    pub moments: [Option<f64>; 2],
     /// Whether they never touch.
     pub ignore: Option<bool>,
     /// Its line.
@@ -146,6 +150,8 @@ pub struct ContactSettings {
     pub friction: f64,
     /// The default of e.
     pub restitution: f64,
+    /// The defaults of the lengths of rolling and of spinning friction (m).
+    pub moments: [f64; 2],
     /// Whether the larger of two coefficients that are said holds, as in MuJoCo.
     pub larger: bool,
     /// In the order of the file; later ones override earlier ones.
@@ -163,6 +169,7 @@ impl Default for ContactSettings {
             self_contact: None,
             friction: 0.5,
             restitution: 0.0,
+            moments: [0.0; 2],
             larger: false,
             rules: Vec::new(),
             obstacles: Vec::new(),
@@ -220,6 +227,7 @@ impl Obstacle {
             normal: Vector3::z(),
             friction: None,
             restitution: None,
+            moments: [None; 2],
             surface_velocity: Vector3::zeros(),
             mesh: None,
             scale: Vector3::repeat(1.0),

@@ -73,6 +73,8 @@ pub struct Surface {
     pub friction: Option<f64>,
     /// Restitution of impacts, 0 to 1.
     pub restitution: Option<f64>,
+    /// Lengths of rolling and of spinning friction (m).
+    pub moments: [Option<f64>; 2],
     /// Velocity of the surface over the link, as of a belt, in the axes of the link [m/s].
     pub velocity: Option<Vector3<f64>>,
 }

@@ -58,7 +58,14 @@ fn car() -> (Mechanism, State) {
     nonsmooth.colliders.push(collider("floor", None, Shape::HalfSpace));
     for number in 0..4 {
         nonsmooth.colliders.push(collider("tyre", Some(number + 1), Shape::Sphere { radius: RADIUS }));
-        nonsmooth.pairs.push(ContactPair { number, a: 0, b: number + 1, friction: FRICTION, restitution: 0.0 });
+        nonsmooth.pairs.push(ContactPair {
+            number,
+            a: 0,
+            b: number + 1,
+            friction: FRICTION,
+            restitution: 0.0,
+            moments: Default::default(),
+        });
     }
     let mut start = State::zero(&mechanism);
     start.position[2] = OVER + RADIUS;

@@ -64,4 +64,5 @@ mod slides;
 mod throws;
 mod ticks;
 mod toys;
+mod turnings;
 mod weights;

@@ -1,7 +1,7 @@
 //! The part of `catena model` about contact: shapes, obstacles, which of them may touch and how, and which never do.
 
 use crate::cli::tables::table::{Table, number, triple};
-use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
+use catena::mechanism::description::contact::{Collider, ContactPair, MomentLengths, Shape};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::ground::words::counted;
 use catena::model::{Model, Owner, RopeRecord};
@@ -37,8 +37,14 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
     });
     let of_shapes = nonsmooth.pairs.iter().filter(|pair| !is_rope(&contact.owners[pair.a]));
     let pairs = of_shapes.map(|pair| {
-        let ContactPair { a, b, friction, restitution, .. } = *pair;
-        json!({"a": name(a), "b": name(b), "friction": friction, "restitution": restitution})
+        let ContactPair { a, b, friction, restitution, moments: MomentLengths { rolling, spinning }, .. } = *pair;
+        let mut value = json!({"a": name(a), "b": name(b), "friction": friction, "restitution": restitution});
+        for (key, length) in [("rolling_friction", rolling), ("spinning_friction", spinning)] {
+            if length > 0.0 {
+                value[key] = json!(length);
+            }
+        }
+        value
     });
     let left_out = contact.left_out.iter().map(|left| {
         let because = left.because;
@@ -93,7 +99,14 @@ pub fn tables(model: &Model) -> [Table; 5] {
     });
     let name = |collider: usize| colliders[collider].name.clone();
     let may = model.mechanism.nonsmooth.pairs.iter().filter(|pair| !is_rope(&contact.owners[pair.a]));
-    let may = may.map(|pair| vec![name(pair.a), name(pair.b), number(pair.friction), number(pair.restitution)]);
+    let turns = model.mechanism.nonsmooth.pairs.iter().any(|pair| !pair.moments.are_zero());
+    let may = may.map(|pair| {
+        let mut row = vec![name(pair.a), name(pair.b), number(pair.friction), number(pair.restitution)];
+        row.extend([pair.moments.rolling, pair.moments.spinning].map(number).into_iter().filter(|_| turns));
+        row
+    });
+    let heads = ["may touch", "with", "friction", "restitution", "rolling friction [m]", "spinning friction [m]"];
+    let heads = &heads[..if turns { 6 } else { 4 }];
     let never = contact.left_out.iter();
     let never = never.map(|left| vec![name(left.pair.a), name(left.pair.b), left.because.reason()]);
     let [shapes, obstacles] = shapes;
@@ -105,7 +118,7 @@ pub fn tables(model: &Model) -> [Table; 5] {
         ropes,
         shapes,
         obstacles,
-        pairs(Table::new("Pairs that may touch", &["may touch", "with", "friction", "restitution"]), may),
+        pairs(Table::new("Pairs that may touch", heads), may),
         pairs(Table::new("Pairs that never touch", &["never touches", "with", "because"]), never),
     ]
 }

@@ -97,6 +97,7 @@ impl Walk<'_> {
                 let sign = meeting.block.rows.first()?.get(freedom).copied()?;
                 Met::Joint { freedom, sign, restitution: restitution(laws.joints[index].restitution) }
             }
+            Of::Moment { .. } => return None,
             Of::Contact(index) => {
                 let contact = jump.contacts.get(index)?;
                 let pair = &laws.pairs[contact.pair];

@@ -242,6 +242,8 @@ impl Walk<'_> {
             Watched::Presses(index) => self.names("parts from", pair_of(index)),
             Watched::Grips(index) => self.names("begins to slide on", pair_of(index)),
             Watched::Slips(index) => self.names("stops on", pair_of(index)),
+            Watched::Resists(index, _) => self.names("begins to roll or spin on", pair_of(index)),
+            Watched::Turns(index, _) => self.names("stops to roll or spin on", pair_of(index)),
             Watched::Feature(_) => "a contact leaves its features".into(),
         }
     }

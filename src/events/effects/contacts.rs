@@ -19,8 +19,10 @@ use crate::events::modes::tolerances::{SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLI
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::moments::Turning;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::Moments;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -129,7 +131,7 @@ impl Contacts {
     pub fn pair_of(&self, of: Of) -> Option<usize> {
         match of {
             Of::Contact(index) => Some(self.all[index].pair),
-            Of::Joint(_) => None,
+            Of::Joint(_) | Of::Moment { .. } => None,
         }
     }
 
@@ -193,7 +195,7 @@ impl Contacts {
                 *most = STOPPED_SLIP;
             }
         }
-        let mut rows = Vec::new();
+        let (mut rows, mut candidates) = (Vec::new(), Vec::new());
         for (index, contact) in self.all.iter().enumerate() {
             let touch = touch_motion(&contact.joint, &bodies);
             let rubs = scene.touching.pairs[contact.pair].friction > 0.0;
@@ -208,8 +210,12 @@ impl Contacts {
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
             rows.extend(own);
             let (slides, opens) = (is(&yielding.slides) || is(&self.slid), is(&yielding.opens));
-            self.candidates.push(Candidate { contact: contact.clone(), slip, slides, opens });
+            let turning = self.turning_above_rest(scene, &bodies, index, &yielding.halts);
+            rows.extend(self.rows_of_rest(scene, &bodies, index, &turning));
+            let turns = [false, true].map(|spinning| self.is_among(index, spinning, &yielding.turns));
+            candidates.push(Candidate { contact: contact.clone(), slip, slides, opens, turning, turns });
         }
+        self.candidates = candidates;
         rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
         let mut lost = bring_rows_to_rest(scene, state, rows.clone());
         lost += self.close_gaps(scene, state, &bodies, &still);
@@ -226,6 +232,13 @@ impl Contacts {
                 let rubs = scene.touching.pairs[candidate.contact.pair].friction > 0.0;
                 rows.extend(rows_of_contact(scene.whole, &bodies, &candidate.contact.joint, rubs));
             }
+        }
+        for candidate in self.candidates.iter_mut().filter(|candidate| candidate.turning != Turning::default()) {
+            let joint = &candidate.contact.joint;
+            let Turning { across, along } = Turning::of(joint, &bodies, &touch_motion(joint, &bodies).normal);
+            let turning = &mut candidate.turning;
+            turning.across = if turning.across == Vector3::zeros() { turning.across } else { across };
+            turning.along = if turning.along == 0.0 { 0.0 } else { along };
         }
         if rows.len() > held {
             lost += bring_rows_to_rest(scene, state, rows);
@@ -299,6 +312,7 @@ impl Contacts {
         let closed = |candidate: &Candidate| Closed {
             contact: candidate.contact.clone(),
             slides: candidate.slip.try_normalize(0.0),
+            moments: Moments::default(),
         };
         self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()
     }

@@ -8,6 +8,7 @@
 //!     a = b + D λ,   b = W a_free + Ẇ v,  D = W Y Wᵀ      a_free under all efforts but λ; friction that slides in joints is among them
 //!     joints:    λ_i ∈ [lo_i, hi_i]:   a_i = 0 inside,  a_i ≥ 0 at lo_i,  a_i ≤ 0 at hi_i           (the box of `mode`)
 //!     contacts:  Signorini's and Coulomb's law between λ and a; where one slides, λ_T = −μ λ_N t    (`crate::instant::cone`)
+//!     turnings:  the same for the moments of rolling and spinning friction                          (`crate::instant::holding::moments`)
 //! ```
 //!
 //! A joint with `a_i = 0` is held; one with `a_i > 0` goes forward with friction `−τ_f = lo_i` against it, or leaves its lower limit. In a mechanism
@@ -20,13 +21,14 @@ use crate::events::effects::shared_pressures::solve_as_steps_share;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::Chosen;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
-use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::problem::{Answer, BlockState, Law, Unsolved};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
-use crate::instant::holding::touching::{Contact, RimOf, Touching};
+use crate::instant::holding::moments::{Turning, blocks_of_turning, solve_with_moments};
+use crate::instant::holding::touching::{Contact, Pair, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::description::contact::{Moment, Moments, TouchJoint};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use crate::mechanism::motion::event::Side;
@@ -66,6 +68,9 @@ pub(crate) struct Yielding {
     pub slides: Vec<usize>,
     /// Closed contacts whose slip stops, by their numbers in the mode.
     pub stops: Vec<usize>,
+    /// The same whose rolling friction, or spinning friction if so, resists no more; and those whose turning stops.
+    pub turns: Vec<(usize, bool)>,
+    pub halts: Vec<(usize, bool)>,
     /// Pairs whose slips stop together.
     pub stops_together: Vec<usize>,
 }
@@ -84,6 +89,8 @@ impl Yielding {
                 Watched::Grips(contact) => yielding.slides.push(contact),
                 Watched::Slips(contact) => yielding.stops.push(contact),
                 Watched::SlipsTogether(pair) => yielding.stops_together.push(pair),
+                Watched::Resists(contact, spinning) => yielding.turns.push((contact, spinning)),
+                Watched::Turns(contact, spinning) => yielding.halts.push((contact, spinning)),
                 _ => {}
             }
         }
@@ -100,6 +107,10 @@ pub(crate) struct Candidate {
     /// Whether it has been seen to reach the end of what friction can hold, and whether the end of its pressure.
     pub slides: bool,
     pub opens: bool,
+    /// How it turns against rolling and spinning friction; zero where it does not. And whether it has been seen to reach the end of what each of them
+    /// can hold.
+    pub turning: Turning,
+    pub turns: [bool; 2],
 }
 
 /// Reasons for which accelerations alone decide no mode.
@@ -159,11 +170,12 @@ pub(crate) fn decide(
         if candidate.opens {
             continue;
         }
-        let friction = touching.pairs[candidate.contact.pair].friction;
+        let Pair { friction, moments, .. } = &touching.pairs[candidate.contact.pair];
         let joint = &candidate.contact.joint;
-        let law = Law::of_contact(friction, direction_in(joint, &bodies, &candidate.slip));
-        let rows = rows_of_contact(whole, &bodies, joint, friction > 0.0);
+        let law = Law::of_contact(*friction, direction_in(joint, &bodies, &candidate.slip));
+        let rows = rows_of_contact(whole, &bodies, joint, *friction > 0.0);
         blocks.push(Block { of: Of::Contact(index), law, rows });
+        blocks.extend(blocks_of_turning(whole, &bodies, joint, moments, index, &candidate.turning));
     }
     let mut free = vec![0.0; state.velocity.len()];
     let mut pressures = vec![0.0; candidates.len()];
@@ -172,8 +184,8 @@ pub(crate) fn decide(
         return Ok(Decided { off: 0.0, accelerations: free, pressures, holding: held });
     }
     response.accelerations(state, &efforts, &mut free);
-    let rows = Rows::of(response, state, &blocks);
-    let offset =
+    let mut rows = Rows::of(response, state, &blocks);
+    let mut offset =
         second_rates(whole, elements, &bodies, state, &free, &blocks, |contact| &candidates[contact].contact.joint);
     let mut row = 0;
     for block in &mut blocks {
@@ -190,13 +202,20 @@ pub(crate) fn decide(
         {
             *friction *= 1.0 - LESS;
         }
+        if let (Of::Moment { contact, spinning }, Law::Contact { friction }) = (block.of, &mut block.law)
+            && (yielding.all || candidates[contact].turns[usize::from(spinning)])
+        {
+            *friction *= 1.0 - LESS;
+        }
         row += block.rows.len();
     }
     let is_flat = candidates.iter().any(|candidate| candidate.contact.flat_end().is_some());
     let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-    let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
-    let (found, off) = match solve_as_steps_share(&blocks, &problem, solvers) {
+    let solved = solve_with_moments(&blocks, &mut rows.square, &mut offset, &laws, |problem| {
+        solve_as_steps_share(&blocks, problem, solvers)
+    });
+    let (found, off) = match solved {
         Ok(found) => (found, 0.0),
         Err(Unsolved::Stopped { best }) => {
             let off = best.residual;
@@ -205,7 +224,7 @@ pub(crate) fn decide(
         Err(Unsolved::Inconsistent { block, .. }) => {
             return Err(match blocks[block].of {
                 Of::Contact(index) => Undecided::Inconsistent(index),
-                Of::Joint(_) => Undecided::Unsolved,
+                Of::Joint(_) | Of::Moment { .. } => Undecided::Unsolved,
             });
         }
         Err(_) => return Err(Undecided::Unsolved),
@@ -219,6 +238,7 @@ pub(crate) fn decide(
     };
     let ends = if is_flat { tipping_ends(&blocks, &found, candidates, moves) } else { Vec::new() };
     let (mut first, mut kept) = (0, Kept::default());
+    let mut decided = None;
     for (block, is) in blocks.iter().zip(&found.states) {
         let row = first;
         first += block.rows.len();
@@ -275,7 +295,47 @@ pub(crate) fn decide(
                 }
                 let begins = slip.norm() == 0.0 && matches!(block.law, Law::Sliding { .. });
                 kept.keep(block, row, begins);
-                mode.contacts.push(Closed { contact: contact.clone(), slides });
+                mode.contacts.push(Closed { contact: contact.clone(), slides, moments: Moments::default() });
+                decided = Some(index);
+            }
+            // The contact before it has been left out.
+            Of::Moment { contact, .. } if decided != Some(contact) => {}
+            Of::Moment { contact: index, spinning } => {
+                let Candidate { contact, turning, .. } = &candidates[index];
+                let normal = touch_motion(&contact.joint, &bodies).normal;
+                let [along, across] = tangents(&normal);
+                let axes = if spinning { [normal, Vector3::zeros()] } else { [along, across] };
+                let about = |of: &[f64]| axes[0] * of[row + 1] + axes[1] * of[row + 2];
+                let direction = match block.law {
+                    Law::Sliding { .. } if spinning => Some(normal * turning.along.signum()),
+                    Law::Sliding { .. } => turning.across.try_normalize(0.0),
+                    _ if *is == BlockState::Slips => {
+                        let mobility = rows.square[(row + 1, row + 1)].max(rows.square[(row + 2, row + 2)]);
+                        let (begins, rubs) = (about(&found.rates), about(&found.forces));
+                        let turns = if mobility * rubs.norm() > begins.norm() { -rubs } else { begins };
+                        turns.try_normalize(0.0)
+                    }
+                    _ if *is == BlockState::Open && (moves(row + 1) || moves(row + 2)) => {
+                        about(&found.rates).try_normalize(0.0)
+                    }
+                    _ => None,
+                };
+                let lengths = &touching.pairs[contact.pair].moments;
+                let length = if spinning { lengths.spinning } else { lengths.rolling };
+                let mut block = block.clone();
+                let moment = match direction {
+                    Some(direction) => {
+                        let along = [axes[0].dot(&direction), axes[1].dot(&direction)];
+                        block.law = Law::Sliding { friction: length, direction: along };
+                        Moment::Brakes { length, direction }
+                    }
+                    None => Moment::Holds,
+                };
+                kept.keep(block, row, false);
+                if let Some(closed) = mode.contacts.last_mut() {
+                    let Moments { rolling, spinning: spins } = &mut closed.moments;
+                    *(if spinning { spins } else { rolling }) = moment;
+                }
             }
         }
     }

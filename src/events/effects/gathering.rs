@@ -111,7 +111,7 @@ pub(crate) fn cut_in_crowd(
         let restitution = match (meeting.block.of, contacts.pair_of(meeting.block.of)) {
             (_, Some(pair)) => scene.touching.pairs[pair].restitution,
             (Of::Joint(joint), None) => scene.elements.joints[joint].restitution,
-            (Of::Contact(_), None) => 0.0,
+            (Of::Contact(_) | Of::Moment { .. }, None) => 0.0,
         };
         if *rate < -meeting.rest && restitution > 0.0 && *impulse > 0.0 {
             cut = (cut.0 + 1, cut.1 - 0.5 * restitution.powi(2) * impulse * rate);

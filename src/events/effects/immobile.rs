@@ -12,11 +12,14 @@
 use crate::events::effects::decision::{Candidate, Scene};
 use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, row_of_torque, rows_of_contact};
 use crate::instant::holding::elements::Elements;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::{DMatrix, DMatrixView};
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
@@ -38,6 +41,7 @@ pub(crate) fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidat
         held.map(|(joint, _)| row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0)).collect();
     for closed in &mode.contacts {
         rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, closed.slides.is_none()));
+        rows.extend(rows_of_held_turns(whole, &bodies, closed));
     }
     let count = rows.len();
     rows.extend(open.iter().flat_map(|candidate| rows_of_contact(whole, &bodies, &candidate.contact.joint, false)));
@@ -77,6 +81,7 @@ pub(crate) fn held_bodies(
         let bodies = body_states(whole, state);
         for closed in mode.contacts.iter().filter(holds) {
             rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
+            rows.extend(rows_of_held_turns(whole, &bodies, closed));
         }
     }
     let rows = Rows::new(response, state, rows);
@@ -98,6 +103,17 @@ pub(crate) fn held_bodies(
         whole.body_of_freedom(freedom).into_iter().for_each(|body| held[body] = false);
     }
     held
+}
+
+/// The rows of the turnings that rolling and spinning friction hold at a closed contact.
+fn rows_of_held_turns(whole: &Mechanism, bodies: &[BodyState], closed: &Closed) -> Vec<Row> {
+    if closed.moments.rows() == 0 {
+        return Vec::new();
+    }
+    let joint = TouchJoint { moments: closed.moments, ..closed.contact.joint.clone() };
+    let normal = touch_motion(&joint, bodies).normal;
+    let held = joint.held_turns(&normal, &tangents(&normal));
+    held.map(|along| row_of_torque(whole, bodies, &joint, &along)).collect()
 }
 
 /// The freedoms whose answers are roundings of those without closures: they are at dead points.

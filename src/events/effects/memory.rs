@@ -108,7 +108,7 @@ impl Memory {
         self.crowd.0 += 1;
         let known = match of {
             Of::Joint(joint) => &mut self.joints[joint],
-            Of::Contact(pair) => &mut self.pairs[pair],
+            Of::Contact(pair) | Of::Moment { contact: pair, .. } => &mut self.pairs[pair],
         };
         let weaker = known.last.is_some_and(|(before, _, faster)| before == side && rate < faster);
         known.in_a_row = if weaker { known.in_a_row + 1 } else { 0 };

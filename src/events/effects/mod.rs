@@ -15,3 +15,4 @@ mod rim_points;
 mod seizing;
 pub(crate) mod shared_pressures;
 pub(crate) mod transition;
+mod turnings;

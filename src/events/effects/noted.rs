@@ -5,7 +5,7 @@ use crate::events::effects::decision::Scene;
 use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::{Done, Memory};
 use crate::events::finding::watched::Watched;
-use crate::events::modes::mode::{JointMode, Mode};
+use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::Of;
 use crate::instant::holding::elements::Elements;
@@ -74,7 +74,7 @@ pub(crate) fn note_impacts(
                 let (kind, body) = (EventKind::LimitImpact, joint.owner(side));
                 done.events.push(Event { time, kind, body, pair: None, impulse: Some(impulse) });
             }
-            of @ Of::Contact(_) => {
+            of @ (Of::Contact(_) | Of::Moment { .. }) => {
                 let Some(pair) = contacts.pair_of(of) else { continue };
                 let (sum, fastest) = &mut pairs[pair];
                 (*sum, *fastest) = (*sum + impulse, fastest.max(-rate));
@@ -143,7 +143,8 @@ pub(crate) fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], 
     for pair in 0..scene.touching.pairs.len() {
         let features = |mode: &Mode| {
             let own = mode.contacts.iter().filter(|closed| closed.contact.pair == pair);
-            own.map(|closed| (closed.contact.features, closed.slides.is_some())).collect::<Vec<_>>()
+            own.map(|closed| (closed.contact.features, closed.slides.is_some(), closed.held_turns()))
+                .collect::<Vec<_>>()
         };
         done.pairs[pair] |= features(before) != features(after);
         let (was, is) = (of(before, pair), of(after, pair));
@@ -160,6 +161,18 @@ pub(crate) fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], 
             (PairMode::Slides, PairMode::Slides) if met.stopped.iter().any(stops) => Some(EventKind::Reversal),
             _ => None,
         };
+        let held = |mode: &Mode| {
+            let own = mode.contacts.iter().filter(|closed| closed.contact.pair == pair);
+            own.map(Closed::held_turns).fold([0, 0], |sum, held| [0, 1].map(|index: usize| sum[index] + held[index]))
+        };
+        let kind = kind.or_else(|| match (held(before), held(after)) {
+            _ if was == PairMode::Open => None,
+            ([rolls, spins], [now_rolls, now_spins]) if now_rolls > rolls || now_spins > spins => {
+                Some(EventKind::Stick)
+            }
+            ([rolls, spins], [now_rolls, now_spins]) if now_rolls < rolls || now_spins < spins => Some(EventKind::Slip),
+            _ => None,
+        });
         if let Some(kind) = kind {
             let time = if kind == EventKind::Rest { met.end(Of::Contact(pair), time) } else { time };
             done.events.push(of_pair(scene, pair, time, kind, None));

@@ -9,6 +9,7 @@
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Candidate, Decided, Scene};
 use crate::events::effects::flat_ends::Asked;
+use crate::events::effects::turnings::turning_faster;
 use crate::events::modes::tolerances::SLIPS_TOGETHER;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::contact::TouchJoint;
@@ -75,7 +76,9 @@ impl Contacts {
             let own = |candidate: &&Candidate| candidate.contact.pair == contact.pair;
             let slips = self.candidates.iter().filter(own).any(|candidate| candidate.slip != Vector3::zeros());
             let slip = if slips { touch_motion(&contact.joint, &bodies).slip } else { Vector3::zeros() };
-            self.candidates.push(Candidate { contact: contact.clone(), slip, slides: false, opens: false });
+            let turning = turning_faster(scene, &bodies, contact, [self.rest; 2]);
+            let (contact, turns) = (contact.clone(), [false; 2]);
+            self.candidates.push(Candidate { contact, slip, slides: false, opens: false, turning, turns });
         }
         self.exchange(&idle, lacking);
         true

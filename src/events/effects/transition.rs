@@ -284,6 +284,8 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             | Watched::Grips(_)
             | Watched::Slips(_)
             | Watched::SlipsTogether(_)
+            | Watched::Resists(..)
+            | Watched::Turns(..)
             | Watched::Feature(_) => {}
             Watched::Excess(index) => {
                 mode.motors[index] = MotorMode::Unbounded;

@@ -12,6 +12,8 @@
 //! | pressure of a closed contact | `λ_N` | it parts |
 //! | what a contact that sticks can still bear | `μ λ_N − |λ_T|` | it slides |
 //! | slip of a contact along its direction where the step starts | `u_T · t₀` | friction decides anew |
+//! | what rolling or spinning friction that holds can still bear | `(ρ λ_N − |τ|)/L`, L the arm of the pair | it turns |
+//! | turning of a contact along its direction where the step starts | `L ω_T · t₀`, `L s ω_n` | friction decides anew |
 //! | slips of the contacts of a pair together, where their forces are not unique | mean of `u_T · t₀` | the same |
 //! | how far inside its features a contact is | distance to the nearest side (m) | other features touch |
 
@@ -19,8 +21,10 @@ use crate::events::forces::holding::Holding;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::instant::cone::problem::outside_cone;
 use crate::instant::holding::elements::Elements;
-use crate::instant::holding::touching::{Contact, Touching};
+use crate::instant::holding::moments::Turning;
+use crate::instant::holding::touching::{Contact, Pair, Touching};
 use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::Moment;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -51,6 +55,10 @@ pub(crate) enum Watched {
     Slips(usize),
     /// The slips of the contacts of a pair that slide.
     SlipsTogether(usize),
+    /// Remaining moment of rolling friction, or of spinning friction if so, of a contact that does not turn.
+    Resists(usize, bool),
+    /// The turning of a closed contact across its normal, or along it if so.
+    Turns(usize, bool),
     /// How far inside its features a closed contact is.
     Feature(usize),
 }
@@ -69,6 +77,8 @@ pub(crate) struct Seen<'s> {
     pub bodies: &'s [BodyState],
     /// t₀ of every closed contact.
     pub slips: &'s [Vector3<f64>],
+    /// Of every closed contact t₀ of its turning across the normal, and s n of the turning along it.
+    pub turns: &'s [[Vector3<f64>; 2]],
 }
 
 /// Closed features count as open down to this part of the size of a pair, because its other features may lie in the same plane.
@@ -108,6 +118,14 @@ impl Watched {
                 (apart(pair), Watched::Feature(index)),
             ];
             all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
+            for (moment, spinning) in [(closed.moments.rolling, false), (closed.moments.spinning, true)] {
+                match moment {
+                    Moment::Free => {}
+                    Moment::Brakes { .. } => all.push(Watched::Turns(index, spinning)),
+                    Moment::Holds if unique => all.push(Watched::Resists(index, spinning)),
+                    Moment::Holds => {}
+                }
+            }
         }
         // The slips of one pair stop together, up to the unknown part of their forces; one of them stops alone if the bodies turn about it.
         let slides = |pair: &usize| touching.pairs[*pair].friction > 0.0 && slide(*pair) > 0;
@@ -162,7 +180,7 @@ impl Watched {
 
     /// Its value.
     pub fn value(self, seen: &Seen) -> f64 {
-        let Seen { elements, touching, mode, holding, since, time, state, bodies, slips } = *seen;
+        let Seen { elements, touching, mode, holding, since, time, state, bodies, slips, turns } = *seen;
         match self {
             Watched::Gap(index, side) => {
                 let joint = &elements.joints[index];
@@ -211,6 +229,24 @@ impl Watched {
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
                 holding.rounding_of_contacts() - outside_cone(friction, holding.of_contact(index))
             }
+            Watched::Resists(index, spinning) => {
+                let Pair { moments, .. } = &touching.pairs[mode.contacts[index].contact.pair];
+                let [pressure, ..] = holding.of_contact(index);
+                let [first, second, normal] = holding.moments_of(index);
+                let (length, moment) =
+                    if spinning { (moments.spinning, normal.abs()) } else { (moments.rolling, first.hypot(second)) };
+                let arm = touching.pairs[mode.contacts[index].contact.pair].arm();
+                (length * pressure - moment) / arm + holding.rounding_of_contacts()
+            }
+            Watched::Turns(index, spinning) => {
+                let Contact { pair, joint, .. } = &mode.contacts[index].contact;
+                let normal = touch_motion(joint, bodies).normal;
+                let [across, along] = turns[index];
+                let turning = Turning::of(joint, bodies, &normal);
+                let speed =
+                    if spinning { turning.along * normal.dot(&along).signum() } else { turning.across.dot(&across) };
+                touching.pairs[*pair].arm() * speed
+            }
             Watched::Slips(index) => touch_motion(&mode.contacts[index].contact.joint, bodies).slip.dot(&slips[index]),
             Watched::SlipsTogether(pair) => {
                 let own = mode.contacts.iter().zip(slips).filter(|(closed, _)| closed.contact.pair == pair);
@@ -236,7 +272,8 @@ impl Watched {
             Watched::Motor(index, _) | Watched::Excess(index) => elements.motors[index].max_effort.max(1e-3),
             Watched::Approach(pair) => size(pair),
             Watched::Feature(contact) => size(mode.contacts[contact].contact.pair),
-            Watched::Presses(_) | Watched::Grips(_) | Watched::Slips(_) | Watched::SlipsTogether(_) => 1.0,
+            Watched::Presses(_) | Watched::Grips(_) | Watched::Resists(..) => 1.0,
+            Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Turns(..) => 1.0,
         }
     }
 
@@ -254,24 +291,29 @@ impl Watched {
         match self {
             Watched::Bears(index, _) => holding.rounding(index),
             Watched::Presses(_) => holding.rounding_of_pressures(),
-            Watched::Grips(_) => holding.rounding_of_contacts(),
+            Watched::Grips(_) | Watched::Resists(..) => holding.rounding_of_contacts(),
             _ => 0.0,
         }
     }
 
     /// Whether it is a function of the forces that hold joints and contacts.
     pub fn needs_efforts(self) -> bool {
-        matches!(self, Watched::Bears(..) | Watched::Margin | Watched::Presses(_) | Watched::Grips(_))
+        self.is_force() || matches!(self, Watched::Margin)
     }
 
     /// Whether it is what one held joint or contact can still bear.
     pub fn is_force(self) -> bool {
-        matches!(self, Watched::Bears(..) | Watched::Presses(_) | Watched::Grips(_))
+        matches!(self, Watched::Bears(..) | Watched::Presses(_) | Watched::Grips(_) | Watched::Resists(..))
+    }
+
+    /// Whether it is a slip or a turning that friction brakes at a contact.
+    pub fn is_braked(self) -> bool {
+        matches!(self, Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Turns(..))
     }
 
     /// Whether it is a function of where the bodies are.
     pub fn needs_bodies(self) -> bool {
-        matches!(self, Watched::Approach(_) | Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Feature(_))
+        self.is_braked() || matches!(self, Watched::Approach(_) | Watched::Feature(_))
     }
 }
 

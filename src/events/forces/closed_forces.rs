@@ -6,6 +6,8 @@
 //!     W̃: the same, but n − μ t of a contact that slides along t, t at that instant
 //! ```
 //!
+//! Rolling and spinning friction that holds has rows of its own; while it brakes, the normal forces of contacts push along these rows.
+//!
 //! They are worked out at the level of accelerations, from the state alone, and have the order of the ends of steps. If some rows imply others, `zᵀ W
 //! = 0`, and a contact slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for all contacts
 //! ([`crate::lobatto::coupled::dependent`]). If every contact sticks, the choice of λ does not change the motion. It is the least-norm one, and the
@@ -18,7 +20,8 @@ use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows, fall, rows_of_contact, second_rates};
-use crate::instant::holding::touching::Contact;
+use crate::instant::holding::moments::{Turning, blocks_of_moments, give_loads, have_moments};
+use crate::instant::holding::touching::{Contact, Pair};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -39,6 +42,8 @@ pub(crate) struct ClosedForces {
     pub joints: Vec<(usize, f64)>,
     /// λ of the contacts (N): normal, and along both tangents of [`tangents`].
     pub contacts: Vec<[f64; 3]>,
+    /// Moments of rolling friction, about both tangents, and of spinning friction [N m].
+    pub moments: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     pub weights: Vec<f64>,
     /// The size of the terms that cancel in them.
@@ -68,11 +73,13 @@ fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     let held = held.filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. })).map(|(index, (joint, mode))| {
         Block::of_joint(index, joint.coordinate.freedom, whole.velocity_count, 1.0, mode.holding(joint).into())
     });
-    let contacts = mode.contacts.iter().enumerate().map(|(index, closed)| {
-        let friction = touching.pairs[closed.contact.pair].friction;
+    let contacts = mode.contacts.iter().enumerate().flat_map(|(index, closed)| {
+        let Pair { friction, moments, .. } = &touching.pairs[closed.contact.pair];
         let joint = &closed.contact.joint;
-        let law = Law::of_contact(friction, slide(closed, bodies));
-        Block { of: Of::Contact(index), law, rows: rows_of_contact(whole, bodies, joint, friction > 0.0) }
+        let law = Law::of_contact(*friction, slide(closed, bodies));
+        let rows = rows_of_contact(whole, bodies, joint, *friction > 0.0);
+        let turns = blocks_of_moments(whole, bodies, joint, moments, index, &closed.moments);
+        std::iter::once(Block { of: Of::Contact(index), law, rows }).chain(turns)
     });
     held.chain(contacts).collect()
 }
@@ -144,6 +151,9 @@ impl Closing {
         self.blocks.iter().all(|block| {
             let rows = first..first + block.rows.len();
             first = rows.end;
+            if let Of::Moment { .. } = block.of {
+                return true;
+            }
             let held = if matches!(block.law, Law::Sliding { .. }) { rows.start..rows.start + 1 } else { rows.clone() };
             let fall = falls[rows].iter().fold(0.0_f64, |most, fall| most.max(*fall));
             self.offset[held].iter().all(|offset| offset.abs() <= FALLS * fall)
@@ -160,6 +170,13 @@ impl Closing {
         self.blocks.iter().map(|block| block.law).collect()
     }
 
+    /// Bounds the moments of rolling and spinning friction by the normal forces of these forces, for [`Closing::problem`].
+    pub fn bound_moments(&mut self, forces: &[f64]) {
+        if have_moments(&self.blocks) {
+            give_loads(&self.blocks, &mut self.rows.square, &mut self.offset, forces);
+        }
+    }
+
     /// The problem of these laws.
     pub fn problem<'p>(&'p self, laws: &'p [Law]) -> Problem<'p> {
         Problem { mobility: &self.rows.square, free: &self.offset, laws }
@@ -167,10 +184,12 @@ impl Closing {
 }
 
 /// The forces of held blocks in a state of a mode.
-pub(crate) fn closed_forces(at: &Present, held: Closing, unique: bool) -> ClosedForces {
-    let Closing { blocks, rows, offset, .. } = &held;
+pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> ClosedForces {
     let forces = held.forces(unique);
+    held.bound_moments(&forces);
+    let Closing { blocks, rows, offset, .. } = &held;
     let (mut joints, mut contacts, mut weights, mut row) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    let mut moments: Vec<[f64; 3]> = Vec::new();
     for block in blocks {
         match block.of {
             Of::Joint(index) => joints.push((index, forces[row])),
@@ -178,19 +197,27 @@ pub(crate) fn closed_forces(at: &Present, held: Closing, unique: bool) -> Closed
                 let mut force = [0.0; 3];
                 force[..block.rows.len()].copy_from_slice(&forces[row..row + block.rows.len()]);
                 contacts.push(force);
+                moments.push([0.0; 3]);
                 weights.push(at.whole.gravity.norm() / rows.square[(row, row)].max(f64::MIN_POSITIVE));
             }
+            Of::Moment { contact, spinning: false } => {
+                moments[contact][..2].copy_from_slice(&forces[row + 1..row + 3]);
+            }
+            Of::Moment { contact, spinning: true } => moments[contact][2] = forces[row + 1],
         }
         row += block.rows.len();
     }
     let falls = held.falls();
     let together = held.falls_together(&falls);
+    // Torques have another unit, and the rows that stand for normal forces are those forces.
+    let is_force: Vec<bool> =
+        blocks.iter().flat_map(|block| vec![!matches!(block.of, Of::Moment { .. }); block.rows.len()]).collect();
     let size = |row: usize| {
         let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
-    let size = (0..forces.len()).map(size).fold(0.0, f64::max);
-    ClosedForces { joints, contacts, weights, size, load: Load { held, together } }
+    let size = (0..forces.len()).filter(|&row| is_force[row]).map(size).fold(0.0, f64::max);
+    ClosedForces { joints, contacts, moments, weights, size, load: Load { held, together } }
 }
 
 /// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of the terms that cancel in it.
@@ -238,19 +265,31 @@ pub(crate) fn slipping(
     let mut turns = f64::INFINITY;
     let mut row = 0;
     for block in blocks {
-        if let (Of::Contact(index), Law::Sliding { direction: [x, y], .. }) = (block.of, block.law) {
+        if let Law::Sliding { direction: [x, y], .. } = block.law {
+            let (index, what) = match block.of {
+                Of::Moment { contact, spinning: true } => (contact, What::Spins),
+                Of::Moment { contact, spinning: false } => (contact, What::Rolls),
+                Of::Contact(index) | Of::Joint(index) => (index, What::Slips),
+            };
             let Contact { pair, joint, .. } = &at.mode.contacts[index].contact;
-            let speed = touch_motion(joint, bodies).slip.norm();
-            let falls = -(x * rates[row + 1] + y * rates[row + 2]);
-            let across = (x * rates[row + 2] - y * rates[row + 1]).abs();
+            let motion = touch_motion(joint, bodies);
+            let turning = || Turning::of(joint, bodies, &motion.normal);
+            let arm = if what == What::Slips { 1.0 } else { at.touching.pairs[*pair].arm() };
+            let speed = match what {
+                What::Slips => motion.slip.norm(),
+                What::Rolls => arm * turning().across.norm(),
+                What::Spins => arm * turning().along.abs(),
+            };
+            let falls = -arm * (x * rates[row + 1] + y * rates[row + 2]);
+            let across = arm * (x * rates[row + 2] - y * rates[row + 1]).abs();
             if speed > rest && across > 0.0 {
                 turns = turns.min(speed / across);
             }
-            match stops.iter_mut().find(|known| !unique && known.pair == *pair) {
+            match stops.iter_mut().find(|known| !unique && what == What::Slips && known.is_slip_of(*pair)) {
                 Some(Stop { speed: all, falls: fall, across: aside, .. }) => {
                     (*all, *fall, *aside) = (*all + speed, *fall + falls, *aside + across);
                 }
-                None => stops.push(Stop { contact: index, pair: *pair, speed, falls, across }),
+                None => stops.push(Stop { contact: index, what, pair: *pair, speed, falls, across }),
             }
         }
         row += block.rows.len();
@@ -258,11 +297,22 @@ pub(crate) fn slipping(
     Slipping { first: stops.into_iter().min_by(|one, other| one.time().total_cmp(&other.time())), turns }
 }
 
-/// A slip, or all of a pair together.
+/// A motion that friction brakes at a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum What {
+    /// Its slip.
+    Slips,
+    /// Its turning across and along the normal.
+    Rolls,
+    Spins,
+}
+
+/// A slip, or all of a pair together; or a turning, with speeds and accelerations at the arm of its pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stop {
-    /// The contact, the first of its pair where forces are not unique; and its pair.
+    /// The contact, the first of its pair where forces are not unique; what stops; and its pair.
     pub contact: usize,
+    pub what: What,
     pub pair: usize,
     /// Its speed [m/s], and how fast it falls and turns aside [m/s²].
     pub speed: f64,
@@ -271,6 +321,11 @@ pub(crate) struct Stop {
 }
 
 impl Stop {
+    /// Whether it is a slip of a pair.
+    fn is_slip_of(&self, pair: usize) -> bool {
+        self.what == What::Slips && self.pair == pair
+    }
+
     /// When it would stop (s); infinite if it does not fall.
     pub fn time(&self) -> f64 {
         if self.falls > 0.0 { self.speed / self.falls } else { f64::INFINITY }
@@ -280,27 +335,49 @@ impl Stop {
 /// Which rows are equations, and what their forces push with.
 #[derive(Clone)]
 pub(crate) struct Chosen {
-    /// The row of each equation, and for a contact that slides μ t.
-    equations: Vec<(usize, Option<[f64; 2]>)>,
+    /// The row of each equation, and the rows along which its force pushes as well, with what it is multiplied by: −μ t of a contact that slides, −ρ t
+    /// and −σ s of one that turns.
+    equations: Vec<(usize, Vec<(usize, f64)>)>,
     /// Whether it is one of a contact.
     touches: Vec<bool>,
+    /// The rows of moments that stand for normal forces, and the rows of those.
+    loads: Vec<[usize; 2]>,
     rows: usize,
 }
 
 impl Chosen {
     pub fn new(blocks: &[Block]) -> Self {
-        let (mut equations, mut touches, mut rows) = (Vec::new(), Vec::new(), 0);
+        let (mut equations, mut touches, mut rows) = (Vec::<(usize, Vec<(usize, f64)>)>::new(), Vec::new(), 0);
+        let (mut normal, mut loads) = (0, Vec::new());
         for block in blocks {
-            match block.law {
-                Law::Sliding { friction, direction } => {
-                    equations.push((rows, Some(direction.map(|part| friction * part))));
+            if let (Of::Moment { .. }, Some((normal, _))) = (block.of, equations.get(normal)) {
+                loads.push([rows, *normal]);
+            }
+            let pushes = |friction: f64, direction: [f64; 2]| {
+                [(rows + 1, -friction * direction[0]), (rows + 2, -friction * direction[1])]
+            };
+            match (block.of, block.law) {
+                // The normal force of its contact pushes along its rows.
+                (Of::Moment { .. }, Law::Sliding { friction, direction }) => {
+                    equations[normal].1.extend(pushes(friction, direction));
                 }
-                _ => equations.extend((rows..rows + block.rows.len()).map(|row| (row, None))),
+                (Of::Moment { spinning, .. }, _) => {
+                    let count = if spinning { 1 } else { 2 };
+                    equations.extend((rows + 1..=rows + count).map(|row| (row, Vec::new())));
+                }
+                (_, Law::Sliding { friction, direction }) => {
+                    normal = equations.len();
+                    equations.push((rows, pushes(friction, direction).to_vec()));
+                }
+                _ => {
+                    normal = equations.len();
+                    equations.extend((rows..rows + block.rows.len()).map(|row| (row, Vec::new())));
+                }
             }
             touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
             rows += block.rows.len();
         }
-        Chosen { equations, touches, rows }
+        Chosen { equations, touches, loads, rows }
     }
 
     /// Whether no rows imply others.
@@ -312,18 +389,16 @@ impl Chosen {
     fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
         let count = self.equations.len();
         DMatrix::from_fn(count, count, |row, column| {
-            let (row, (column, pushes)) = (self.equations[row].0, self.equations[column]);
-            let along = mobility[(row, column)];
-            match pushes.filter(|_| friction) {
-                Some([x, y]) => along - x * mobility[(row, column + 1)] - y * mobility[(row, column + 2)],
-                None => along,
-            }
+            let (row, (column, pushes)) = (self.equations[row].0, &self.equations[column]);
+            let along = mobility[(row, *column)];
+            let pushes = pushes.iter().filter(|_| friction);
+            pushes.fold(along, |along, (beside, factor)| along + factor * mobility[(row, *beside)])
         })
     }
 
     /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units.
     fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
-        let own = self.equations.iter().map(|&(row, _)| mobility[(row, row)]);
+        let own = self.equations.iter().map(|(row, _)| mobility[(*row, *row)]);
         own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
     }
 
@@ -363,7 +438,7 @@ impl Chosen {
         let scales = self.scales(mobility);
         let scaled = self.scaled(mobility, true, &scales);
         let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scales[row]);
-        let slides = self.equations.iter().any(|(_, pushes)| pushes.is_some());
+        let slides = self.equations.iter().any(|(_, pushes)| !pushes.is_empty());
         let direct = if unique {
             scaled.clone().lu().solve(&right)
         } else if slides {
@@ -379,12 +454,13 @@ impl Chosen {
             least_norm(&scaled, &right).map_or_else(|| DVector::zeros(count), |(solution, _)| solution)
         });
         let mut forces = vec![0.0; self.rows];
-        for (index, &(row, pushes)) in self.equations.iter().enumerate() {
-            forces[row] = solution[index] * scales[index];
-            if let Some([x, y]) = pushes {
-                (forces[row + 1], forces[row + 2]) = (-x * forces[row], -y * forces[row]);
+        for (index, (row, pushes)) in self.equations.iter().enumerate() {
+            forces[*row] = solution[index] * scales[index];
+            for (beside, factor) in pushes {
+                forces[*beside] = factor * forces[*row];
             }
         }
+        self.loads.iter().for_each(|&[row, normal]| forces[row] = forces[normal]);
         forces
     }
 }

@@ -45,6 +45,8 @@ pub(crate) struct Holding {
     /// λ of the closed contacts (N): normal and tangents; and the size of the terms that cancel in it.
     contacts: Vec<[f64; 3]>,
     contact_size: f64,
+    /// Their moments: of rolling friction about both tangents, and of spinning friction [N m].
+    moments: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     weights: Vec<f64>,
     /// m, and whether it belongs to the state and efforts of the forces.
@@ -125,6 +127,7 @@ impl Holding {
             sizes: nothing,
             contacts,
             contact_size: 0.0,
+            moments: vec![[0.0; 3]; mode.contacts.len()],
             weights: Vec::new(),
             margin,
             margin_known: false,
@@ -151,6 +154,11 @@ impl Holding {
     /// λ of a closed contact (N): along its normal and its tangents.
     pub fn of_contact(&self, contact: usize) -> [f64; 3] {
         self.contacts[contact]
+    }
+
+    /// Moments of a closed contact: of rolling friction about both tangents, and of spinning friction [N m].
+    pub fn moments_of(&self, contact: usize) -> [f64; 3] {
+        self.moments[contact]
     }
 
     /// Whether a contact carries only roundings of its weights.
@@ -224,11 +232,12 @@ impl Holding {
                     }
                     None => Closing::at(at, response, state, efforts),
                 };
-                let ClosedForces { joints, contacts, weights, size, load } = closed_forces(at, held, *unique);
+                let ClosedForces { joints, contacts, moments, weights, size, load } = closed_forces(at, held, *unique);
                 for (joint, effort) in joints {
                     (found[joint], sizes[joint]) = (effort, size);
                 }
                 (self.contacts, self.weights, self.contact_size) = (contacts, weights, size);
+                self.moments = moments;
                 *last = Some(Box::new(load));
             }
         }

@@ -45,7 +45,7 @@ impl Reporting {
         if self.found.len() == at.mode.contacts.len() && self.state.as_ref().is_some_and(same) {
             return &self.found;
         }
-        let held = Closing::at(at, &mut self.response, state, efforts);
+        let mut held = Closing::at(at, &mut self.response, state, efforts);
         let laws = held.laws();
         let slides = laws.iter().any(|law| matches!(law, Law::Sliding { .. }));
         // Sliding contacts move under the forces of the steps.
@@ -53,6 +53,7 @@ impl Reporting {
         self.forces = if let Some(forces) = of_steps.filter(|forces| unique || fit(&laws, forces)) {
             forces
         } else {
+            held.bound_moments(&held.forces(false));
             let problem = held.problem(&laws);
             match solve(&problem, Some(&self.forces)) {
                 Ok(answer) => least_compliance(&problem, &answer),

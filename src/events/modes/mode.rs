@@ -11,13 +11,15 @@
 //! | motor | sampled | as worked out at the last tick |
 //! | contact | sliding along t | `λ (n − μ t)`, λ ≥ 0 |
 //! | contact | sticking, or rolling | whatever holds it, `|λ_T| ≤ μ λ_N` |
+//! | its rolling friction | turning along t | the moment `−ρ λ_N t` |
+//! | the same | not turning | whatever holds it, `|τ| ≤ ρ λ_N`; likewise spinning friction with σ |
 
 use crate::instant::holding::elements::{ElementJoint, Elements};
 use crate::instant::holding::held::Closures;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
-use crate::mechanism::description::contact::{Feature, Grip, TouchJoint};
+use crate::mechanism::description::contact::{Feature, Grip, Moment, Moments, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
@@ -57,6 +59,8 @@ pub(crate) struct Closed {
     pub contact: Contact,
     /// The direction in which it begins to slide, in the world; `None` while it sticks or rolls.
     pub slides: Option<Vector3<f64>>,
+    /// Its rolling and spinning friction.
+    pub moments: Moments,
 }
 
 /// The modes of all elements.
@@ -153,7 +157,11 @@ impl Mode {
 
     /// Whether another differs in the directions of slips at most.
     pub fn is_like(&self, other: &Mode) -> bool {
-        let of = |closed: &Closed| (closed.contact.pair, closed.contact.features, closed.slides.is_some());
+        let of = |closed: &Closed| {
+            let Moments { rolling, spinning } = closed.moments;
+            let kinds = [rolling, spinning].map(|moment| std::mem::discriminant(&moment));
+            (closed.contact.pair, closed.contact.features, closed.slides.is_some(), kinds)
+        };
         self.joints == other.joints
             && self.motors == other.motors
             && self.contacts.iter().map(of).eq(other.contacts.iter().map(of))
@@ -181,14 +189,25 @@ impl Closed {
             Some(direction) => Grip::Slides { friction, direction },
             None => Grip::Rolls,
         };
+        joint.moments = self.moments;
         joint
+    }
+
+    /// Whether rolling and whether spinning friction hold it, as numbers.
+    pub fn held_turns(&self) -> [usize; 2] {
+        [self.moments.rolling, self.moments.spinning].map(|moment| usize::from(moment == Moment::Holds))
+    }
+
+    /// Whether friction brakes it: it slides, or turns against a moment.
+    pub fn is_braked(&self) -> bool {
+        self.slides.is_some() || self.moments.brake()
     }
 
     /// A corner that sticks on a face is anchored: its place is held, not its velocity. None has a place on a belt.
     pub(crate) fn is_anchored(&self) -> bool {
         let joint = &self.contact.joint;
         let is_corner = joint.touch.features == [Feature::Plane, Feature::Point { radius: 0.0 }];
-        self.slides.is_none() && !joint.is_belt() && is_corner
+        self.slides.is_none() && !joint.is_belt() && is_corner && self.moments == Moments::default()
     }
 
     /// The place of a contact that is anchored.

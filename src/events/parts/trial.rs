@@ -49,6 +49,8 @@ pub(crate) struct StepTrial {
     pub holding: Holding,
     /// The directions in which closed contacts slide where the step begins.
     pub slips: Vec<Vector3<f64>>,
+    /// The directions in which they turn there: across the normal, and along it.
+    pub turns: Vec<[Vector3<f64>; 2]>,
 }
 
 impl StepTrial {
@@ -73,6 +75,7 @@ impl StepTrial {
             efforts: vec![0.0; whole.velocity_count],
             holding,
             slips: Vec::new(),
+            turns: Vec::new(),
         }
     }
 

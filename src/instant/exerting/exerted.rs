@@ -3,7 +3,7 @@
 //! ```text
 //!     τ_i = τ_motor,i − τ_f,i sign(q̇_i)        a joint that moves, with friction τ_f
 //!     τ_i = τ_motor,i + λ_i                    a joint at rest (q̇_i = 0) that has friction or is on a limit
-//!     f   = λ_N n + λ_T                        a contact that touches and does not part
+//!     f   = λ_N n + λ_T                        a contact that touches and does not part, with its moments of friction
 //!
 //!     a = b + D λ,   b = W a_free + Ẇ v,  D = W Y Wᵀ                 W: rows of joints at rest and of contacts, Y: their response
 //!     λ_i ∈ [lo_i, hi_i]:   a_i = 0 inside,  a_i ≥ 0 at lo_i,  a_i ≤ 0 at hi_i;   contacts: Signorini's and Coulomb's law
@@ -20,6 +20,7 @@ use crate::instant::cone::{least_compliance, solve};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
+use crate::instant::holding::moments::{Turning, blocks_of_turning, have_moments, solve_with_moments};
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -164,6 +165,13 @@ impl Exerted {
                 let law = Law::of_contact(of.friction, slides);
                 let rows = rows_of_contact(&self.mechanism, bodies, &contact.joint, of.friction > 0.0);
                 self.blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
+                let Turning { across, along } = Turning::of(&contact.joint, bodies, &touch.normal);
+                let turning = Turning {
+                    across: if of.arm() * across.norm() > AT_REST { across } else { Vector3::zeros() },
+                    along: if of.arm() * along.abs() > AT_REST { along } else { 0.0 },
+                };
+                let (number, joint) = (contacts.len(), &contact.joint);
+                self.blocks.extend(blocks_of_turning(&self.mechanism, bodies, joint, &of.moments, number, &turning));
                 contacts.push((contact, touch));
             }
         }
@@ -175,10 +183,14 @@ impl Exerted {
         let Exerted { elements, touching, mechanism, response, state, efforts, in_joints, .. } = self;
         let Exerted { wrenches, points, free, blocks, .. } = self;
         response.accelerations(state, efforts, free);
-        let rows = Rows::of(response, state, blocks);
-        let offset =
+        let mut rows = Rows::of(response, state, blocks);
+        let mut offset =
             second_rates(mechanism, elements, bodies, state, free, blocks, |contact| &contacts[contact].0.joint);
         let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+        if have_moments(blocks) {
+            // The loads of the last round are those of the problem that follows.
+            let _ = solve_with_moments(blocks, &mut rows.square, &mut offset, &laws, |problem| solve(problem, None));
+        }
         let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
         let forces = forces_apart(&problem, |part| match solve(part, None) {
             Ok(answer) if contacts.is_empty() => answer.forces,
@@ -208,6 +220,15 @@ impl Exerted {
                         wrenches[body].0 += sign * force;
                         wrenches[body].1 += sign * (touch.point - bodies[body].position).cross(&force);
                     }
+                }
+            }
+            if let Of::Moment { contact, spinning } = block.of {
+                let (Contact { joint, .. }, touch) = &contacts[contact];
+                let [along, across] = tangents(&touch.normal);
+                let (one, other) = (forces[first + 1], forces[first + 2]);
+                let torque = if spinning { touch.normal * one } else { along * one + across * other };
+                for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+                    end.into_iter().for_each(|body| wrenches[body].1 += sign * torque);
                 }
             }
             first += block.rows.len();

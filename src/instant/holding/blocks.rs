@@ -4,6 +4,7 @@
 //!     joint on a limit or with friction     one row: its degree of freedom
 //!     contact without friction              one row: its normal
 //!     contact                               three rows: normal, two tangents
+//!     rolling or spinning friction          three rows ([`crate::instant::holding::moments`]), after the rows of its contact
 //!
 //!     W  (m × n)  all rows: rates u = W v;     Y Wᵀ  (n × m)  their response;     D = W Y Wᵀ  (m × m)
 //! ```
@@ -21,7 +22,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::{belt, tangents, touch_accelerations, touch_motion};
+use crate::mechanism::motion::touches::{belt, tangents, touch_accelerations, touch_motion, turning_accelerations};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::ops::Deref;
 
@@ -38,6 +39,8 @@ pub(crate) enum Of {
     Joint(usize),
     /// A contact, by its number in a list of the caller.
     Contact(usize),
+    /// The rolling or the spinning friction of a contact, by the same number.
+    Moment { contact: usize, spinning: bool },
 }
 
 /// One block.
@@ -117,6 +120,24 @@ pub(crate) fn row_of_force(
     row.into()
 }
 
+/// The row of a torque on the second body about a direction of the world, and its opposite on the first.
+pub(crate) fn row_of_torque(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joint: &TouchJoint,
+    torque: &Vector3<f64>,
+) -> Row {
+    let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+        if let Some(body) = end {
+            wrenches[body].1 += torque * sign;
+        }
+    }
+    let mut row = vec![0.0; mechanism.velocity_count];
+    efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
+    row.into()
+}
+
 /// The rows of a contact: its normal, and with friction its two tangents.
 pub(crate) fn rows_of_contact(
     mechanism: &Mechanism,
@@ -155,7 +176,7 @@ pub(crate) fn second_rates<'c>(
     touching: impl Fn(usize) -> &'c TouchJoint,
 ) -> Vec<f64> {
     let mut of_bodies = vec![BodyAcceleration::default(); bodies.len()];
-    if blocks.iter().any(|block| matches!(block.of, Of::Contact(_))) {
+    if blocks.iter().any(|block| !matches!(block.of, Of::Joint(_))) {
         body_accelerations(mechanism, bodies, &state.velocity, accelerations, &mut of_bodies);
     }
     let mut rates = Vec::with_capacity(blocks.iter().map(|block| block.rows.len()).sum());
@@ -175,6 +196,12 @@ pub(crate) fn second_rates<'c>(
                 let together = along[..held].iter().all(|rate| rate.abs() <= least * most);
                 let rate = |(row, rate): (usize, &f64)| if together && row < held { 0.0 } else { *rate };
                 rates.extend(along.iter().enumerate().map(rate));
+            }
+            Of::Moment { contact, spinning } => {
+                let joint = touching(contact);
+                let tangents = tangents(&touch_motion(joint, bodies).normal);
+                let [first, second, normal] = turning_accelerations(joint, bodies, &of_bodies, &tangents);
+                rates.extend(if spinning { [0.0, normal, 0.0] } else { [0.0, first, second] });
             }
         }
     }

@@ -4,5 +4,6 @@ pub(crate) mod blocks;
 pub(crate) mod elements;
 pub(crate) mod held;
 pub mod locked;
+pub(crate) mod moments;
 pub mod statuses;
 pub(crate) mod touching;

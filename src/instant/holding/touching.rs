@@ -6,7 +6,7 @@
 use crate::geometry::{Extents, FeatureId, PairGeometry, PlaceId, TouchPlace};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Attachment;
-use crate::mechanism::description::contact::{Grip, Touch, TouchJoint};
+use crate::mechanism::description::contact::{ContactPair, Grip, MomentLengths, Moments, Touch, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -39,6 +39,8 @@ pub(crate) struct Pair {
     /// μ and e.
     pub friction: f64,
     pub restitution: f64,
+    /// ρ and σ.
+    pub moments: MomentLengths,
     /// Its number in the whole mechanism.
     pub number: usize,
     /// The lengths from which its tolerances are made.
@@ -51,6 +53,11 @@ impl Pair {
     /// The tolerance that is this part of its size (m).
     pub fn within(&self, part: f64) -> f64 {
         self.extents.within(part)
+    }
+
+    /// The arm by which a turning counts as a speed of its smaller shape (m).
+    pub fn arm(&self) -> f64 {
+        self.extents.smaller
     }
 
     /// How far the larger of its two shapes extends (m).
@@ -144,10 +151,10 @@ impl Touching {
             let geometry = PairGeometry::new(a, b).ok()?;
             let reach = geometry.reach();
             let (extents, breadth) = (geometry.extents(), geometry.breadth());
-            let (friction, restitution, number) = (pair.friction, pair.restitution, pair.number);
+            let ContactPair { friction, restitution, moments, number, .. } = *pair;
             let bodies = [a.body, b.body];
             let surfaces = [a.surface_velocity, b.surface_velocity];
-            Some(Pair { geometry, bodies, surfaces, reach, friction, restitution, number, extents, breadth })
+            Some(Pair { geometry, bodies, surfaces, reach, friction, restitution, moments, number, extents, breadth })
         });
         Touching { pairs: pairs.collect() }
     }
@@ -273,7 +280,7 @@ impl Touching {
             let (own, frame) = (side ^ swapped, place.frames[side]);
             (Attachment { body: bodies[own], frame }, frame.rotation.inverse() * surfaces[own])
         });
-        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1] };
+        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1], moments: Moments::default() };
         Contact { pair, features: place.identity, joint, place }
     }
 }

@@ -120,7 +120,7 @@ pub struct Coupled<V: Lanes> {
     pub(crate) loops: usize,
     /// The rows of the mimics; the rows of the springs' tensions come after them, and then the rows of turning friction.
     pub(crate) mimic_rows: std::ops::Range<usize>,
-    /// Resistance of friction to the turning of slips, row by row: times h² and `Ā B` it is the change of the friction for a displacement across a
+    /// Resistance of friction to the turning of slips, and of rolling, row by row: times h² and `Ā B` it is the change of the friction for a displacement across a
     /// slip [kg].
     pub(crate) turning_friction: Vec<V>,
     /// Change of the rates of rolling contacts besides their gradients, at both ends of a row, times `h a_ij`; `None` for all other rows.
@@ -215,7 +215,7 @@ impl<V: Lanes> Coupled<V> {
                 ends.push([spring.a.body, spring.b.body]);
                 resistances.push(Resistance { stiffness: spring.stiffness, damping: spring.damping });
             }
-            for joint in mechanism.rubbing() {
+            for joint in mechanism.braked() {
                 rows_of_loop.push(next(1));
                 ends.push([joint.a.body, joint.b.body]);
             }
@@ -251,7 +251,7 @@ impl<V: Lanes> Coupled<V> {
             in_joints,
             rotors,
             loops,
-            turning_friction: vec![V::zero(); if forces { mechanism.rubbing().count() } else { 0 }],
+            turning_friction: vec![V::zero(); if forces { mechanism.braked().count() } else { 0 }],
             rolling: vec![None; rows],
             efforts: vec![V::zero(); mechanism.velocity_count],
             step: 0.0,

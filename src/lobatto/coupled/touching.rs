@@ -7,9 +7,10 @@
 //! ```
 //!
 //! The change of friction as slips turn is in rows of its own, after the rows of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
-//! across the slip, as the tension of a damper is. It is in the matrix alone, and converged steps do not depend on it.
+//! across the slip, as the tension of a damper is; likewise for the torques of rolling friction. It is in the matrix alone, and converged steps do not depend on it.
 
 use crate::equations::braking::Lean;
+use crate::equations::friction_moments::FrictionMoments;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::Moved;
 use crate::equations::touches::SpatialTouch;
@@ -45,9 +46,13 @@ impl<V: Lanes> Touching<V> {
         let touches = SpatialTouch::all(&mechanism.touches, mechanism.gravity.norm());
         let mut moving = vec![[false; 2]; mechanism.bodies.len()];
         for touch in touches.iter().filter(|touch| touch.feels_slip()) {
-            touch.bodies().into_iter().flatten().for_each(|body| moving[body][touch.kind_of_rate()] = true);
+            let [scheme, slips] = touch.moments().map_or([false; 2], |moments| moments.kinds_of_rates());
+            for body in touch.bodies().into_iter().flatten() {
+                moving[body][touch.kind_of_rate()] = true;
+                moving[body] = [moving[body][0] | scheme, moving[body][1] | slips];
+            }
         }
-        let rubs = mechanism.rubbing().next().is_some();
+        let rubs = touches.iter().any(SpatialTouch::brakes);
         Touching {
             mixing: tableau.filter(|_| touches.iter().any(SpatialTouch::feels_slip)).map(StageMixing::new),
             leans: vec![Lean::default(); if rubs { touches.len() } else { 0 }],
@@ -107,7 +112,10 @@ impl<V: Lanes> Touching<V> {
                 [0, 1].map(|side: usize| (&rates[side], moved[body][side].anchor_from(&anchor, origin)))
             };
             touch.slip(mixing, step, ends.map(|end| end.map(of)));
-            if touch.friction() != 0.0 {
+            if touch.moments().is_some() {
+                touch.turn(mixing, step, ends.map(|end| end.map(|body| &rates[body])));
+            }
+            if touch.brakes() {
                 leans[number] = touch.lean(mixing);
             }
         }
@@ -127,8 +135,10 @@ impl<V: Lanes> Touching<V> {
             let lean = if self.leaning { self.leans.get(number) } else { None };
             touch.write(lean, &mut gaps[rows.clone()], &mut gradients[rows.clone()]);
         }
-        for (touch, rows) in self.rubbing().zip(rubbing) {
-            gradients[rows.start] = touch.across();
+        let slips = self.rubbing().map(SpatialTouch::across);
+        let rolls = self.touches.iter().filter_map(|touch| touch.moments().filter(|moments| moments.brakes_rolling()));
+        for (across, rows) in slips.chain(rolls.map(FrictionMoments::across)).zip(rubbing) {
+            gradients[rows.start] = across;
         }
     }
 
@@ -155,13 +165,29 @@ impl<V: Lanes> Touching<V> {
         let mut friction = friction.iter_mut().zip(behind);
         let mut lags = false;
         for (touch, rows) in self.touches.iter_mut().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
-            if touch.friction() == 0.0 {
+            if touch.rolls() {
                 for (axis, change) in touch.rolling().into_iter().enumerate() {
                     rolling[rows.start + 1 + axis] = Some(change);
                 }
-            } else if let Some((friction, behind)) = friction.next() {
+            } else if touch.friction() != 0.0
+                && let Some((friction, behind)) = friction.next()
+            {
                 [*friction, *behind] = touch.turning_friction(self.step, multipliers[rows.start]);
+            }
+            if let Some(moments) = touch.moments() {
+                let held = rows.end - moments.changes().count();
+                moments.changes().zip(&mut rolling[held..]).for_each(|(change, row)| *row = Some(change));
+            }
+            if touch.brakes() {
                 lags |= touch.iterated();
+            }
+        }
+        // The rows of rolling come after the rows of all slips.
+        for (touch, rows) in self.touches.iter().zip(touches) {
+            if let Some(moments) = touch.moments().filter(|moments| moments.brakes_rolling())
+                && let Some((friction, behind)) = friction.next()
+            {
+                [*friction, *behind] = moments.turning_friction(self.step, multipliers[rows.start]);
             }
         }
         lags
@@ -185,7 +211,7 @@ impl<V: Lanes> Touching<V> {
 
     /// The velocities of driven surfaces along the tangents of contacts that roll, with the first row of each, where its bodies are placed [m/s].
     pub(crate) fn carried(&self, touches: &[Range<usize>]) -> impl Iterator<Item = (usize, [V; 2])> {
-        let belts = self.touches.iter().zip(touches).filter(|(touch, _)| touch.exchanges() && touch.rows() == 3);
+        let belts = self.touches.iter().zip(touches).filter(|(touch, _)| touch.exchanges() && touch.rolls());
         belts.map(|(touch, rows)| (rows.start + 1, touch.carried(0)))
     }
 

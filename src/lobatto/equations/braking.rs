@@ -35,12 +35,14 @@ const SLOW: f64 = 1e-5;
 /// stage before.
 const STOPS: f64 = 1e-3;
 
-/// Friction of a contact at the end of a step: the multiplier pushes along `n − μ t`.
+/// Friction of a contact at the end of a step: the multiplier pushes along `n − μ t`, with a torque of rolling and spinning friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lean {
     /// `μ t` in the world.
     pub along: [f64; 3],
-    /// `μ t · u` with the slip velocity u at the end of the step: the dissipation of an impulse [m/s].
+    /// `ρ t + σ s n` of the turning, in the world (m).
+    pub torque: [f64; 3],
+    /// `μ t · u` with the slip velocity u at the end of the step, and `(ρ t + σ s n) · ω`: the dissipation of an impulse [m/s].
     pub slip: f64,
     /// `μ t · w` with the velocity w of belts there: the work of their drives for an impulse [m/s].
     pub belt: f64,
@@ -198,7 +200,8 @@ impl<V: Lanes> Braking<V> {
             Vector3::from(ahead).try_normalize(0.5).unwrap_or(self.reference)
         };
         let along = direction * self.friction;
-        Lean { along: along.into(), slip: along.dot(&slip), belt: along.dot(&lane(belt, self.active - 1)) }
+        let belt = along.dot(&lane(belt, self.active - 1));
+        Lean { along: along.into(), torque: [0.0; 3], slip: along.dot(&slip), belt }
     }
 
     /// `Σ_k b_k λ_k μ t_k · u_k` over the rows, for the multipliers of the gap.

@@ -10,6 +10,7 @@
 
 pub mod braking;
 pub mod forces;
+pub(crate) mod friction_moments;
 pub(crate) mod holding;
 pub(crate) mod loads;
 pub mod loops;

@@ -15,6 +15,7 @@
 //! [`catena_mechanism::description::contact`].
 
 use crate::equations::braking::{Braking, Lean, Slipping};
+use crate::equations::friction_moments::FrictionMoments;
 use crate::equations::loops::Displaced;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::{End, Moved};
@@ -49,6 +50,8 @@ pub(crate) struct SpatialTouch<V> {
     center: Vector<V>,
     /// Its friction.
     braking: Braking<V>,
+    /// Its rolling and spinning friction, if it has any.
+    moments: Option<Box<FrictionMoments<V>>>,
 }
 
 /// An end of a contact at the start of a step, from the common origin and in the world.
@@ -95,6 +98,7 @@ impl<V: Lanes> SpatialTouch<V> {
             is_belt: joint.is_belt(),
             center: zero,
             braking: Braking::new(joint.touch.friction(), gravity),
+            moments: FrictionMoments::new(joint.moments, gravity).filter(|_| joint.touch.rows() > 0),
         };
         joints.iter().map(new).collect()
     }
@@ -106,7 +110,12 @@ impl<V: Lanes> SpatialTouch<V> {
 
     /// Number of its equations.
     pub fn rows(&self) -> usize {
-        self.joint.touch.rows()
+        self.joint.rows()
+    }
+
+    /// Whether its slip is held at zero.
+    pub fn rolls(&self) -> bool {
+        self.joint.touch.rows() == 3
     }
 
     /// μ; zero if it does not slide.
@@ -120,9 +129,19 @@ impl<V: Lanes> SpatialTouch<V> {
         Slipping { normal: self.at[side].normal, slip: self.at[side].slip }
     }
 
-    /// Whether its equations or forces depend on the slip.
+    /// Whether its equations or forces depend on the slip or the turning.
     pub fn feels_slip(&self) -> bool {
-        self.rows() == 3 || self.friction() != 0.0
+        self.rolls() || self.friction() != 0.0 || self.moments.is_some()
+    }
+
+    /// Its rolling and spinning friction.
+    pub fn moments(&self) -> Option<&FrictionMoments<V>> {
+        self.moments.as_deref()
+    }
+
+    /// Whether friction has a direction: of a slip, or of a turning.
+    pub fn brakes(&self) -> bool {
+        self.friction() != 0.0 || self.moments().is_some_and(FrictionMoments::brake)
     }
 
     /// Takes the start of a step; `origin` is the common origin (m).
@@ -156,6 +175,12 @@ impl<V: Lanes> SpatialTouch<V> {
             Grip::Rolls => Vector3::zeros(),
         };
         self.braking.begin(&motion.slip, a + b + carried, given);
+        if let Some(moments) = &mut self.moments {
+            let bodies = [self.joint.a.body, self.joint.b.body];
+            let spin =
+                |body: Option<usize>| body.map_or(Vector3::zeros(), |body| start.body_states()[body].angular_velocity);
+            moments.begin(&motion.normal, bodies.map(spin));
+        }
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         self.place([[&still; 2]; 2]);
     }
@@ -224,6 +249,21 @@ impl<V: Lanes> SpatialTouch<V> {
                     self.braking.follow(side, self.slipping(side), mixing.active);
                 }
             }
+        }
+    }
+
+    /// Finds rolling and spinning friction, after [`SpatialTouch::slip`], for both kinds of rates of the bodies at its ends, at the columns' and the
+    /// rows' stages.
+    #[inline(always)]
+    pub fn turn(&mut self, mixing: &StageMixing<V>, step: f64, bodies: [Option<&[[BodyRate<V>; 2]; 2]>; 2]) {
+        let tangents = [0, 1].map(|axis: usize| [0, 1].map(|side: usize| self.tangent(axis, side)));
+        let normals = [0, 1].map(|side: usize| self.at[side].normal);
+        if let Some(moments) = &mut self.moments {
+            let spin = |kind: usize, side: usize| {
+                bodies.map(|rates| rates.map_or(Vector::zero(), |rates| rates[kind][side].spin()))
+            };
+            let spins = [0, 1].map(|kind: usize| [0, 1].map(|side: usize| spin(kind, side)));
+            moments.follow(mixing, step, normals, tangents, spins);
         }
     }
 
@@ -297,7 +337,8 @@ impl<V: Lanes> SpatialTouch<V> {
 
     /// Counts an iteration; whether its friction lagged behind the slip in it.
     pub fn iterated(&mut self) -> bool {
-        self.braking.iterated()
+        let turns = self.moments.as_mut().is_some_and(|moments| moments.iterated());
+        self.friction() != 0.0 && self.braking.iterated() || turns
     }
 
     /// The largest speed of its slip at the rows' stages [m/s].
@@ -307,12 +348,19 @@ impl<V: Lanes> SpatialTouch<V> {
 
     /// Its friction at the end of the step.
     pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
-        self.braking.lean(mixing, [self.slipping(0), self.slipping(1)], self.at[0].belt)
+        let mut lean = match self.friction() {
+            0.0 => Lean::default(),
+            _ => self.braking.lean(mixing, [self.slipping(0), self.slipping(1)], self.at[0].belt),
+        };
+        if let Some(moments) = &self.moments {
+            moments.lean(mixing, &mut lean);
+        }
+        lean
     }
 
     /// Whether its forces exchange energy with what is no body: it has friction, or a surface that is driven.
     pub fn exchanges(&self) -> bool {
-        self.friction() != 0.0 || self.is_belt && self.feels_slip()
+        self.brakes() || self.is_belt && self.feels_slip()
     }
 
     /// Energy that its friction dissipates over the rows ([`Braking::dissipated`]), and the work of the drives of its surfaces, for the multipliers of
@@ -322,6 +370,9 @@ impl<V: Lanes> SpatialTouch<V> {
         let mut exchange = Exchange::default();
         if self.friction() != 0.0 {
             exchange.friction = self.braking.dissipated(self.slipping(1), mixing, multipliers[0]);
+        }
+        if let Some(moments) = &self.moments {
+            exchange.friction += moments.dissipated(mixing, multipliers[0]);
         }
         if self.is_belt {
             let driven = match self.joint.touch.grip {
@@ -370,6 +421,15 @@ impl<V: Lanes> SpatialTouch<V> {
             None => row.normal.minus(self.braking.of_rows()),
         };
         gradients[0] = [joined(column, column.normal), joined(row, push)];
+        if let Some(moments) = &self.moments {
+            let torque = match leans {
+                Some(lean) => Vector::zero().minus(Vector::splat(&lean.torque)),
+                None => moments.of_rows(),
+            };
+            gradients[0][1] = push.joined(row.point.cross_plus(push, torque));
+            let held = self.joint.touch.rows();
+            moments.write(&mut gaps[held..], &mut gradients[held..]);
+        }
         if self.joint.touch.grip == Grip::Rolls {
             for axis in 0..2 {
                 gaps[1 + axis] = self.creep[axis];

@@ -27,7 +27,7 @@ use crate::literal::coordinates::BODY_COORDINATES;
 use crate::literal::pairs::{Meeting, Placed, meet};
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::closure::Attachment;
-use catena_mechanism::description::contact::{Grip, TouchJoint};
+use catena_mechanism::description::contact::{Grip, Moments, TouchJoint};
 use catena_mechanism::description::mechanism::Mechanism;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -64,7 +64,8 @@ struct OneTouch {
 }
 
 impl TouchStep<'_> {
-    /// All contacts for the increments `Q_i − q` of the stages; `None` if one of them is of a pair of features that is not in the table.
+    /// All contacts for the increments `Q_i − q` of the stages; `None` if one of them is of a pair of features that is not in the table, or has
+    /// rolling or spinning friction.
     pub(crate) fn at(&self, increments: &[DVector<f64>]) -> Option<TouchStages> {
         let positions: Vec<DVector<f64>> = increments.iter().map(|increment| self.q + increment).collect();
         let [rates, slips] = self.rates(increments, &positions);
@@ -130,6 +131,9 @@ impl TouchStep<'_> {
         slips: &[DVector<f64>],
     ) -> Option<OneTouch> {
         let s = self.tableau.stages;
+        if joint.moments != Moments::default() {
+            return None;
+        }
         let start = meeting(joint, self.q)?;
         let begins = slip(joint, &start, self.q, self.velocity);
         let (friction, given) = match joint.touch.grip {

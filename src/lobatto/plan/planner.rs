@@ -83,7 +83,7 @@ impl<'m> Planner<'m> {
             .map(|([a, b], &count)| (count, a.body, b.body))
             .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))))
             .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)))
-            .chain(mechanism.rubbing().filter(|_| springs).map(|joint| (1, joint.a.body, joint.b.body)));
+            .chain(mechanism.braked().filter(|_| springs).map(|joint| (1, joint.a.body, joint.b.body)));
         let mut closure_of_row = Vec::new();
         let mut closures = Vec::new();
         for (index, (count, a, b)) in pairs.enumerate() {

@@ -25,7 +25,16 @@
 //!     u_T = (1 − n nᵀ)(v_b(p) + w_b − v_a(p) − w_a)  [m/s]          the drive of a belt does the work −f · (w_b − w_a)  [W]
 //! ```
 //!
-//! with the surface velocities w and the force f of the contact on b.
+//! with the surface velocities w and the force f of the contact on b. Rolling and spinning friction are moments of the contact on b, with the angular
+//! velocity `ω = ω_b − ω_a`, its parts `ω_n` along n and `ω_T` across n, and two lengths ρ and σ (m):
+//!
+//! ```text
+//!     −ρ λ ω_T/|ω_T|  [N m]  while it rolls,   at most ρ λ while it does not            rolling friction
+//!     −σ λ sign(ω_n) n [N m] while it spins,   at most σ λ while it does not            spinning friction
+//! ```
+//!
+//! Source: R. I. Leine, Ch. Glocker, A set-valued force law for spatial Coulomb–Contensou friction, European Journal of Mechanics A 22 (2003), for
+//! moments as set-valued laws; here with two independent lengths.
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::Attachment;
@@ -124,6 +133,24 @@ pub struct ContactPair {
     pub friction: f64,
     /// e, from 0 to 1.
     pub restitution: f64,
+    /// ρ and σ.
+    pub moments: MomentLengths,
+}
+
+/// The lengths of rolling and spinning friction: a moment is at most the length times the normal force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MomentLengths {
+    /// ρ (m), not negative.
+    pub rolling: f64,
+    /// σ (m), not negative.
+    pub spinning: f64,
+}
+
+impl MomentLengths {
+    /// Whether both are zero.
+    pub fn are_zero(&self) -> bool {
+        self.rolling == 0.0 && self.spinning == 0.0
+    }
 }
 
 /// The touching feature of a body; see the table of the module.
@@ -170,6 +197,50 @@ pub enum Grip {
     },
     /// It holds: `u_T = 0`, two equations of velocities more. The body rolls, or its point stays where it is.
     Rolls,
+}
+
+/// A moment of friction of a closed contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Moment {
+    /// There is none.
+    #[default]
+    Free,
+    /// It brakes: the length times λ, against the turning.
+    Brakes {
+        /// ρ or σ (m).
+        length: f64,
+        /// For a motion that begins without turning, the direction in which it starts to turn, a unit vector in the world.
+        direction: Vector3<f64>,
+    },
+    /// It holds: this part of ω is zero, by equations of velocities.
+    Holds,
+}
+
+/// The moments of rolling and of spinning friction of a closed contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Of `ω_T`; two equations if it holds.
+    pub rolling: Moment,
+    /// Of `ω_n`; one equation if it holds.
+    pub spinning: Moment,
+}
+
+impl Moments {
+    /// Number of their equations.
+    pub fn rows(&self) -> usize {
+        let of = |moment: Moment, rows: usize| if moment == Moment::Holds { rows } else { 0 };
+        of(self.rolling, 2) + of(self.spinning, 1)
+    }
+
+    /// Whether rolling friction brakes.
+    pub fn brakes_rolling(&self) -> bool {
+        matches!(self.rolling, Moment::Brakes { .. })
+    }
+
+    /// Whether one of them brakes.
+    pub fn brake(&self) -> bool {
+        [self.rolling, self.spinning].iter().any(|moment| matches!(moment, Moment::Brakes { .. }))
+    }
 }
 
 /// The size of [`Touch::side`] of two rims that lie nearly in one plane.
@@ -286,9 +357,36 @@ pub struct TouchJoint {
     pub b: Attachment,
     /// The velocities of both surfaces over their bodies, in the axes of the frames [m/s].
     pub surfaces: [Vector3<f64>; 2],
+    /// Its moments of friction.
+    pub moments: Moments,
 }
 
 impl TouchJoint {
+    /// Number of its equations: those of [`Touch::rows`], then of rolling friction that holds, then of spinning friction that holds.
+    pub fn rows(&self) -> usize {
+        match self.touch.rows() {
+            0 => 0,
+            rows => rows + self.moments.rows(),
+        }
+    }
+
+    /// The directions of ω in which its moments hold, for a normal and its tangents.
+    pub fn held_turns(
+        &self,
+        normal: &Vector3<f64>,
+        tangents: &[Vector3<f64>; 2],
+    ) -> impl Iterator<Item = Vector3<f64>> + use<> {
+        let is = |moment: Moment| self.touch.rows() > 0 && moment == Moment::Holds;
+        let (rolling, spinning) = (is(self.moments.rolling), is(self.moments.spinning));
+        let all = [(rolling, tangents[0]), (rolling, tangents[1]), (spinning, *normal)];
+        all.into_iter().filter(|(is, _)| *is).map(|(_, along)| along)
+    }
+
+    /// `ω_b − ω_a` [rad/s].
+    pub fn turning(&self, bodies: &[BodyState]) -> Vector3<f64> {
+        self.b.on(bodies).angular_velocity - self.a.on(bodies).angular_velocity
+    }
+
     /// Whether a surface moves over its body.
     pub fn is_belt(&self) -> bool {
         self.surfaces != [Vector3::zeros(); 2]

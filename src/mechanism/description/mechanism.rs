@@ -157,6 +157,12 @@ impl Mechanism {
         self.touches.iter().filter(|joint| joint.touch.friction() != 0.0)
     }
 
+    /// The motions that friction brakes at closed contacts and whose direction can turn: slips, then turnings across the normal.
+    pub fn braked(&self) -> impl Iterator<Item = &TouchJoint> {
+        self.rubbing()
+            .chain(self.touches.iter().filter(|joint| joint.touch.rows() > 0 && joint.moments.brakes_rolling()))
+    }
+
     /// The body whose joint has this name.
     pub fn body_of_joint(&self, joint: &str) -> Option<usize> {
         self.bodies.iter().position(|body| body.joint.name == joint)

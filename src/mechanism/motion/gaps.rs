@@ -11,11 +11,11 @@
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::{Attachment, LoopJoint, LoopKind, Mimic};
-use crate::description::contact::{Grip, TouchJoint};
+use crate::description::contact::{Grip, Moment, TouchJoint};
 use crate::description::mechanism::Mechanism;
 use crate::motion::kinematics::BodyAcceleration;
 use crate::motion::state::State;
-use crate::motion::touches::{tangents, touch_accelerations, touch_motion};
+use crate::motion::touches::{tangents, touch_accelerations, touch_motion, turning_accelerations};
 use nalgebra::{Matrix3, Vector3};
 
 /// The gaps of one closure and their rates; the first `count` entries are in use.
@@ -133,7 +133,7 @@ pub fn loop_gap_accelerations(
     (out, count)
 }
 
-/// The equations of a contact and their rates: its gap, and for one that rolls two of velocities, which have no gap.
+/// The equations of a contact and their rates: its gap, and for one that rolls two of velocities, which have no gap; then those of moments that hold.
 pub fn touch_gaps(joint: &TouchJoint, bodies: &[BodyState]) -> Gaps {
     let mut gaps = Gaps::default();
     if joint.touch.rows() > 0 {
@@ -141,6 +141,11 @@ pub fn touch_gaps(joint: &TouchJoint, bodies: &[BodyState]) -> Gaps {
         gaps.push(motion.gap, motion.rate);
         if joint.touch.grip == Grip::Rolls {
             tangents(&motion.normal).iter().for_each(|tangent| gaps.push(0.0, motion.slip.dot(tangent)));
+        }
+        if joint.moments.rows() > 0 {
+            let turning = joint.turning(bodies);
+            let held = joint.held_turns(&motion.normal, &tangents(&motion.normal));
+            held.for_each(|along| gaps.push(0.0, turning.dot(&along)));
         }
     }
     gaps
@@ -163,13 +168,19 @@ pub fn gap_accelerations(
         row += count;
     }
     for joint in &mechanism.touches {
-        let count = joint.touch.rows();
+        let (count, all) = (joint.touch.rows(), joint.rows());
         if count > 0 {
             let tangents = tangents(&touch_motion(joint, bodies).normal);
             let values = touch_accelerations(joint, bodies, accelerations, &tangents);
             out[row..row + count].copy_from_slice(&values[..count]);
+            if all > count {
+                let [first, second, normal] = turning_accelerations(joint, bodies, accelerations, &tangents);
+                let across = if joint.moments.rolling == Moment::Holds { &[first, second][..] } else { &[] };
+                let held = across.iter().chain((joint.moments.spinning == Moment::Holds).then_some(&normal));
+                out[row + count..row + all].iter_mut().zip(held).for_each(|(out, value)| *out = *value);
+            }
         }
-        row += count;
+        row += all;
     }
     for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
         *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];

@@ -14,6 +14,12 @@
 //!     u_T + w − n (n · w)                    (w · e − (n · w)(n · e))˙ = ẇ · e + w · ė − (n · w)(ṅ · e + n · ė),    ė = ω_a × e
 //! ```
 //!
+//! The turning `ω = ω_b − ω_a` [rad/s] of rolling and spinning friction changes by
+//!
+//! ```text
+//!     (ω · e)˙ = ω̇ · e − (ω · n)(ṅ · e) + ω_T · (ω_a × e)           (ω · n)˙ = ω̇ · n + ω · ṅ
+//! ```
+//!
 //! φ, n and p are differentiated exactly: [`crate::motion::contact_geometry`] in numbers with derivatives ([`crate::ground::smooth`]). A contact with
 //! features that make no pair has zeros.
 
@@ -102,6 +108,28 @@ pub fn touch_accelerations(
         return [gap.second, along(&tangents[0]) + carried(&tangents[0]), along(&tangents[1]) + carried(&tangents[1])];
     }
     [gap.second, along(&tangents[0]), along(&tangents[1])]
+}
+
+/// The derivatives of the turning `ω = ω_b − ω_a` along two tangents, and along the normal, for given accelerations of the bodies [rad/s²].
+pub fn turning_accelerations(
+    joint: &TouchJoint,
+    bodies: &[BodyState],
+    accelerations: &[BodyAcceleration],
+    tangents: &[Vector3<f64>; 2],
+) -> [f64; 3] {
+    let Some(pairing) = joint.touch.pairing() else { return [0.0; 3] };
+    let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
+    let [a, b] = ends.each_ref().map(|end| end.placed);
+    let Contact { normal, .. } = contact(pairing, joint.touch.side, a, b, || ends[1].axis(&joint.b, bodies, 0));
+    let [normal, turns] = [normal.0.map(|part| part.value), normal.0.map(|part| part.rate)].map(Vector3::from);
+    let turning = joint.turning(bodies);
+    let change = ends[1].acceleration.1 - ends[0].acceleration.1;
+    let spin = turning.dot(&normal);
+    let across = turning - normal * spin;
+    let along = |tangent: &Vector3<f64>| {
+        change.dot(tangent) - spin * turns.dot(tangent) + across.dot(&ends[0].body.angular_velocity.cross(tangent))
+    };
+    [along(&tangents[0]), along(&tangents[1]), change.dot(&normal) + turning.dot(&turns)]
 }
 
 /// An end of a contact with the motion of its body.

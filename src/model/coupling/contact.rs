@@ -41,7 +41,7 @@ impl Model {
                 colliders.push(Collider { name, body: None, pose: obstacle.pose, shape, surface_velocity });
                 owners.push(Owner::Obstacle(index));
                 let (friction, restitution) = (obstacle.friction, obstacle.restitution);
-                surfaces.push(Surface { friction, restitution, velocity: None });
+                surfaces.push(Surface { friction, restitution, moments: obstacle.moments, velocity: None });
             }
         }
         let placed = body_states(&self.mechanism, &self.zero_state());
@@ -60,7 +60,14 @@ impl Model {
             let (a, number) = (colliders.len(), pairs.len());
             colliders.extend(rope.colliders.iter().cloned());
             owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
-            pairs.push(ContactPair { number, a, b: a + 1, friction: 0.0, restitution: rope.restitution });
+            pairs.push(ContactPair {
+                number,
+                a,
+                b: a + 1,
+                friction: 0.0,
+                restitution: rope.restitution,
+                moments: Default::default(),
+            });
         }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;

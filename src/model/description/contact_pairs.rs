@@ -4,7 +4,7 @@
 //! robots. The last `[[contact.pair]]` that
 //! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
 
-use crate::mechanism::description::contact::{Collider, ContactPair};
+use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths};
 use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within_limits};
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::kinship::Kinship;
@@ -86,9 +86,10 @@ pub(crate) fn contact_pairs(
                 continue;
             }
             let is_obstacle = matches!(owners[b], Owner::Obstacle(_));
-            let Manner { friction, restitution, ignored, .. } =
+            let Manner { friction, restitution, moments: [rolling, spinning], ignored, .. } =
                 manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
-            let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
+            let moments = MomentLengths { rolling, spinning };
+            let pair = ContactPair { number: pairs.len(), a, b, friction, restitution, moments };
             let joined = || if own { kinship.reason([one.body, other.body]) } else { None };
             let within_limits =
                 || never_meet_within_limits(reach.mechanism(), [one.body, other.body], [balls[a], balls[b]]);
@@ -163,12 +164,14 @@ pub(crate) fn rules_of_nothing(
 struct Manner {
     friction: f64,
     restitution: f64,
+    /// Lengths of rolling and of spinning friction (m).
+    moments: [f64; 2],
     ignored: Option<usize>,
     /// Whether a rule says that they do touch.
     wanted: bool,
 }
 
-/// Friction and restitution of a pair. If both shapes have a coefficient, the smaller one counts, or the larger one with `settings.larger`; of a link
+/// Friction of every kind and restitution of a pair. If both shapes have a coefficient, the smaller one counts, or the larger one with `settings.larger`; of a link
 /// and an obstacle the obstacle's counts without it.
 fn manner(settings: &ContactSettings, surfaces: [Surface; 2], is_obstacle: bool, [a, b]: [&str; 2]) -> Manner {
     let of_both = |[of_a, of_b]: [Option<f64>; 2], otherwise| match (of_a, of_b) {
@@ -180,12 +183,14 @@ fn manner(settings: &ContactSettings, surfaces: [Surface; 2], is_obstacle: bool,
     let mut manner = Manner {
         friction: of_both(surfaces.map(|surface| surface.friction), settings.friction),
         restitution: of_both(surfaces.map(|surface| surface.restitution), settings.restitution),
+        moments: [0, 1].map(|of: usize| of_both(surfaces.map(|surface| surface.moments[of]), settings.moments[of])),
         ignored: None,
         wanted: false,
     };
     for rule in settings.rules.iter().filter(|rule| names(rule, a, b)) {
         manner.friction = rule.friction.unwrap_or(manner.friction);
         manner.restitution = rule.restitution.unwrap_or(manner.restitution);
+        manner.moments = [0, 1].map(|of: usize| rule.moments[of].unwrap_or(manner.moments[of]));
         manner.wanted = rule.ignore.map_or(manner.wanted, |ignore| !ignore);
         manner.ignored = rule.ignore.map_or(manner.ignored, |ignore| ignore.then_some(rule.line));
     }

@@ -128,6 +128,7 @@ impl Keys {
         let place = |what| Place::Body { robot, what };
         self.put(head, &called("friction"), Range::Friction, Place::LinkFriction { robot, link: 0 });
         self.put(head, &called("restitution"), Range::Fraction, Place::LinkRestitution { robot, link: 0 });
+        self.moments(head, &of.name, |of| Place::LinkMoment { robot, link: 0, of });
         let place_of_velocity = |axis| Place::LinkSurface { robot, link: 0, axis };
         self.vector(head, &called("surface_velocity"), Range::Finite, place_of_velocity);
         let weight = if let Weight::Density(_) = body.weight { "density" } else { "mass" };
@@ -151,6 +152,7 @@ impl Keys {
                 self.put("link", &format!("{name}.friction"), Range::Friction, friction);
                 let restitution = Place::LinkRestitution { robot, link };
                 self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
+                self.moments("link", &name, |of| Place::LinkMoment { robot, link, of });
                 let velocity = |axis| Place::LinkSurface { robot, link, axis };
                 self.vector("link", &format!("{name}.surface_velocity"), Range::Finite, velocity);
             }
@@ -322,6 +324,7 @@ impl Keys {
             let called = |what: &str| format!("{}.{what}", one.name);
             self.put("obstacle", &called("friction"), Range::Friction, Place::ObstacleFriction(obstacle));
             self.put("obstacle", &called("restitution"), Range::Fraction, Place::ObstacleRestitution(obstacle));
+            self.moments("obstacle", &one.name, |of| Place::ObstacleMoment { obstacle, of });
             let velocity = |axis| Place::ObstacleSurface { obstacle, axis };
             self.vector("obstacle", &called("surface_velocity"), Range::Finite, velocity);
             let place = |axis| Place::ObstaclePosition { obstacle, axis };
@@ -343,14 +346,28 @@ impl Keys {
         }
         self.put("contact", "friction", Range::Friction, Place::ContactFriction);
         self.put("contact", "restitution", Range::Fraction, Place::ContactRestitution);
+        for (of, key) in MOMENT_LENGTHS.into_iter().enumerate() {
+            self.put("contact", key, Range::NotNegative, Place::ContactMoment(of));
+        }
         self.put("contact", "self_contact", Range::Flag, Place::SelfContact);
         for rule in 0..scene.contact.rules.len() {
             let called = |what: &str| format!("pair.{}.{what}", rule + 1);
             self.put("contact", &called("friction"), Range::Friction, Place::PairFriction(rule));
             self.put("contact", &called("restitution"), Range::Fraction, Place::PairRestitution(rule));
+            self.moments("contact", &format!("pair.{}", rule + 1), |of| Place::PairMoment { rule, of });
+        }
+    }
+
+    /// The lengths of rolling and spinning friction of a thing.
+    fn moments(&mut self, head: &str, of: &str, place: impl Fn(usize) -> Place) {
+        for (number, key) in MOMENT_LENGTHS.into_iter().enumerate() {
+            self.put(head, &format!("{of}.{key}"), Range::NotNegative, place(number));
         }
     }
 }
+
+/// Keys of the lengths of rolling and of spinning friction.
+const MOMENT_LENGTHS: [&str; 2] = ["rolling_friction", "spinning_friction"];
 
 /// The name of a link or joint as scene files write it.
 fn called(robot: &SceneRobot, name: &str) -> String {

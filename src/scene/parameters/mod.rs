@@ -11,6 +11,7 @@
 //! | `body.NAME.pose.position.x`, `.pose.rpy.roll`, `.velocity.linear.x`, `.velocity.angular.x` | start of a body [m, rad, m/s, rad/s] |
 //! | `link.NAME.mass`                                                      | kg                                                          |
 //! | `link.NAME.friction`, `link.NAME.restitution`, `body.NAME.friction`   | of all collision shapes of a link, with what says nothing else |
+//! | `link.NAME.rolling_friction`, `.spinning_friction`, `body.…`, `obstacle.…`, `contact.…`, `contact.pair.1.…` | lengths (m)        |
 //! | `link.NAME.surface_velocity.x`, `body.…`, `obstacle.…`                | of the surface over its link or obstacle, as of a belt [m/s] |
 //! | `link.NAME.center_of_mass.x`                                          | in the link frame (m)                                       |
 //! | `link.NAME.inertia.ixx` (`ixy`, `ixz`, `iyy`, `iyz`, `izz`)           | about the centre of mass, in the inertial frame [kg m²]     |

@@ -48,6 +48,12 @@ pub(crate) enum Place {
         robot: usize,
         link: usize,
     },
+    /// Length of rolling friction of a link, or of spinning friction if it is 1.
+    LinkMoment {
+        robot: usize,
+        link: usize,
+        of: usize,
+    },
     /// Velocity of the surface of a link along an axis.
     LinkSurface {
         robot: usize,
@@ -240,6 +246,10 @@ pub(crate) enum Place {
     },
     ObstacleFriction(usize),
     ObstacleRestitution(usize),
+    ObstacleMoment {
+        obstacle: usize,
+        of: usize,
+    },
     ObstacleSurface {
         obstacle: usize,
         axis: usize,
@@ -262,9 +272,14 @@ pub(crate) enum Place {
     },
     ContactFriction,
     ContactRestitution,
+    ContactMoment(usize),
     SelfContact,
     PairFriction(usize),
     PairRestitution(usize),
+    PairMoment {
+        rule: usize,
+        of: usize,
+    },
     Duration,
     Tolerance,
     Stages,

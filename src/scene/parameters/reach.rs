@@ -44,6 +44,7 @@ impl Place {
             }
             Place::LinkFriction { robot, link } => Optional(&mut surface(scene, *robot, *link)?.friction),
             Place::LinkRestitution { robot, link } => Optional(&mut surface(scene, *robot, *link)?.restitution),
+            Place::LinkMoment { robot, link, of } => Optional(surface(scene, *robot, *link)?.moments.get_mut(*of)?),
             Place::LinkSurface { robot, link, axis } => {
                 let velocity = surface(scene, *robot, *link)?.velocity.get_or_insert(Vector3::zeros());
                 Number(velocity.get_mut(*axis)?)
@@ -200,6 +201,9 @@ impl Place {
             },
             Place::ObstacleFriction(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.friction),
             Place::ObstacleRestitution(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.restitution),
+            Place::ObstacleMoment { obstacle, of } => {
+                Optional(scene.contact.obstacles.get_mut(*obstacle)?.moments.get_mut(*of)?)
+            }
             Place::ObstacleSurface { obstacle, axis } => {
                 Number(scene.contact.obstacles.get_mut(*obstacle)?.surface_velocity.get_mut(*axis)?)
             }
@@ -215,6 +219,8 @@ impl Place {
             }
             Place::ContactFriction => Number(&mut scene.contact.friction),
             Place::ContactRestitution => Number(&mut scene.contact.restitution),
+            Place::ContactMoment(of) => Number(scene.contact.moments.get_mut(*of)?),
+            Place::PairMoment { rule, of } => Optional(scene.contact.rules.get_mut(*rule)?.moments.get_mut(*of)?),
             Place::SelfContact => Slot::Flag(&mut scene.contact.self_contact),
             Place::PairFriction(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.friction),
             Place::PairRestitution(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.restitution),

@@ -33,6 +33,7 @@ impl Place {
             Place::Body { robot, .. }
             | Place::LinkFriction { robot, .. }
             | Place::LinkRestitution { robot, .. }
+            | Place::LinkMoment { robot, .. }
             | Place::LinkSurface { robot, .. } => {
                 let placed = &mut scene.robots[robot];
                 if let Some(body) = &placed.body {

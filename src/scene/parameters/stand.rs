@@ -15,6 +15,7 @@ impl Place {
             | Place::InertiaTurn { robot, link, .. }
             | Place::LinkFriction { robot, link }
             | Place::LinkRestitution { robot, link }
+            | Place::LinkMoment { robot, link, .. }
             | Place::LinkSurface { robot, link, .. }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
@@ -100,6 +101,7 @@ impl Place {
             }
             Place::ObstacleFriction(obstacle)
             | Place::ObstacleRestitution(obstacle)
+            | Place::ObstacleMoment { obstacle, .. }
             | Place::ObstacleSurface { obstacle, .. }
             | Place::ObstaclePosition { obstacle, .. }
             | Place::ObstacleTurn { obstacle, .. }
@@ -108,12 +110,13 @@ impl Place {
                 let obstacle = &scene.contact.obstacles[*obstacle];
                 (scene.path.clone(), obstacle.line, Some(Element::Obstacle(obstacle.name.clone())))
             }
-            Place::PairFriction(rule) | Place::PairRestitution(rule) => {
+            Place::PairFriction(rule) | Place::PairRestitution(rule) | Place::PairMoment { rule, .. } => {
                 (scene.path.clone(), Some(scene.contact.rules[*rule].line), None)
             }
             Place::Gravity(_)
             | Place::ContactFriction
             | Place::ContactRestitution
+            | Place::ContactMoment(_)
             | Place::SelfContact
             | Place::Duration
             | Place::Tolerance

@@ -77,6 +77,8 @@ impl CouplingReader<'_> {
         let surface = Surface {
             friction: table.friction.map(|friction| friction.0),
             restitution: table.restitution.map(|restitution| restitution.0),
+            moments: [&table.rolling_friction, &table.spinning_friction]
+                .map(|length| length.as_ref().map(|length| length.0)),
             velocity: table.surface_velocity.as_ref().map(vector),
         };
         let body = SceneBody { shape, weight, color, surface };

@@ -1,7 +1,9 @@
 //! The table `[[body]]` of a scene file, as `serde` reads it.
 
 use crate::scene::scene_reading::contact_schema::ShapeTable;
-use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, Friction, PoseTable, Positive, VelocityTable};
+use crate::scene::scene_reading::scene_numbers::{
+    Finite, Fraction, Friction, NotNegative, PoseTable, Positive, VelocityTable,
+};
 use toml::Spanned;
 
 #[derive(serde::Deserialize)]
@@ -13,6 +15,8 @@ pub(crate) struct BodyTable {
     pub mass: Option<Spanned<Positive>>,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub rolling_friction: Option<NotNegative>,
+    pub spinning_friction: Option<NotNegative>,
     pub surface_velocity: Option<[Finite; 3]>,
     pub color: Option<Spanned<Vec<Fraction>>>,
     #[serde(default)]

@@ -42,6 +42,8 @@ impl CouplingReader<'_> {
             self_contact: table.self_contact,
             friction: table.friction.map_or(defaults.friction, |friction| friction.0),
             restitution: table.restitution.map_or(defaults.restitution, |restitution| restitution.0),
+            moments: [&table.rolling_friction, &table.spinning_friction]
+                .map(|length| length.as_ref().map_or(0.0, |length| length.0)),
             larger: table.combine == CombineKey::Larger,
             rules,
             obstacles: self.obstacles(obstacles, files)?,
@@ -51,13 +53,16 @@ impl CouplingReader<'_> {
 
     fn pair_rule(&self, table: Spanned<PairTable>) -> Result<PairRule, SceneError> {
         let span = table.span();
-        let PairTable { a, b, friction, restitution, ignore } = table.into_inner();
-        if friction.is_none() && restitution.is_none() && ignore.is_none() {
-            let problem = Problem::Keys("give its friction, its restitution or ignore");
+        let PairTable { a, b, friction, restitution, rolling_friction, spinning_friction, ignore } = table.into_inner();
+        let moments = [rolling_friction, spinning_friction].map(|length| length.map(|length| length.0));
+        if friction.is_none() && restitution.is_none() && moments == [None; 2] && ignore.is_none() {
+            let problem = Problem::Keys(
+                "give its friction, its restitution, its rolling_friction, its spinning_friction or ignore",
+            );
             return Err(self.text.error(&span, Some(Element::Pair(format!("{a:?} and {b:?}"))), problem));
         }
         let (friction, restitution) = (friction.map(|friction| friction.0), restitution.map(|number| number.0));
-        Ok(PairRule { a, b, friction, restitution, ignore, line: self.text.line(&span) })
+        Ok(PairRule { a, b, friction, restitution, moments, ignore, line: self.text.line(&span) })
     }
 
     fn obstacles(
@@ -68,7 +73,16 @@ impl CouplingReader<'_> {
         let mut obstacles: Vec<Obstacle> = Vec::with_capacity(tables.len());
         for (index, table) in tables.into_iter().enumerate() {
             let span = table.span();
-            let ObstacleTable { name, shape, pose, friction, restitution, surface_velocity } = table.into_inner();
+            let ObstacleTable {
+                name,
+                shape,
+                pose,
+                friction,
+                restitution,
+                rolling_friction,
+                spinning_friction,
+                surface_velocity,
+            } = table.into_inner();
             let place = name.as_ref().map_or(span, Spanned::span);
             let name = name.map_or_else(|| format!("obstacle{}", index + 1), Spanned::into_inner);
             let owner = Element::Obstacle(name.clone());
@@ -98,6 +112,7 @@ impl CouplingReader<'_> {
                 normal,
                 friction: friction.map(|friction| friction.0),
                 restitution: restitution.map(|restitution| restitution.0),
+                moments: [rolling_friction, spinning_friction].map(|length| length.map(|length| length.0)),
                 surface_velocity: surface_velocity.as_ref().map_or(Vector3::zeros(), vector),
                 mesh,
                 scale,
@@ -191,7 +206,16 @@ impl CouplingReader<'_> {
         let mut links: Vec<SceneLink> = Vec::with_capacity(tables.len());
         for table in tables {
             let span = table.span();
-            let LinkTable { name, shape, collision, friction, restitution, surface_velocity } = table.into_inner();
+            let LinkTable {
+                name,
+                shape,
+                collision,
+                friction,
+                restitution,
+                rolling_friction,
+                spinning_friction,
+                surface_velocity,
+            } = table.into_inner();
             let owner = Element::Link(name.get_ref().clone());
             let point = self.point(&name, &Default::default(), &owner)?;
             let count = match point.link {
@@ -211,18 +235,22 @@ impl CouplingReader<'_> {
             };
             let of_surface = friction.as_ref().map(Spanned::span).or(restitution.as_ref().map(Spanned::span));
             let of_surface = of_surface.or(surface_velocity.as_ref().map(Spanned::span));
+            let moments = [&rolling_friction, &spinning_friction];
+            let of_surface = of_surface.or(moments.into_iter().flatten().map(Spanned::span).next());
             if collision.is_none() && of_surface.is_none() {
-                return refuse(span, "give its collision, friction, restitution or surface_velocity");
+                let keys = "give its collision, friction, restitution, rolling_friction, spinning_friction or \
+                            surface_velocity";
+                return refuse(span, keys);
             }
             if let Some(span) = of_surface.filter(|_| shape.is_some()) {
-                return refuse(
-                    span,
-                    "friction, restitution and surface_velocity are of the whole link; leave out its shape",
-                );
+                let message = "friction of every kind, restitution and surface_velocity are of the whole link; leave \
+                               out its shape";
+                return refuse(span, message);
             }
             let surface = Surface {
                 friction: friction.map(|friction| friction.get_ref().0),
                 restitution: restitution.map(|restitution| restitution.get_ref().0),
+                moments: [rolling_friction, spinning_friction].map(|length| length.map(|length| length.get_ref().0)),
                 velocity: surface_velocity.map(|velocity| vector(velocity.get_ref())),
             };
             let shape = shape.map(Spanned::into_inner);

@@ -1,7 +1,7 @@
 //! The tables `[[obstacle]]`, `[contact]`, `[[contact.pair]]` and `[[link]]` of a scene file, as `serde` reads them.
 
 use crate::scene::contact_settings::{LinkShapes, Touching};
-use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, Friction, PoseTable, Positive};
+use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, Friction, NotNegative, PoseTable, Positive};
 use toml::Spanned;
 
 #[derive(serde::Deserialize)]
@@ -13,6 +13,8 @@ pub(crate) struct ObstacleTable {
     pub pose: PoseTable,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub rolling_friction: Option<NotNegative>,
+    pub spinning_friction: Option<NotNegative>,
     pub surface_velocity: Option<[Finite; 3]>,
 }
 
@@ -49,6 +51,8 @@ pub(crate) struct ContactTable {
     pub self_contact: Option<bool>,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub rolling_friction: Option<NotNegative>,
+    pub spinning_friction: Option<NotNegative>,
     pub combine: CombineKey,
     pub pair: Vec<Spanned<PairTable>>,
 }
@@ -68,6 +72,8 @@ pub(crate) struct PairTable {
     pub b: String,
     pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
+    pub rolling_friction: Option<NotNegative>,
+    pub spinning_friction: Option<NotNegative>,
     pub ignore: Option<bool>,
 }
 
@@ -79,5 +85,7 @@ pub(crate) struct LinkTable {
     pub collision: Option<LinkShapes>,
     pub friction: Option<Spanned<Friction>>,
     pub restitution: Option<Spanned<Fraction>>,
+    pub rolling_friction: Option<Spanned<NotNegative>>,
+    pub spinning_friction: Option<Spanned<NotNegative>>,
     pub surface_velocity: Option<Spanned<[Finite; 3]>>,
 }

@@ -79,6 +79,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
             let surface = &mut robots[robot].robot.links[link].surface;
             surface.friction = said.surface.friction.or(surface.friction);
             surface.restitution = said.surface.restitution.or(surface.restitution);
+            surface.moments = [0, 1].map(|of: usize| said.surface.moments[of].or(surface.moments[of]));
             surface.velocity = said.surface.velocity.or(surface.velocity);
         }
     }

@@ -213,6 +213,9 @@ fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
     if colliders.iter().any(|collider| matches!(collider.shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. })) {
         return refuse("ellipsoids and ropes", INSTEAD);
     }
+    if mechanism.nonsmooth.pairs.iter().any(|pair| !pair.moments.are_zero()) {
+        return refuse("rolling and spinning friction", INSTEAD);
+    }
     if !mechanism.forces.gravity_compensations.is_empty() {
         return refuse("gravity compensation", "leave it out, or compare runs with other numbers");
     }

@@ -373,7 +373,14 @@ mod tests {
             let collider = Collider::still("one", body, Pose::identity(), shape);
             mechanism.nonsmooth.colliders.push(collider);
         }
-        mechanism.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
+        mechanism.nonsmooth.pairs.push(ContactPair {
+            number: 0,
+            a: 0,
+            b: 1,
+            friction: 0.5,
+            restitution: 0.0,
+            moments: Default::default(),
+        });
         // Each step with the pull at its end; the one that follows says whether that has lasted.
         let worst_of = |steps: &[(f64, f64)], exact: usize| {
             let mut state = State::zero(&mechanism);

@@ -176,7 +176,9 @@ fn wrong_pairs_and_links_are_refused_with_file_line_and_name() {
         ),
         (
             link("name = \"arm\""),
-            &["scene.toml:3: link \"arm\": give its collision, friction, restitution or surface_velocity"],
+            &[
+                "scene.toml:3: link \"arm\": give its collision, friction, restitution, rolling_friction, spinning_friction or surface_velocity",
+            ],
         ),
         (
             link("name = \"arm\"\ncollision = \"box\""),

@@ -47,11 +47,11 @@ fn the_nearest_that_says_friction_and_restitution_decides() {
     for (text, said) in [
         (
             "[[link]]\nname = \"foot\"\n",
-            "scene.toml:10: link \"foot\": give its collision, friction, restitution or surface_velocity",
+            "scene.toml:10: link \"foot\": give its collision, friction, restitution, rolling_friction, spinning_friction or surface_velocity",
         ),
         (
             "[[link]]\nname = \"foot\"\nshape = 1\nfriction = 1\n",
-            "scene.toml:13: link \"foot\": friction, restitution and surface_velocity are of the whole link",
+            "scene.toml:13: link \"foot\": friction of every kind, restitution and surface_velocity are of the whole link",
         ),
         (
             "[[link]]\nname = \"foot\"\nfriction = -1\n",
@@ -61,4 +61,38 @@ fn the_nearest_that_says_friction_and_restitution_decides() {
         let message = refusal(&folder, &format!("{SLIDERS}{text}"));
         assert!(message.starts_with(said) && message.lines().count() == 1, "{message}");
     }
+}
+
+#[test]
+fn lengths_of_rolling_and_spinning_friction_come_from_the_same_places_and_have_key_paths() {
+    let folder = folder("lengths");
+    std::fs::write(folder.join("foot.urdf"), FOOT).unwrap();
+    let lengths = |text: &str, numbers: &[(&str, f64)]| {
+        let mut scene = read(&folder, text).unwrap();
+        let numbers: Vec<_> = numbers.iter().map(|(key, number)| (scene.parameter(key).unwrap(), *number)).collect();
+        scene.set(&numbers).unwrap();
+        let (model, _) = Model::from_scene(&scene).unwrap();
+        let of =
+            |pair: &catena::mechanism::description::contact::ContactPair| [pair.moments.rolling, pair.moments.spinning];
+        <[[f64; 2]; 3]>::try_from(model.mechanism.nonsmooth.pairs.iter().map(of).collect::<Vec<_>>())
+            .expect("three pairs")
+    };
+    let contact = "[contact]\npairs = \"all\"\nrolling_friction = 0.03\nspinning_friction = 0.01\n";
+    let pair = "[[contact.pair]]\na = \"two\"\nb = \"ground\"\nspinning_friction = 0.04\n";
+    let link = "[[link]]\nname = \"foot\"\nrolling_friction = 0.02\n";
+    let plain = format!("{SLIDERS}{contact}{GROUND}");
+    assert_eq!(lengths(&plain, &[]), [[0.03, 0.01]; 3]);
+    let all = format!("{SLIDERS}{contact}{pair}{GROUND}spinning_friction = 0.005\n{link}");
+    assert_eq!(lengths(&all, &[]), [[0.02, 0.01], [0.02, 0.005], [0.03, 0.04]]);
+    let set = [
+        ("contact.pair.1.spinning_friction", 0.06),
+        ("contact.rolling_friction", 0.05),
+        ("obstacle.ground.rolling_friction", 0.07),
+        ("link.foot.spinning_friction", 0.08),
+    ];
+    assert_eq!(lengths(&all, &set), [[0.02, 0.08], [0.07, 0.005], [0.07, 0.06]]);
+    let set = [("body.two.rolling_friction", 0.01)];
+    assert_eq!(lengths(&plain, &set), [[0.01, 0.01], [0.03, 0.01], [0.01, 0.01]]);
+    let negative = refusal(&folder, &format!("{SLIDERS}{GROUND}rolling_friction = -1\n"));
+    assert!(negative.contains("rolling_friction: -1 must not be negative"), "{negative}");
 }

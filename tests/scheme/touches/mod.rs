@@ -5,12 +5,13 @@ mod derivatives;
 mod elimination;
 mod features;
 mod literal;
+mod moments;
 mod rolling;
 mod sliding;
 mod slip_onset;
 
 use catena::mechanism::description::closure::Attachment;
-use catena::mechanism::description::contact::{Feature, Grip, Touch, TouchJoint};
+use catena::mechanism::description::contact::{Feature, Grip, Moments, Touch, TouchJoint};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::motion::energy::{energy, violation};
@@ -32,7 +33,13 @@ fn feature(body: Option<usize>, place: Vector3<f64>, turn: Vector3<f64>) -> Atta
 
 /// A contact of two features.
 fn touch(features: [Feature; 2], grip: Grip, a: Attachment, b: Attachment) -> TouchJoint {
-    TouchJoint { touch: Touch { features, side: 1.0, grip }, a, b, surfaces: [Vector3::zeros(); 2] }
+    TouchJoint {
+        touch: Touch { features, side: 1.0, grip },
+        a,
+        b,
+        surfaces: [Vector3::zeros(); 2],
+        moments: Moments::default(),
+    }
 }
 
 /// A point of a body, with a radius, on the floor.

@@ -119,7 +119,15 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
     for (number, joint) in mechanism.touches.iter().enumerate() {
         let closure = mechanism.loops.len() + number;
         let freedoms = freedoms_of(mechanism, &circuits[closure]);
-        rows.extend(touch_rows(joint, bodies, closure, sizes[closure], |direction, point| {
+        let turns = |direction: &Vector3<f64>| {
+            let entry = |&(freedom, side): &(usize, usize)| {
+                let Screw { turns, axis, .. } = &screws[freedom];
+                let along = if *turns { axis.dot(direction) * lengths[freedom] } else { 0.0 };
+                (freedom, if side == 0 { -along } else { along })
+            };
+            freedoms.iter().map(entry).collect()
+        };
+        rows.extend(touch_rows(joint, bodies, closure, sizes[closure], turns, |direction, point| {
             let entry = |&(freedom, side): &(usize, usize)| {
                 let Screw { turns, axis, point: center } = &screws[freedom];
                 let motion = if *turns { axis.cross(&(point - center)) } else { *axis };
@@ -142,12 +150,13 @@ fn freedoms_of(mechanism: &Mechanism, circuit: &[Vec<usize>; 2]) -> Vec<(usize, 
     freedoms
 }
 
-/// The equations of a contact, of which `entries` are the entries along a direction at a point.
+/// The equations of a contact, of which `entries` are the entries along a direction at a point, and `turns` those of turning about a direction.
 fn touch_rows(
     joint: &TouchJoint,
     bodies: &[BodyState],
     closure: usize,
     size: f64,
+    turns: impl Fn(&Vector3<f64>) -> Vec<(usize, f64)>,
     entries: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vec<(usize, f64)>,
 ) -> Vec<Row> {
     if joint.touch.rows() == 0 {
@@ -164,6 +173,10 @@ fn touch_rows(
     let mut rows = vec![row(&normal, gap.abs())];
     if joint.touch.grip == Grip::Rolls {
         rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0)));
+    }
+    if joint.moments.rows() > 0 {
+        let held = joint.held_turns(&normal, &tangents(&normal));
+        rows.extend(held.map(|along| Row { closure, entries: turns(&along), gap: f64::EPSILON, moves: false }));
     }
     rows
 }

@@ -1,0 +1,140 @@
+//! Rolling and spinning friction (`rolling_friction`, `spinning_friction`): balls and wheels that stop at located instants, stay at rest, and begin to
+//! roll, against closed forms; with all heat accounted.
+//!
+//! A ball of mass m, radius r and moment of inertia I = 0.4 m r² that rolls on a plane of slope α with the length ρ has
+//! `v̇ = −g (ρ cos α/r ± sin α)/1.4`, and its spin about the normal `ω̇ = −σ m g cos α/I`.
+
+use crate::common::scratch;
+use crate::scene_files::report;
+use catena::prelude::{Model, Simulation};
+use catena::report::{LinkReport, Report};
+
+const GRAVITY: f64 = 9.81;
+/// Closed forms are met to this (s, m, rad/s, J): tolerances of 1e-11 m and their factors of some ten in velocities and energies.
+const BOUND: f64 = 1e-10;
+const RADIUS: f64 = 0.1;
+
+/// A ball of 1 kg on a floor of this slope about y (rad), with the keys of its start and of the floor.
+fn ball(slope: f64, start: &str, floor: &str) -> String {
+    let (sine, cosine) = slope.sin_cos();
+    format!(
+        "[[body]]\nname = \"ball\"\nshape = {{ type = \"sphere\", radius = {RADIUS} }}\nmass = 1.0\n\
+         pose.position = [{}, 0, {}]\n{start}\n\
+         [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\", normal = [{sine:?}, 0, {cosine:?}] }}\nfriction = 0.5\n{floor}\n",
+        RADIUS * sine,
+        RADIUS * cosine,
+    )
+}
+
+fn run(folder: &str, text: &str, duration: f64) -> Report {
+    let file = scratch(folder).join("scene.toml");
+    std::fs::write(&file, text).expect("a scene");
+    let end = report(&file, &[], &[], Some(duration), 1e-11);
+    assert!(end.energy.max_relative_error < 1e-12, "{:?}", end.energy);
+    assert!(end.warnings.is_empty(), "{:?}", end.warnings);
+    end
+}
+
+fn link<'r>(report: &'r Report, name: &str) -> &'r LinkReport {
+    &report.links.iter().find(|(own, _)| own == name).expect("a link").1
+}
+
+/// The kinds and times of the events (s).
+fn events(report: &Report) -> Vec<(&str, f64)> {
+    report.events.list.iter().map(|event| (event.kind.as_str(), event.time)).collect()
+}
+
+fn near(what: &str, (is, wanted): (f64, f64)) {
+    assert!((is - wanted).abs() < BOUND, "{what}: {is} instead of {wanted}, off by {:.1e}", is - wanted);
+}
+
+#[test]
+fn a_ball_rolls_to_rest_at_a_located_instant_and_stays_there() {
+    let (rolling, speed) = (0.004, 1.0);
+    let start = format!("velocity = {{ linear = [{speed}, 0, 0], angular = [0, {}, 0] }}", speed / RADIUS);
+    let end = run("rolls_to_rest", &ball(0.0, &start, &format!("rolling_friction = {rolling}")), 6.0);
+    let brake = rolling * GRAVITY / (1.4 * RADIUS);
+    let all = events(&end);
+    assert_eq!(all.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(), ["stick"]);
+    near("the stop", (all[0].1, speed / brake));
+    near("x", (link(&end, "ball").position[0], 0.5 * speed * speed / brake));
+    near("heat", (end.energy.friction, 0.7 * speed * speed));
+    // It may still spin about the normal, by roundings of rates that were zero.
+    let [v, w] = [link(&end, "ball").linear_velocity, link(&end, "ball").angular_velocity];
+    assert!(v.iter().chain(&w).all(|rate| rate.abs() < 1e-20), "{v:?} {w:?}");
+}
+
+#[test]
+fn a_ball_stays_on_a_slope_below_the_angle_of_its_rolling_friction_and_rolls_down_a_steeper_one() {
+    let rolling = 0.004;
+    let angle = f64::atan(rolling / RADIUS);
+    let rests = run("below_the_angle", &ball(0.999 * angle, "", &format!("rolling_friction = {rolling}")), 3.0);
+    let (sine, cosine) = (0.999 * angle).sin_cos();
+    assert_eq!(link(&rests, "ball").position, [RADIUS * sine, 0.0, RADIUS * cosine]);
+    let (sine, cosine) = (1.1 * angle).sin_cos();
+    let rolls = run("above_the_angle", &ball(1.1 * angle, "", &format!("rolling_friction = {rolling}")), 3.0);
+    let way = 0.5 * GRAVITY * (sine - rolling / RADIUS * cosine) / 1.4 * 9.0;
+    let [x, _, z] = link(&rolls, "ball").position;
+    near("x", (x, RADIUS * sine + way * cosine));
+    near("z", (z, RADIUS * cosine - way * sine));
+    near("heat", (rolls.energy.friction, rolling * GRAVITY * cosine * way / RADIUS));
+}
+
+#[test]
+fn a_spin_ends_while_the_ball_rolls_on_and_then_the_ball_stops() {
+    let (rolling, spinning, speed, spin) = (0.004, 0.002, 1.0, 5.0);
+    let start = format!("velocity = {{ linear = [0, {speed}, 0], angular = [{}, 0, {spin}] }}", -speed / RADIUS);
+    let floor = format!("rolling_friction = {rolling}\nspinning_friction = {spinning}");
+    let end = run("spin_ends", &ball(0.0, &start, &floor), 5.0);
+    let (brake, turns) = (rolling * GRAVITY / (1.4 * RADIUS), spinning * GRAVITY / (0.4 * RADIUS * RADIUS));
+    let all = events(&end);
+    assert_eq!(all.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(), ["stick", "stick"]);
+    near("the end of the spin", (all[0].1, spin / turns));
+    near("the stop", (all[1].1, speed / brake));
+    near("y", (link(&end, "ball").position[1], 0.5 * speed * speed / brake));
+    near("heat", (end.energy.friction, 0.7 * speed * speed + 0.2 * RADIUS * RADIUS * spin * spin));
+}
+
+#[test]
+fn a_ball_that_slides_first_rolls_and_then_stops() {
+    let (friction, rolling, speed) = (0.5, 0.01, 2.0);
+    let start = format!("velocity = {{ linear = [{speed}, 0, 0], angular = [0, 0, 0] }}");
+    let end = run("slides_first", &ball(0.0, &start, &format!("rolling_friction = {rolling}")), 4.0);
+    // While it slides, v̇ = −μ g and ω̇ r = (μ − ρ/r) g/0.4.
+    let rolls = speed / (friction * GRAVITY + (friction - rolling / RADIUS) * GRAVITY / 0.4);
+    let slower = speed - friction * GRAVITY * rolls;
+    let brake = rolling * GRAVITY / (1.4 * RADIUS);
+    let all = events(&end);
+    near("the end of the slip", (all[0].1, rolls));
+    near("the stop", (all[1].1, rolls + slower / brake));
+    let way = speed * rolls - 0.5 * friction * GRAVITY * rolls * rolls + 0.5 * slower * slower / brake;
+    near("x", (link(&end, "ball").position[0], way));
+    near("heat", (end.energy.friction, 0.5 * speed * speed));
+}
+
+#[test]
+fn a_wheel_on_the_two_ends_of_its_line_of_contact_is_braked_as_one_body() {
+    let (rolling, speed, length) = (0.004, 1.0, 0.05);
+    let text = format!(
+        "[[body]]\nname = \"wheel\"\nshape = {{ type = \"cylinder\", radius = {RADIUS}, length = {length} }}\nmass = 1.0\n\
+         pose = {{ position = [0, 0, {RADIUS}], rpy = [\"90 deg\", 0, 0] }}\n\
+         velocity = {{ linear = [{speed}, 0, 0], angular = [0, {}, 0] }}\nrolling_friction = {rolling}\n\
+         [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.5\n",
+        speed / RADIUS
+    );
+    let end = run("wheel_stops", &text, 5.0);
+    let brake = rolling * GRAVITY / (1.5 * RADIUS);
+    near("the stop", (events(&end)[0].1, speed / brake));
+    near("x", (link(&end, "wheel").position[0], 0.5 * speed * speed / brake));
+    near("heat", (end.energy.friction, 0.75 * speed * speed));
+}
+
+#[test]
+fn derivatives_refuse_rolling_friction() {
+    let file = scratch("rolling_derivatives").join("scene.toml");
+    std::fs::write(&file, ball(0.0, "", "rolling_friction = 0.01")).expect("a scene");
+    let model = Model::load(&file).expect("a model");
+    let asked = Simulation::new(&model).duration(1.0).sensitivity(&["obstacle.floor.friction"]);
+    let refused = asked.expect_err("no derivatives").to_string();
+    assert!(refused.contains("rolling and spinning friction"), "{refused}");
+}
