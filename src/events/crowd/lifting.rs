@@ -71,7 +71,7 @@ impl Crowd {
 }
 
 /// The deepest overlap of all candidates (m or rad).
-fn deepest(contacts: &Contacts) -> f64 {
+pub(super) fn deepest(contacts: &Contacts) -> f64 {
     let closing = contacts.list.iter().filter(|candidate| candidate.closes());
     closing.fold(0.0, |deepest, candidate| deepest.max(-candidate.gap))
 }
