@@ -184,6 +184,16 @@ class Model:
         return self._inner.path
 
     @property
+    def nq(self) -> int:
+        """Number of positions in q; a rotation has four."""
+        return max((end for _, _, end in self._inner.q_places()), default=0)
+
+    @property
+    def nv(self) -> int:
+        """Number of velocities in v, the degrees of freedom of the tree."""
+        return max((end for _, _, end in self._inner.v_places()), default=0)
+
+    @property
     def joint_names(self) -> list[str]:
         """Joints that move, in the order of q and v."""
         return self._inner.joint_names

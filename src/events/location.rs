@@ -165,7 +165,7 @@ impl Eventful {
             }
             let of @ Pair { bodies, reach, breadth, .. } = &self.model.touching.pairs[pair];
             let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
-            let zero = of.within(AT_EVENT);
+            let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
             let measure = Measure {
                 closed: if self.trial.fresh_pairs[pair] { f64::INFINITY } else { zero },
                 zero,
@@ -194,7 +194,11 @@ impl Eventful {
             // A pair that closes at the end was open before.
             let at_end = |found: Bracket| found.root >= end - SAME_END * (end - since);
             if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
-                cover.take([cover.until, end], gap.gap(end));
+                // An end that overlaps is no root, but a jump from the inside of the step to its end.
+                let there = gap.gap(end);
+                if there >= -anew {
+                    cover.take([cover.until, end], there);
+                }
             }
             // A closed pair has the gap of its other features.
             if let (None, Some(at_end)) = (found, gap.at_end)

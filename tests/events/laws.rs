@@ -65,7 +65,7 @@ fn a_motion_on_which_trial_runs_meet_other_events_says_from_when_it_is_not_deter
     mechanism.nonsmooth.limits.clear();
     limit(&mut mechanism, 0, -0.7, 0.9, 1.0);
     limit(&mut mechanism, 1, -0.5, 0.6, 1.0);
-    let start = at_rest(&mechanism, &[0.8, 0.5]);
+    let start = at_rest(&mechanism, &[0.8, 0.35]);
     let tolerant = |duration: f64| {
         let options =
             SimulationOptions { duration, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };

@@ -182,9 +182,10 @@ fn alone(scene: &Scene, run: &Run) -> Vec<(&'static str, String)> {
     }
     let energy = &report.energy;
     let scale = f64::max(energy.parts.kinetic, energy.initial.abs()).max(1e-9);
-    // Hard dampers take nearly all that springs and motors store with next to no motion: a displacement of the tolerance changes those energies.
+    // Hard dampers take nearly all that springs and motors store with next to no motion: a displacement of a tenth of the tolerance changes it so much.
+    let displaced = 0.1 * COARSE * scene.pull;
     let hardly_moves = seen.balance.is_some_and(|(least, most)| {
-        (energy.initial - least).max(most - energy.initial) <= BALANCE * seen.kinetic.max(scene.stored)
+        (energy.initial - least).max(most - energy.initial) <= (BALANCE * seen.kinetic.max(scene.stored)).max(displaced)
     });
     let balances = energy.max_relative_error <= BALANCE || hardly_moves;
     if !balances {

@@ -55,6 +55,8 @@ pub struct Scene {
     pub is_calm: bool,
     /// The energy that springs and motors store at the start (J).
     pub stored: f64,
+    /// The efforts of springs and motors at the start (N m): a displacement of the tolerance changes the stored energy by as many tolerances.
+    pub pull: f64,
     /// No energy is lost: every restitution is 1, and there is no friction.
     pub is_lossless: bool,
     /// The same scene written otherwise: the name and the text of its scene file.

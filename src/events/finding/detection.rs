@@ -283,11 +283,16 @@ pub(crate) fn close_in(
             above *= if last == -1 { 0.5 } else { 1.0 };
             last = -1;
         }
-        if found == 0.0 {
-            break;
-        }
     }
-    Bracket { watched, low, high, root: 0.5 * (a + b), slope, at_start }
+    // An end at which the function is zero is the root, however wide the bracket is.
+    let root = if below >= 0.0 {
+        b
+    } else if above <= 0.0 {
+        a
+    } else {
+        0.5 * (a + b)
+    };
+    Bracket { watched, low, high, root, slope, at_start }
 }
 
 #[cfg(test)]
@@ -298,6 +303,16 @@ mod tests {
         first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
             values[0] = function(time)
         })
+    }
+
+    #[test]
+    fn an_end_of_a_bracket_at_which_the_function_is_zero_is_its_root() {
+        // Another event ends the step there at the same instant, to the last digit.
+        let root = |function: fn(f64) -> f64| close_in(0, 0.5, 1.0, false, 1.0, &mut |time| function(time)).root;
+        assert_eq!(root(|time| 3.0 * (1.0 - time)), 1.0);
+        assert_eq!(root(|time| 0.5 - time), 0.5);
+        // The first secant of a line is its root.
+        assert_eq!(root(|time| 0.75 - time), 0.75);
     }
 
     #[test]

@@ -292,6 +292,9 @@ impl Control {
         if !self.started() {
             self.start(mechanism, state, stepper.kernel.as_mut());
         }
+        if let Some(settling) = stepper.settling_at_start(mechanism, state, self.memory.step, self.tolerance) {
+            self.settle(self.memory.step, settling);
+        }
         let mut guess = stepper.first_guess();
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
@@ -311,7 +314,14 @@ impl Control {
                 }
                 _ => None,
             };
-            match self.judge(&attempt, energies, length, guess) {
+            let mut decision = self.judge(&attempt, energies, length, guess);
+            if decision == Decision::Accept
+                && let Some(longest) = stepper.too_long_for_stability(mechanism, length)
+            {
+                self.keep_below(longest);
+                decision = Decision::Retry { guess: Guess::Longer(length), why: Rejected::NotSmooth };
+            }
+            match decision {
                 Decision::Accept => {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     if let Attempt::Converged { legendre, .. } = attempt {
@@ -319,8 +329,7 @@ impl Control {
                     }
                     self.keep_below(stepper.watch.safe_step());
                     if let Some(settling) = stepper.watch.take_settling(state.time, self.tolerance) {
-                        self.memory.settling = Some(length);
-                        self.memory.step = self.memory.step.min(settling);
+                        self.settle(length, settling);
                     }
                     return Ok(outcome);
                 }
@@ -339,6 +348,12 @@ impl Control {
                 }
             }
         }
+    }
+
+    /// Goes on with steps of `settling` seconds, and as accurately as ever from steps of `long` seconds on.
+    fn settle(&mut self, long: f64, settling: f64) {
+        self.memory.settling = Some(long);
+        self.memory.step = self.memory.step.min(settling);
     }
 
     /// Makes one step exactly to `until` (s), if it is accepted at once.

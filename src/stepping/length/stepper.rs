@@ -16,7 +16,7 @@ use crate::length::outside::Outside;
 use crate::watching::modes::Modes;
 use crate::watching::pace::Pace;
 use crate::watching::ranks::Ranks;
-use crate::watching::watch::{FIRST_LOOK, Watch};
+use crate::watching::watch::{FIRST_LOOK, Mode, Watch};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
@@ -76,6 +76,8 @@ pub(crate) struct Stepper {
     pub watch: Watch,
     /// Its source of frequencies.
     modes: Modes,
+    /// The fastest mode at the end of the finished step, if that was looked at before it is accepted.
+    seen: Option<Mode>,
     /// Start of the last step, for dense output.
     origin: State,
     /// The end of a step before it is accepted, and then the end of the last one.
@@ -112,6 +114,7 @@ impl Stepper {
             watch: Watch::new(tableau, !mechanism.is_unforced()),
             tableau,
             modes: Modes::new(mechanism),
+            seen: None,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
             length: 0.0,
@@ -293,6 +296,7 @@ impl Stepper {
 
     /// Finishes the solved step, without moving `state`; returns the energies at its end, with the unexplained change.
     pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
+        self.seen = None;
         if let Some(companion) = &mut self.companion {
             companion.wait();
         }
@@ -304,6 +308,7 @@ impl Stepper {
 
     /// The same of a step to `time` (s) that is likely to be kept: the companion goes through it, too, if there is one and both can at once.
     pub fn finish_both(&mut self, mechanism: &Mechanism, state: &State, time: f64) -> Energies {
+        self.seen = None;
         let Stepper { companion, kernel, end, .. } = self;
         if let Some(companion) = companion {
             end.copy_from(state);
@@ -324,6 +329,35 @@ impl Stepper {
             pull: if mechanism.forces.driven { pull(mechanism, &self.end) } else { (0.0, 0.0) },
             pushes: if mechanism.has_closures() { self.outside.pushes.with(after.spring, self.efforts) } else { 0.0 },
         }
+    }
+
+    /// The length (s) of a first step in which hard dampers stop what they are about to stop at the start of a motion, if one of `length` seconds would
+    /// let it ring. What moves less than the `tolerance` (m, rad) in a second may ring.
+    pub fn settling_at_start(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        length: f64,
+        tolerance: f64,
+    ) -> Option<f64> {
+        if !self.damped || !self.watch.listens() || self.watch.latest().is_some() {
+            return None;
+        }
+        let transient = self.modes.transient(mechanism, state)?;
+        if !self.watch.rings(transient, length) {
+            return None;
+        }
+        self.watch.hear(transient, length, state.time);
+        self.watch.take_settling(state.time, tolerance)
+    }
+
+    /// The longest step that is safely stable (s), if the finished one of `length` seconds is beyond the limit, as far as is known when it is time to
+    /// look: fast motions have grown in it.
+    pub fn too_long_for_stability(&mut self, mechanism: &Mechanism, length: f64) -> Option<f64> {
+        let iterations = self.watch.is_due()?;
+        let mode = self.modes.fastest(mechanism, &self.end, iterations);
+        self.seen = Some(mode);
+        self.watch.beyond_limit(mode, length)
     }
 
     /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`, and completes its `outcome`.
@@ -414,7 +448,8 @@ impl Stepper {
     }
 
     fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
-        let mode = self.modes.fastest(mechanism, state, iterations);
+        let Stepper { seen, modes, .. } = self;
+        let mode = seen.take().unwrap_or_else(|| modes.fastest(mechanism, state, iterations));
         self.watch.see(mode, length, state.time);
         self.look_at_dampers(mechanism, state);
         if self.watch.listens()

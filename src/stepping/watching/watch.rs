@@ -90,6 +90,22 @@ impl Watch {
         (self.wait == 0).then(|| self.iterations())
     }
 
+    /// The number of power iterations to look with, if it is time to after one more accepted step.
+    pub fn is_due(&self) -> Option<usize> {
+        (self.wait == 1).then(|| self.iterations())
+    }
+
+    /// The longest step that is safely stable with the fastest mode (s), if steps of `step` are beyond the limit.
+    pub fn beyond_limit(&self, mode: Mode, step: f64) -> Option<f64> {
+        let seen = self.frequency_step(mode, step, 0.0);
+        seen.is_unstable().then(|| SAFE * seen.longest())
+    }
+
+    fn frequency_step(&self, mode: Mode, step: f64, time: f64) -> FrequencyStep {
+        let product = step * mode.frequency;
+        FrequencyStep { product, limit: limit_for(self.tableau, product, mode.damping), step, time }
+    }
+
     /// The number of power iterations to look with.
     pub fn iterations(&self) -> usize {
         if self.latest.is_some() { 1 } else { FIRST_LOOK }
@@ -99,10 +115,8 @@ impl Watch {
     pub fn see(&mut self, mode: Mode, step: f64, time: f64) {
         self.wait = INTERVAL;
         self.decays[0] = 2.0 * mode.damping * mode.frequency;
-        let product = step * mode.frequency;
-        let limit = limit_for(self.tableau, product, mode.damping);
-        let seen = FrequencyStep { product, limit, step, time };
-        if product > NEAR * limit {
+        let seen = self.frequency_step(mode, step, time);
+        if seen.product > NEAR * seen.limit {
             self.wait = CLOSE_INTERVAL;
         }
         self.latest = Some(seen);
@@ -121,15 +135,21 @@ impl Watch {
     ///
     /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each
     /// (doc/decisions/007-stability-with-springs-and-dampers.md).
-    pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
+    pub fn hear(&mut self, transient: Transient, step: f64, time: f64) {
+        let Transient { decay, rate } = transient;
         self.decays[1] = decay;
-        let s = self.tableau.stages as f64;
-        if step * decay > 2.0 * s * (s - 1.0) {
-            let longest = s / decay;
+        if self.rings(transient, step) {
+            let longest = self.tableau.stages as f64 / decay;
             self.ringing = self.ringing.or(Some(Ringing { decay, step, longest, time }));
             self.settling = Some((longest, rate));
             self.listens = false;
         }
+    }
+
+    /// Whether a motion that dampers are about to stop rings in steps of `step`.
+    pub fn rings(&self, transient: Transient, step: f64) -> bool {
+        let s = self.tableau.stages as f64;
+        step * transient.decay > 2.0 * s * (s - 1.0)
     }
 
     /// Whether dampers are too hard for a step (s), as far as is known: half as hard as dampers that reverse a velocity in each step.

@@ -36,6 +36,7 @@ pub fn settles(draw: &mut Draw, mut scene: Scene) -> Scene {
     scene.answers.push(Answer::Joint { joint: "j".to_string(), right, bound: 2e-5 });
     scene.is_calm = true;
     scene.stored = 0.5 * stiffness * from * from;
+    scene.pull = stiffness * from.abs();
     scene
 }
 
@@ -61,6 +62,7 @@ pub fn arm(draw: &mut Draw, mut scene: Scene) -> Scene {
         let (kp, kd) = (draw.log(60.0, 1000.0), draw.log(20.0, 200.0));
         let target = at + draw.range(-0.2, 0.2);
         scene.stored += 0.5 * kp * (target - at).powi(2);
+        scene.pull += kp * (target - at).abs();
         scene.table(format!(
             "[[motor]]\njoint = \"{name}\"\nkind = \"position\"\ntarget = {target:?}\nkp = {kp:?}\nkd = {kd:?}\nmax_effort = 1e5"
         ));
