@@ -49,7 +49,9 @@ pub fn solve(
     let all = std::mem::take(&mut problem.blocks);
     let nearly = NEARLY * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     let mut part: Vec<usize> = (0..all.len())
-        .filter(|&number| impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly))
+        .filter(|&number| {
+            impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
+        })
         .collect();
     let (mut residual, mut within) = (0.0, tolerance.max(COARSE));
     for _ in 0..WIDENED {

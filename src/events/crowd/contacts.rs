@@ -245,6 +245,12 @@ impl Contacts {
         }
     }
 
+    /// The deepest overlap of all candidates (m or rad).
+    pub fn deepest(&self) -> f64 {
+        let closing = self.list.iter().filter(|candidate| candidate.closes());
+        closing.fold(0.0, |deepest, candidate| deepest.max(-candidate.gap))
+    }
+
     /// The normal rate of a candidate at rates of all freedoms [m/s or rad/s].
     pub fn closing_rate(&self, number: usize, trees: &Trees, rates: &[f64]) -> f64 {
         let along = |side: &Side| {

@@ -181,14 +181,7 @@ pub(super) fn move_on(
 }
 
 /// The state after a displacement from the start of a step (s), and the bodies in it.
-fn place_end(
-    scene: Scene,
-    start: &State,
-    displacement: &[f64],
-    step: f64,
-    end: &mut State,
-    bodies: &mut [BodyState],
-) {
+fn place_end(scene: Scene, start: &State, displacement: &[f64], step: f64, end: &mut State, bodies: &mut [BodyState]) {
     end.copy_from(start);
     let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
     end.displace(scene.whole, &moved);

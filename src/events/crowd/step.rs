@@ -15,7 +15,6 @@ use crate::crowd::newton::Workspace;
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{CLOSED, Candidate, Clearances, Contacts, Key, Scene, has_row};
 use crate::events::crowd::energies::Energies;
-use crate::events::crowd::lifting::deepest;
 use crate::events::crowd::moving::{Moving, move_on};
 use crate::events::crowd::settling::{Settling, settle};
 use crate::instant::holding::touching::Touching;
@@ -185,7 +184,7 @@ impl Crowd {
         }
         self.trees.place(whole, &self.bodies);
         self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
-        if deepest(&self.next) > LIFTED.max(2.0 * deepest(&self.now)) {
+        if self.next.deepest() > LIFTED.max(2.0 * self.now.deepest()) {
             return None;
         }
         let (lifted, overlap) = self.lift(scene, state, step)?;
