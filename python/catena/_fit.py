@@ -17,6 +17,8 @@ from ._model import Model
 
 # A fit has ended if a step moves every parameter by less than this part of its standard deviation, or of itself.
 SETTLED = 1e-4
+# A number does not count if a change by all of itself moves no sample by this much [rad or m].
+UNTOLD = 1e-12
 # The first λ, and its factors after good and bad steps.
 FIRST, BETTER, WORSE = 1e-3, 0.2, 5.0
 
@@ -103,8 +105,9 @@ def fit(model, t, data, keys, *, joints=None, q=None, v=None, sigma=None, bounds
     damping, runs = FIRST, 1
     while runs < iterations:
         normal, slope = jacobian.T @ jacobian, jacobian.T @ residual
-        if not np.all(np.diag(normal) > 0):
-            raise InputError(f"{keys[int(np.argmin(np.diag(normal)))]}: the data does not depend on it")
+        told = np.abs(jacobian).max(axis=0) * np.where(theta == 0, 1.0, np.abs(theta))
+        if not np.all(told > UNTOLD):
+            raise InputError(f"{keys[int(np.argmin(told))]}: the data does not depend on it")
         motion = -np.linalg.solve(normal + damping * np.diag(np.diag(normal)), slope)
         wanted = np.array([np.clip(one, *bounds.get(key, (-np.inf, np.inf))) for key, one in zip(keys, theta + motion)])
         try:

@@ -268,7 +268,7 @@ class Model:
 
         Raises
         ------
-        InputError : unknown keys, and runs without derivatives: with contacts that slide or roll on, drag, and many events in one instant
+        InputError : unknown keys, and runs without derivatives: with drag, with contacts whose forces are not unique where they let go, and many events in one instant
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
         if (stages is None) != (step is None):

@@ -52,6 +52,7 @@ class Result:
     poses : by link, x, y, z, w, x, y, z of its frame in the world (samples, 7)
     reactions : by joint, force and torque of the parent on the child, in the world (samples, 6) [N, N m]
     contact_forces : by pair, as ``"foot|floor"``, the force of all its contacts on the first of the two, in the world (samples, 3) [N]
+    sensitivity : the derivatives of the run, if ``run`` was asked for them: a :class:`Sensitivity`
     summary : the report as a dict, as ``catena simulate --json`` prints it
     """
 
@@ -69,6 +70,7 @@ class Result:
         self.reactions = _ByName(model.joint_names, inner.reactions)
         self.contact_forces = _ByName(list(dict.fromkeys(model._inner.contact_pairs())), self._contact_force)
         self.summary = json.loads(inner.report)
+        self.sensitivity = None
 
     def __reduce__(self):
         return _result, (self.model, self._inner.parts())

@@ -208,10 +208,11 @@ class Sim:
         for joint, target in targets.items():
             self.set_target(joint, target)
 
-    def run(self, duration=None, rate=60.0, *, log=None, controller=None, control_rate=None) -> Result:
+    def run(self, duration=None, rate=60.0, *, log=None, controller=None, control_rate=None, sensitivity=()) -> Result:
         """Runs from where it is, for a duration [s], and returns samples at a rate [Hz].
 
         ``log`` is an MCAP file that is written on the way. ``controller`` with its ``control_rate`` is as of :meth:`set_controller`, for this run.
+        ``sensitivity`` are keys as of :meth:`Model.sensitivity`: ``result.sensitivity`` has the derivatives of this run by them, from its start on.
         Without a duration it is that of the file, or 10 s. A run that is interrupted or fails raises, and the exception has what was made as
         ``result``.
         """
@@ -220,6 +221,10 @@ class Sim:
             if control_rate is None:
                 raise InputError("give the control_rate of the controller in Hz")
             asked = (controller, _period(control_rate, None))
+        keys = [sensitivity] if isinstance(sensitivity, str) else list(sensitivity)
+        if keys and (asked is not None or self._efforts is not None or self._targets or self._keep or self._time != 0):
+            raise InputError("derivatives are of runs from time 0 on, without controllers, efforts, targets and switches that are set from outside")
+        start = np.array(self._q), np.array(self._v)
         run = self._begin(duration, rate, log, True, asked, True)
         self._apply(run)
         self._moved = True
@@ -230,7 +235,11 @@ class Sim:
             error.result = Result(self.model, run.finish())
             raise
         self._look(run)
-        return Result(self.model, run.finish())
+        result = Result(self.model, run.finish())
+        if keys:
+            tolerance, stages, step, _ = self._how
+            result.sensitivity = self.model.sensitivity(keys, *start, duration=self._time, tolerance=tolerance, stages=stages, step=step)
+        return result
 
     def step(self, duration):
         """Goes on for a duration [s], exactly, under the efforts or the controller that are set."""

@@ -17,7 +17,7 @@ use crate::stepping::recipe::{Recipe, Steps};
 
 pub(crate) use crate::events::effects::impact::Meeting;
 pub(crate) use crate::events::finding::watched::Watched;
-pub(crate) use crate::events::modes::mode::{JointMode, Mode, MotorMode};
+pub(crate) use crate::events::modes::mode::{Closed, JointMode, Mode, MotorMode};
 pub(crate) use crate::events::parts::traced::{Traced, TracedJump, TracedStep};
 
 /// A run from instant to instant that keeps its trace.

@@ -32,11 +32,11 @@ fn a_bouncing_ball_has_the_derivatives_of_its_first_impact_in_json_and_a_row_for
 }
 
 #[test]
-fn unknown_parameters_and_contacts_that_slide_on_are_refused_with_the_reason() {
+fn unknown_parameters_and_impacts_without_a_single_active_set_are_refused_with_the_reason() {
     let folder = folder("sensitivity_verb_refused");
     for (scene, key, reason) in [
         ("ball_dropped.toml", "nonsense", "no parameter"),
-        ("block_on_incline.toml", "start.q", "slide or roll"),
+        ("gripper_holds_box.toml", "gravity.z", "single active set"),
         ("ball_dropped.toml", "floor.restitution=-1", "greater than zero"),
     ] {
         let output = run(&folder, &["sensitivity", &robot(scene), "--by", key]);

@@ -8,7 +8,9 @@ mod linear;
 mod quantities;
 mod runs;
 mod sensitivity;
+mod sensitivity_contacts;
 mod sensitivity_events;
+mod sensitivity_keys;
 mod sensors;
 mod states;
 

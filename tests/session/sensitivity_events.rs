@@ -6,22 +6,22 @@ use catena::session::Sensitivity;
 use std::path::PathBuf;
 
 /// Differences of order eight.
-fn difference(of: &dyn Fn(f64) -> f64, width: f64) -> f64 {
+pub fn difference(of: &dyn Fn(f64) -> f64, width: f64) -> f64 {
     let pair = |k: f64| of(k * width) - of(-k * width);
     (pair(1.0) * 672.0 - pair(2.0) * 168.0 + pair(3.0) * 32.0 - pair(4.0) * 3.0) / (840.0 * width)
 }
 
-fn derivatives(model: &Model, stages: usize, step: f64, time: f64, keys: &[&str]) -> Sensitivity {
+pub fn derivatives(model: &Model, stages: usize, step: f64, time: f64, keys: &[&str]) -> Sensitivity {
     let run = Simulation::new(model).fixed(stages, step).duration(time).without_figures();
     run.sensitivity(keys).unwrap_or_else(|error| panic!("{keys:?}: {error}"))
 }
 
 /// ∂q/∂θ and ∂v/∂θ at the end.
-fn last(run: &Sensitivity, freedom: usize, key: usize) -> [f64; 2] {
+pub fn last(run: &Sensitivity, freedom: usize, key: usize) -> [f64; 2] {
     [&run.dq, &run.dv].map(|of| of.last().expect("steps")[(freedom, key)])
 }
 
-fn scene(name: &str, text: &str) -> PathBuf {
+pub fn scene(name: &str, text: &str) -> PathBuf {
     let file = folder("sensitivity_events").join(name);
     std::fs::write(&file, text).expect("a file");
     file
@@ -117,7 +117,7 @@ fn a_ball_that_bounces_on_the_floor_has_the_derivatives_of_its_closed_form() {
 }
 
 /// Derivatives at the end against differences of order eight of whole runs, over this part of each number.
-fn agrees_with_runs(model: &Model, keys: &[&str], (stages, step, time): (usize, f64, f64), width: f64, bound: f64) {
+pub fn agrees_with_runs(model: &Model, keys: &[&str], (stages, step, time): (usize, f64, f64), width: f64, bound: f64) {
     let params = model.params().expect("numbers");
     let of = |name: &str| params.iter().find(|(own, _)| own == name || own.ends_with(&format!(".{name}")));
     let run = derivatives(model, stages, step, time, keys);
@@ -135,7 +135,9 @@ fn agrees_with_runs(model: &Model, keys: &[&str], (stages, step, time): (usize, 
         };
         let pairs: Vec<_> = (1..=4).map(|k| (at(value + k as f64 * width), at(value - k as f64 * width))).collect();
         println!("{key}: valid within {:.2e}, {}", run.valid_within[column], run.bounded_by[column]);
-        for freedom in 0..run.freedoms.len() {
+        // Turns of floating bodies are twists, and quaternions in the coordinates.
+        let is_floating = run.q[0].len() != run.freedoms.len();
+        for freedom in 0..if is_floating { 3 } else { run.freedoms.len() } {
             let found = last(&run, freedom, column);
             for (part, found) in found.into_iter().enumerate() {
                 let pair = |k: usize| {

@@ -116,6 +116,17 @@ impl<T: Number> TouchFigures<T> {
         Some(TouchFigures { pairing, side: joint.touch.side, reach: radii[0] + radii[1], radius: radii[1], a, b })
     }
 
+    /// The same contact for places with rates.
+    pub fn with_rates(&self) -> TouchFigures<Jet<T>> {
+        let jet = |value: T| Jet { value, rate: T::zero(), acceleration: T::zero() };
+        let end = |end: &End<T>| {
+            let Frame { axes, origin } = end.frame;
+            End { body: end.body, frame: Frame { axes: axes.map(|column| column.map(jet)), origin: origin.map(jet) } }
+        };
+        let (reach, radius) = (jet(self.reach), jet(self.radius));
+        TouchFigures { pairing: self.pairing, side: self.side, reach, radius, a: end(&self.a), b: end(&self.b) }
+    }
+
     /// Where the bodies are.
     pub fn at(&self, placed: &[Placed<T>]) -> Touching<T> {
         let axis = |frame: &Frame<T>, which: usize| Triple(frame.axes.0[which].0.map(Plain));

@@ -1,5 +1,6 @@
 //! The equations of motion of a mechanism, over numbers that carry derivatives.
 
+pub mod closed;
 pub mod closures;
 pub mod contacts;
 pub mod figures;

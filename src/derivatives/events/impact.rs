@@ -141,7 +141,7 @@ impl<T: Number> Equations<'_, T> {
                 }
             }
         }
-        for (row, push) in rows.iter_mut().zip(self.at.pushes(multipliers, &forces)) {
+        for (row, push) in rows.iter_mut().zip(self.at.pushes(velocities, multipliers, &forces)) {
             *row = *row - push;
         }
         let rates = self.at.closure_rates(velocities);

@@ -7,12 +7,14 @@
 //!
 //! ρ, τ: as in [`crate::derivatives::equations::residual`], with motors that follow their laws (N m or N).
 
+use crate::derivatives::equations::closed::{ClosedContacts, ClosedTouch};
 use crate::derivatives::equations::closures::{closures, push, with_rates};
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::equations::placed::{Offsets, Placed, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms, residual, still};
-use crate::derivatives::forward::stage_equations::{BothFigures, Drive, momentum, rate_of};
-use crate::derivatives::forward::step::{Part, StepMode, WIDTH, constant, lifted};
+use crate::derivatives::forward::stage_equations::{BothFigures, Drive, momentum};
+use crate::derivatives::forward::step::{Part, StepMode, WIDTH, constant};
+use crate::derivatives::forward::twelve::rate_of;
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
@@ -26,7 +28,7 @@ pub struct Instant<'i, T> {
     pub state: &'i State,
     /// Slight offsets of the coordinates (n).
     pub offsets: &'i [T],
-    pub anchors: &'i [LoopFigures<T>],
+    pub closed: &'i ClosedContacts<T>,
 }
 
 /// Motion equations and second derivatives of closures.
@@ -85,16 +87,40 @@ impl<T: Number> Instant<'_, T> {
     /// G v of velocities (n).
     pub fn closure_rates(&self, velocities: &[T]) -> Vec<T> {
         let [first, second] = self.jets(velocities, &vec![T::zero(); velocities.len()]);
-        let anchors: Vec<LoopFigures<Jet<T>>> = self.anchors.iter().map(with_rates).collect();
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.closed.anchors.iter().map(with_rates).collect();
         let offsets = self.offsets_of(&first, &second);
         let placed = place(&self.figures.moving, &offsets);
-        closures(&self.figures.moving, &anchors, &placed, &offsets).into_iter().map(|row| row.rate).collect()
+        let rows = closures(&self.figures.moving, &anchors, &placed, &offsets).into_iter().map(|row| row.rate);
+        rows.chain(self.closed.touches.iter().flat_map(|closed| closed.rates(&placed))).collect()
     }
 
-    /// The efforts along the freedoms of multipliers, and of forces on bodies at points of the world.
-    pub fn pushes(&self, multipliers: &[T], forces: &[(Option<usize>, Vector<T>, Vector<T>)]) -> Vec<T> {
+    /// g of all closures; of touches that roll the gaps alone.
+    pub fn gaps(&self) -> Vec<T> {
+        let zero = vec![T::zero(); self.offsets.len()];
+        let [first, second] = self.jets(&zero, &zero);
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.closed.anchors.iter().map(with_rates).collect();
+        let offsets = self.offsets_of(&first, &second);
+        let placed = place(&self.figures.moving, &offsets);
+        let rows = closures(&self.figures.moving, &anchors, &placed, &offsets).into_iter().map(|row| row.value);
+        let bodies = still(&placed);
+        let gap = |closed: &ClosedTouch<T>| {
+            let mut rows = vec![T::zero(); closed.rows()];
+            rows[0] = closed.touch.at(&bodies).gap;
+            rows
+        };
+        rows.chain(self.closed.touches.iter().flat_map(gap)).collect()
+    }
+
+    /// The efforts along the freedoms of multipliers, for the slips of velocities (n), and of forces on bodies at points of the world.
+    pub fn pushes(
+        &self,
+        velocities: &[T],
+        multipliers: &[T],
+        forces: &[(Option<usize>, Vector<T>, Vector<T>)],
+    ) -> Vec<T> {
         let plain = &self.figures.plain;
-        let placed = still(&self.placed(&vec![T::zero(); self.offsets.len()]));
+        let moving = self.placed(velocities);
+        let placed = still(&moving);
         let mut loads = vec![Load { force: Vector::zero(), torque: Vector::zero() }; placed.len()];
         let mut efforts = vec![T::zero(); plain.freedoms];
         let mut on_body = |body: Option<usize>, point: Vector<T>, force: Vector<T>, torque: Vector<T>| {
@@ -106,7 +132,15 @@ impl<T: Number> Instant<'_, T> {
         };
         forces.iter().for_each(|&(body, point, force)| on_body(body, point, force, Vector::zero()));
         let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
-        push(plain, self.anchors, &placed, multipliers, &mut on_body, &mut on_freedom);
+        let (multipliers, mut own) = multipliers.split_at(multipliers.len() - self.closed.touch_rows());
+        for closed in &self.closed.touches {
+            let found = closed.force(&moving, own);
+            own = &own[closed.rows()..];
+            let [a, b] = found.bodies;
+            on_body(a, found.point, -found.force, Vector::zero());
+            on_body(b, found.point, found.force, Vector::zero());
+        }
+        push(plain, &self.closed.anchors, &placed, multipliers, &mut on_body, &mut on_freedom);
         let along = along_freedoms(plain, &placed, loads);
         along.into_iter().zip(efforts).map(|(one, other)| one + other).collect()
     }
@@ -124,12 +158,13 @@ impl<T: Number> Instant<'_, T> {
             let position = offsets.coordinate(drive.coordinate).value;
             motion[freedom] = motion[freedom] + drive.kp * position + drive.kd * moved.velocities[freedom];
         }
-        for (row, push) in motion.iter_mut().zip(self.pushes(moved.multipliers, &[])) {
+        for (row, push) in motion.iter_mut().zip(self.pushes(moved.velocities, moved.multipliers, &[])) {
             *row = *row - push;
         }
-        let anchors: Vec<LoopFigures<Jet<T>>> = self.anchors.iter().map(with_rates).collect();
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.closed.anchors.iter().map(with_rates).collect();
         let closures = closures(&self.figures.moving, &anchors, &placed, &offsets);
-        Equations { motion, closures: closures.into_iter().map(|row| row.acceleration).collect() }
+        let touches = self.closed.touches.iter().flat_map(|closed| closed.accelerations(&placed));
+        Equations { motion, closures: closures.into_iter().map(|row| row.acceleration).chain(touches).collect() }
     }
 
     /// Efforts along all freedoms that the motion needs besides those that act: zero along those that move, λ along those that are held.
@@ -151,9 +186,8 @@ impl Accelerations {
     /// Of a state with velocities v under efforts (n); `None` if some motion moves no mass.
     pub fn of(figures: &BothFigures<Part>, state: &State, mode: &StepMode, efforts: &[f64]) -> Option<Self> {
         let n = state.velocity.len();
-        let anchors: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
         let still = vec![Part::zero(); n];
-        let at = Instant { figures, state, offsets: &still, anchors: &anchors };
+        let at = Instant { figures, state, offsets: &still, closed: &mode.constant };
         let (velocities, efforts): (Vec<Part>, Vec<Part>) = (constant(&state.velocity), constant(efforts));
         let drives = mode.drives(&figures.laws);
         let (free, count) = (mode.free.len(), mode.free.len() + mode.rows.len());

@@ -28,7 +28,11 @@ impl Walk<'_> {
         } else {
             Vec::new()
         };
-        let after = if rounds.is_empty() { self.state.velocity.clone() } else { self.impact(jump, &rounds)? };
+        // A slip that stops leaves the error of its step, which the mode after it takes away.
+        if rounds.is_empty() {
+            return Ok(());
+        }
+        let after = self.impact(jump, &rounds)?;
         let off = after.iter().zip(&jump.after.velocity).map(|(own, of_run)| own - of_run).collect::<Vec<f64>>();
         if fastest(&off) > SAME_IMPACT * self.fastest {
             return Err(lost());
@@ -69,7 +73,7 @@ impl Walk<'_> {
             let met: Option<Vec<Met<Part>>> =
                 jump.meetings.iter().map(|meeting| self.met(meeting, jump, chunk)).collect();
             let Some(met) = met else { return Err(lost) };
-            let at = Instant { figures, state: &self.state, offsets: &offsets, anchors: &[] };
+            let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &mode.constant };
             let impact = Impact { at, met: &met, closed: &mode.rows, row_count: mode.row_count };
             let Some(after) = impact.after(&before, rounds) else { return Err(lost) };
             for (row, part) in after.iter().enumerate() {

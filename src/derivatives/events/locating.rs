@@ -5,18 +5,18 @@
 //!     δh = −(φ_q δq̄ + φ_v δv̄ + φ_t δt₀ + φ_θ δθ)/φ̇          δq̄, δv̄ at fixed h
 //! ```
 
+use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::contacts::TouchFigures;
-use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::validity::EventSlope;
 use crate::derivatives::events::walk::{Subject, Walk};
 use crate::derivatives::events::watched::Sight;
 use crate::derivatives::forward::failure::SensitivityError;
-use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH, lifted};
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH};
 use crate::derivatives::forward::tangent::{Tangent, by_length, with};
 use crate::derivatives::numbers::number::Number;
-use crate::events::trace::{TracedJump, TracedStep, Watched};
+use crate::events::trace::{Mode, TracedJump, TracedStep, Watched};
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::joint::Pose;
@@ -41,22 +41,21 @@ impl Walk<'_> {
         &mut self,
         traced: &TracedStep,
         mode: &StepMode,
-        anchors: &[Vec<LoopFigures<Part>>],
+        closed: &[ClosedContacts<Part>],
         trigger: Watched,
         next: Option<&TracedJump>,
     ) -> Result<(), SensitivityError> {
         let since = self.state.time;
         let contact = next.and_then(|jump| self.contact_of(trigger, jump));
-        let words = self.words(trigger, contact);
+        let words = self.words(trigger, contact, &traced.mode);
         let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
-        let plain: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
         let mut step = traced.end.time - since;
         let mut last = f64::INFINITY;
         let mut found = None;
         for _ in 0..ATTEMPTS {
             let (solved, efforts) = self.solved(&traced.mode, mode, step)?;
             let (value, rate, along) = self
-                .by_length(traced, mode, step, &solved, &efforts, &plain, (trigger, contact))
+                .by_length(traced, mode, step, &solved, &efforts, (trigger, contact))
                 .ok_or_else(|| unknown(traced.end.time))?;
             let change = value / rate;
             if !change.is_finite() {
@@ -75,13 +74,13 @@ impl Walk<'_> {
         let start = self.state.clone();
         let at_start = self.value(traced, mode, &start, since, (trigger, contact)).unwrap_or(0.0);
         let still = DVector::zeros(self.tangent.times.len());
-        self.carry(mode, step, &solved, &efforts, anchors, &still)?;
+        self.carry(mode, step, &solved, &efforts, closed, &still)?;
         self.take_end(solved, since + step);
         let mut longer = DVector::zeros(still.len());
-        for (chunk, anchors) in anchors.iter().enumerate() {
+        for (chunk, closed) in closed.iter().enumerate() {
             let varying = Varying { chunk: Some(chunk), tangent: &self.tangent };
             let value = self
-                .seen(traced, mode, &self.state, since, &varying, anchors, (trigger, contact))
+                .seen(traced, mode, &self.state, since, &varying, closed, (trigger, contact))
                 .ok_or_else(|| unknown(traced.end.time))?;
             let first = chunk * WIDTH;
             let width = WIDTH.min(longer.len() - first);
@@ -106,12 +105,11 @@ impl Walk<'_> {
         step: f64,
         solved: &SolvedStep,
         efforts: &[Efforts],
-        anchors: &[LoopFigures<Part>],
         of: (Watched, Option<&Contact>),
     ) -> Option<(f64, f64, Tangent)> {
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
         let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
-        let (positions, velocities) = by_length(&self.problem(mode, step, &values), solved, &rates, anchors)?;
+        let (positions, velocities) = by_length(&self.problem(mode, step, &values), solved, &rates)?;
         let n = positions.len();
         let along = Tangent {
             positions: DMatrix::from_column_slice(n, 1, positions.as_slice()),
@@ -120,7 +118,7 @@ impl Walk<'_> {
         };
         let end = solved.stages.last()?;
         let varying = Varying { chunk: None, tangent: &along };
-        let value = self.seen(traced, mode, end, self.state.time, &varying, anchors, of)?;
+        let value = self.seen(traced, mode, end, self.state.time, &varying, &mode.constant, of)?;
         Some((value.value, value.parts[0], along))
     }
 
@@ -136,9 +134,8 @@ impl Walk<'_> {
         let n = state.velocity.len();
         let nothing =
             Tangent { positions: DMatrix::zeros(n, 1), velocities: DMatrix::zeros(n, 1), times: DVector::zeros(1) };
-        let anchors: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
         let varying = Varying { chunk: None, tangent: &nothing };
-        Some(self.seen(traced, mode, state, since, &varying, &anchors, of)?.value)
+        Some(self.seen(traced, mode, state, since, &varying, &mode.constant, of)?.value)
     }
 
     /// φ in a state, with its derivatives.
@@ -150,7 +147,7 @@ impl Walk<'_> {
         state: &State,
         since: f64,
         varying: &Varying,
-        anchors: &[LoopFigures<Part>],
+        closed: &ClosedContacts<Part>,
         (trigger, contact): (Watched, Option<&Contact>),
     ) -> Option<Part> {
         let n = state.velocity.len();
@@ -183,7 +180,9 @@ impl Walk<'_> {
             })
             .collect();
         let touch = contact.and_then(|contact| self.touch(contact, &figures.laws));
-        let at = Instant { figures, state, offsets: &own, anchors };
+        let contacts = traced.mode.contacts.iter().map(|closed| self.touch(&closed.contact, &figures.laws));
+        let contacts: Vec<Option<TouchFigures<Part>>> = contacts.collect();
+        let at = Instant { figures, state, offsets: &own, closed };
         let sight = Sight {
             at,
             velocities: &rates,
@@ -193,6 +192,7 @@ impl Walk<'_> {
             efforts: &efforts,
             drives: &drives,
             touch: touch.as_ref(),
+            contacts: &contacts,
         };
         sight.value(trigger)
     }
@@ -224,11 +224,12 @@ impl Walk<'_> {
     }
 
     /// An event in words.
-    fn words(&self, trigger: Watched, contact: Option<&Contact>) -> String {
+    fn words(&self, trigger: Watched, contact: Option<&Contact>, mode: &Mode) -> String {
         let Subject { mechanism, elements, .. } = *self.subject;
         let joint = |index: usize| mechanism.joint_of_freedom(elements.joints[index].coordinate.freedom).to_string();
         let motor = |index: usize| mechanism.joint_of_freedom(elements.motors[index].coordinate.freedom).to_string();
         let side = |side: Side| if side == Side::Lower { "lower" } else { "upper" };
+        let pair_of = |index: usize| mode.contacts[index].contact.pair;
         match trigger {
             Watched::Gap(index, of) => format!("joint {:?} meets its {} limit", joint(index), side(of)),
             Watched::Slide(index) => format!("joint {:?} stops", joint(index)),
@@ -238,14 +239,14 @@ impl Walk<'_> {
             Watched::Excess(index) => format!("the motor of {:?} leaves its bound", motor(index)),
             Watched::Approach(pair) => self.names("meets", contact.map_or(pair, |contact| contact.pair)),
             Watched::SlipsTogether(pair) => self.names("stops on", pair),
-            Watched::Presses(_) => "a contact parts".into(),
-            Watched::Grips(_) => "a contact begins to slide".into(),
-            Watched::Slips(_) => "a contact stops".into(),
+            Watched::Presses(index) => self.names("parts from", pair_of(index)),
+            Watched::Grips(index) => self.names("begins to slide on", pair_of(index)),
+            Watched::Slips(index) => self.names("stops on", pair_of(index)),
             Watched::Feature(_) => "a contact leaves its features".into(),
         }
     }
 
-    fn names(&self, verb: &str, pair: usize) -> String {
+    pub(super) fn names(&self, verb: &str, pair: usize) -> String {
         let nonsmooth = &self.subject.mechanism.nonsmooth;
         nonsmooth.pairs.get(pair).map_or_else(String::new, |pair| {
             format!("{:?} {verb} {:?}", nonsmooth.colliders[pair.a].name, nonsmooth.colliders[pair.b].name)

@@ -1,5 +1,7 @@
 //! Derivatives through events: steps that end where a watched function is zero, and jumps of velocities at one instant.
 
+mod bearing;
+mod closing;
 pub mod efforts;
 pub mod impact;
 pub mod instant;

@@ -45,6 +45,11 @@ impl Validity {
         }
     }
 
+    /// No change of a parameter at all keeps the derivative.
+    pub fn none(&mut self, parameter: usize, cause: &str) {
+        self.see(parameter, 0.0, || cause.to_string());
+    }
+
     /// An event, with its function at the start of its step of length h (s), after another event.
     pub fn see_event(&mut self, event: &EventSlope, at_start: f64, step: f64, last: Option<&EventSlope>) {
         let second = 2.0 * (at_start + event.rate * step) / (step * step);

@@ -9,9 +9,8 @@
 //! Steps, modes and active sets are those of the trace; states are solved again to rounding. Held joints keep the derivatives of their places: the
 //! place at which a joint sticks is a function of the parameters.
 
-use crate::derivatives::equations::figures::{End, LoopFigures, frame};
-use crate::derivatives::equations::placed::end_frame;
-use crate::derivatives::equations::residual::still;
+use crate::derivatives::equations::closed::ClosedContacts;
+use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
@@ -19,13 +18,12 @@ use crate::derivatives::events::validity::{EventSlope, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem, WIDTH, lifted};
-use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied, with};
+use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
-use crate::events::trace::{JointMode, Mode, MotorMode, Traced, TracedJump, TracedStep};
+use crate::events::trace::{Closed, JointMode, Mode, MotorMode, Traced, TracedJump, TracedStep};
 use crate::instant::holding::elements::{Elements, inward};
 use crate::lobatto::tableau::butcher::Tableau;
-use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -45,6 +43,9 @@ pub(crate) struct Subject<'w> {
     pub parameters: &'w [Parameter],
 }
 
+/// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
+type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
+
 /// Derivatives along a run.
 pub(crate) struct Walk<'w> {
     pub(super) subject: &'w Subject<'w>,
@@ -56,12 +57,16 @@ pub(crate) struct Walk<'w> {
     pub tangent: Tangent,
     /// Of efforts that motors hold between ticks (motors × p).
     given: DMatrix<f64>,
+    /// When the run began (s).
+    pub(super) began: f64,
     /// Whether a step was made.
     begun: bool,
     /// The largest rate before a jump [rad/s or m/s].
     pub(super) fastest: f64,
     /// Points of contacts that stick, with their derivatives for each [`WIDTH`] parameters.
-    anchored: Vec<(LoopFigures<f64>, Vec<LoopFigures<Part>>)>,
+    pub(super) anchored: Vec<Anchored>,
+    /// The closed contacts of the last step.
+    pub(super) entered: Vec<Closed>,
     /// Events so far, and how far the derivatives hold.
     pub events: Vec<EventSlope>,
     pub validity: Validity,
@@ -88,9 +93,11 @@ impl<'w> Walk<'w> {
                 times: DVector::zeros(p),
             },
             given: DMatrix::zeros(elements.motors.len(), p),
+            began: start.time,
             begun: false,
             fastest: fastest(&start.velocity),
             anchored: Vec::new(),
+            entered: Vec::new(),
             events: Vec::new(),
             validity: Validity::new(p),
         }
@@ -131,24 +138,20 @@ impl<'w> Walk<'w> {
 
     /// The equations of a mode.
     fn mode(&self, traced: &TracedStep) -> Result<StepMode, SensitivityError> {
-        let Subject { mechanism, elements, frames, .. } = *self.subject;
-        if let Some(touch) = traced.closures.touches.first() {
-            let of = [&touch.a, &touch.b].map(|end| end.body.map_or("the world", |body| &mechanism.bodies[body].name));
-            return Err(SensitivityError::Closed { time: self.state.time, contact: of.join(" and ") });
-        }
+        let Subject { mechanism, elements, .. } = *self.subject;
         let moves = mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| !**held);
         let free: Vec<usize> = moves.flat_map(|(body, _)| body.joint.velocity_range()).collect();
-        let end = |at: &Attachment| {
-            let own = at.body.map_or_else(Pose::identity, |body| frames[body].inverse());
-            End { body: at.body, frame: frame(&(own * at.frame), &mut |value| value) }
-        };
-        let anchors = traced.closures.anchors.iter();
-        let anchors =
-            anchors.map(|joint| LoopFigures { kind: joint.kind, a: end(&joint.a), b: end(&joint.b), length: 0.0 });
         let motors = elements.motors.iter().zip(&traced.mode.motors).enumerate();
         let motors = motors.filter(|(_, (_, mode))| **mode == MotorMode::Unbounded);
         let motors = motors.map(|(index, (motor, _))| (index, motor.coordinate)).collect();
-        let mut mode = StepMode { free, rows: Vec::new(), row_count: 0, motors, anchors: anchors.collect() };
+        let anchors = self.anchors_of(traced);
+        let constant = ClosedContacts {
+            anchors: anchors.iter().map(lifted).collect(),
+            touches: self.touches_of(traced, &self.constant.laws)?,
+        };
+        let closed = ClosedContacts { anchors, touches: self.touches_of(traced, &self.figures.laws)? };
+        let slips = self.slips_of(traced);
+        let mut mode = StepMode { free, rows: Vec::new(), row_count: 0, motors, closed, constant, slips };
         let gradient = self.gradient(&mode);
         mode.row_count = gradient.nrows();
         let of_free = gradient.select_columns(&mode.free);
@@ -159,9 +162,8 @@ impl<'w> Walk<'w> {
     /// G of all closures at the state.
     pub(super) fn gradient(&self, mode: &StepMode) -> DMatrix<f64> {
         let n = self.state.velocity.len();
-        let anchors: Vec<LoopFigures<Part>> = mode.anchors.iter().map(lifted).collect();
         let still = vec![Part::zero(); n];
-        let at = Instant { figures: &self.constant, state: &self.state, offsets: &still, anchors: &anchors };
+        let at = Instant { figures: &self.constant, state: &self.state, offsets: &still, closed: &mode.constant };
         let columns: Vec<Vec<Part>> = (0..n)
             .map(|freedom| {
                 let mut unit = still.clone();
@@ -171,36 +173,6 @@ impl<'w> Walk<'w> {
             .collect();
         let rows = columns.first().map_or(0, Vec::len);
         DMatrix::from_fn(rows, n, |row, column| columns[column][row].value)
-    }
-
-    /// The anchors of a mode with their derivatives, for each [`WIDTH`] parameters: new ones are where their corners are now.
-    fn anchors(&mut self, mode: &StepMode) -> Vec<Vec<LoopFigures<Part>>> {
-        let n = self.state.velocity.len();
-        self.anchored.retain(|(known, _)| mode.anchors.iter().any(|anchor| same(anchor, known)));
-        for anchor in &mode.anchors {
-            if self.anchored.iter().any(|(known, _)| same(anchor, known)) {
-                continue;
-            }
-            let varied = self.varied.chunks().iter().enumerate().map(|(chunk, figures)| {
-                let offsets: Vec<Part> =
-                    (0..n).map(|row| with(0.0, &self.tangent.positions, row, chunk * WIDTH)).collect();
-                let at = Instant { figures, state: &self.state, offsets: &offsets, anchors: &[] };
-                let placed = still(&at.placed(&vec![Part::zero(); n]));
-                let mut joint: LoopFigures<Part> = lifted(anchor);
-                let corner = end_frame(&joint.b, &placed).origin;
-                joint.a.frame.origin = match joint.a.body {
-                    None => corner,
-                    Some(body) => {
-                        let frame = &placed[body].frame;
-                        frame.axes.transpose().apply(corner - frame.origin)
-                    }
-                };
-                joint
-            });
-            self.anchored.push((anchor.clone(), varied.collect()));
-        }
-        let chunk = |chunk: usize| self.anchored.iter().map(|(_, varied)| varied[chunk].clone()).collect();
-        (0..self.varied.chunks().len()).map(chunk).collect()
     }
 
     /// The derivatives of efforts that motors work out at a tick.
@@ -244,9 +216,10 @@ impl<'w> Walk<'w> {
             }
         }
         let mode = self.mode(traced)?;
-        let anchors = self.anchors(&mode);
+        let closed = self.closed(traced, &mode)?;
+        self.enter(traced, &mode, &closed)?;
         if let Some(&trigger) = traced.triggers.first() {
-            return self.step_to_event(traced, &mode, &anchors, trigger, next);
+            return self.step_to_event(traced, &mode, &closed, trigger, next);
         }
         // An instant may move with a parameter.
         let reached = laws.next_instant(since);
@@ -263,7 +236,7 @@ impl<'w> Walk<'w> {
         let before = self.state.clone();
         let (solved, efforts) = self.solved(&traced.mode, &mode, traced.end.time - since)?;
         let longer = &later - &self.tangent.times;
-        self.carry(&mode, traced.end.time - since, &solved, &efforts, &anchors, &longer)?;
+        self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(solved, traced.end.time);
         self.see_near(traced, &before);
         Ok(())
@@ -304,13 +277,13 @@ impl<'w> Walk<'w> {
         step: f64,
         solved: &SolvedStep,
         efforts: &[Efforts],
-        anchors: &[Vec<LoopFigures<Part>>],
+        closed: &[ClosedContacts<Part>],
         longer: &DVector<f64>,
     ) -> Result<(), SensitivityError> {
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
         let slopes: Vec<DMatrix<f64>> = efforts.iter().map(|efforts| efforts.slopes.clone()).collect();
         let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
-        let inputs = InputSlopes { efforts: &slopes, rates: &rates, anchors };
+        let inputs = InputSlopes { efforts: &slopes, rates: &rates, closed };
         let mut tangent = self.tangent.clone();
         let problem = self.problem(mode, step, &values);
         tangent.carry(&problem, solved, &self.varied, &inputs, longer).ok_or_else(|| self.failed())?;
@@ -349,10 +322,4 @@ impl<'w> Walk<'w> {
 /// The largest of some rates.
 pub(super) fn fastest(rates: &[f64]) -> f64 {
     rates.iter().fold(0.0, |most, rate| most.max(rate.abs()))
-}
-
-/// Whether two anchors are the same one.
-fn same(one: &LoopFigures<f64>, other: &LoopFigures<f64>) -> bool {
-    let ends = |joint: &LoopFigures<f64>| [joint.a.body, joint.b.body];
-    ends(one) == ends(other) && one.a.frame == other.a.frame && one.b.frame == other.b.frame
 }

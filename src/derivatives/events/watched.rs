@@ -4,11 +4,12 @@
 //!     distance to a limit   ±(q − bound)             what a motor can still do   bound ∓ u
 //!     rate of a joint       q̇                        what a held joint bears     λ − lo, hi − λ
 //!     gap of a pair         φ(q)
+//!     closed contacts       λ_N,  μ λ_N − |λ_T|,  u_T · t₀      their forces in accelerations
 //! ```
 
 use crate::derivatives::equations::contacts::TouchFigures;
 use crate::derivatives::equations::residual::still;
-use crate::derivatives::events::instant::{Accelerations, Instant, Moved};
+use crate::derivatives::events::instant::{Instant, Moved};
 use crate::derivatives::forward::step::{Part, StepMode};
 use crate::derivatives::numbers::number::Number;
 use crate::events::trace::{JointMode, Mode, MotorMode, Watched};
@@ -28,6 +29,8 @@ pub(crate) struct Sight<'s> {
     pub drives: &'s [Part],
     /// The contact of the function, if it is a gap.
     pub touch: Option<&'s TouchFigures<Part>>,
+    /// All closed contacts, in the order of the mode.
+    pub contacts: &'s [Option<TouchFigures<Part>>],
 }
 
 impl Sight<'_> {
@@ -67,13 +70,17 @@ impl Sight<'_> {
                 let placed = still(&self.at.placed(&vec![Part::zero(); self.velocities.len()]));
                 self.touch?.at(&placed).gap
             }
-            Watched::Margin
-            | Watched::Presses(_)
-            | Watched::Grips(_)
-            | Watched::Slips(_)
-            | Watched::SlipsTogether(_)
-            | Watched::Feature(_) => return None,
+            Watched::Presses(contact) => self.bearing(contact)?.normal,
+            Watched::Grips(contact) => self.grip(contact)?,
+            Watched::Slips(contact) => self.slip_along(contact)?,
+            Watched::SlipsTogether(pair) => self.slip_of_pair(pair)?,
+            Watched::Margin | Watched::Feature(_) => return None,
         })
+    }
+
+    /// A closed contact, by its number in the mode.
+    pub(super) fn touch_of(&self, contact: usize) -> Option<&TouchFigures<Part>> {
+        self.contacts.get(contact)?.as_ref()
     }
 
     fn position(&self, joint: usize) -> Part {
@@ -93,11 +100,7 @@ impl Sight<'_> {
 
     /// λ of a held joint.
     pub fn holding(&self, joint: usize) -> Option<Part> {
-        let values = |parts: &[Part]| -> Vec<f64> { parts.iter().map(|part| part.value).collect() };
-        let mut state = self.at.state.clone();
-        state.velocity = values(self.velocities);
-        let found = Accelerations::of(self.at.figures, &state, self.equations, &values(self.efforts))?;
-        let (accelerations, multipliers) = found.varied(&self.at, self.equations, self.velocities, self.efforts)?;
+        let (accelerations, multipliers) = self.accelerations()?;
         let drives = self.equations.drives(&self.at.figures.laws);
         let lacking = self.at.lacking(&Moved {
             velocities: self.velocities,

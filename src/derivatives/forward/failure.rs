@@ -36,7 +36,7 @@ pub enum SensitivityError {
     Impact { time: f64 },
     /// A contact that stays closed.
     #[error(
-        "{contact} slide or roll on each other from t = {time} s on: derivatives are for contacts that part, and corners that stick; end the run before it"
+        "{contact} stay closed from t = {time} s on with features whose derivatives are not known; end the run before it"
     )]
     Closed { time: f64, contact: String },
     /// No step of the scheme was made.

@@ -4,3 +4,5 @@ pub mod failure;
 pub mod stage_equations;
 pub mod step;
 pub mod tangent;
+mod touching;
+pub mod twelve;

@@ -15,11 +15,14 @@
 //!
 //! Source: T. M. Tyranowski, PhD thesis, California Institute of Technology, 2014, section 2.5 (`doc/method.md`).
 
+use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::closures::{closures, push as push_closures, with_rates};
-use crate::derivatives::equations::figures::{BodyFigures, End, Figures, Frame, LoopFigures};
+use crate::derivatives::equations::figures::{BodyFigures, End, Figures, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::{Offsets, Placed, end_frame, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms, still};
+use crate::derivatives::forward::touching::{BodiesInStep, TouchInStep};
+use crate::derivatives::forward::twelve::{Twelve, place_of, rate_of};
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
@@ -45,8 +48,7 @@ pub struct Drive<T> {
 /// The closures that a mode adds, its motors, and the multipliers.
 pub struct InMode<'m, T> {
     pub drives: &'m [Drive<T>],
-    /// Points of contacts that stick.
-    pub anchors: &'m [LoopFigures<T>],
+    pub closed: &'m ClosedContacts<T>,
     /// Λ_1 … Λ_s, an entry for each closure (N).
     pub multipliers: &'m [Vec<T>],
 }
@@ -81,11 +83,12 @@ pub struct StepMotion<'s, T> {
     pub mode: InMode<'s, T>,
 }
 
-/// Place or rate of a body in R¹².
-#[derive(Clone, Copy)]
-pub(in crate::derivatives) struct Twelve<T> {
-    origin: Vector<T>,
-    axes: Matrix<T>,
+/// What forces at a stage depend on.
+struct AtStage<'s, T> {
+    stage: usize,
+    placed: &'s [Vec<Placed<T>>],
+    started: &'s [Placed<Jet<T>>],
+    touches: &'s [TouchInStep<T>],
 }
 
 impl<T: Number> StepMotion<'_, T> {
@@ -112,6 +115,16 @@ impl<T: Number> StepMotion<'_, T> {
                 (0..begin.len()).map(of).collect()
             })
             .collect();
+        let bodies = BodiesInStep {
+            tableau: self.tableau,
+            bodies: &self.figures.plain.bodies,
+            step: h,
+            started: &started,
+            placed: &placed,
+            rates: &rates,
+            ahead: &ahead,
+        };
+        let touches: Vec<TouchInStep<T>> = self.mode.closed.touches.iter().map(|closed| bodies.touch(closed)).collect();
         let mixed = |weights: &dyn Fn(usize) -> f64, body: usize| {
             let mut sum = Twelve::zero();
             for (i, ahead) in ahead.iter().enumerate() {
@@ -130,7 +143,8 @@ impl<T: Number> StepMotion<'_, T> {
                     momentum(&self.figures.plain.bodies[body], &placed[k][body].frame.axes, &mixed(&weights, body))
                 })
                 .collect();
-            self.add_forces(k, &placed, &started, -square, &mut loads, &mut efforts[k]);
+            let at = AtStage { stage: k, placed: &placed, started: &started, touches: &touches };
+            self.add_forces(&at, -square, &mut loads, &mut efforts[k]);
             let mut along = along_freedoms(&self.figures.plain, &placed[k], loads);
             for (&(freedom, armature), ahead) in self.figures.plain.rotors.iter().zip(&rotors) {
                 along[freedom] = along[freedom] + armature * weighted(ahead, &weights);
@@ -147,7 +161,8 @@ impl<T: Number> StepMotion<'_, T> {
                 momentum(&self.figures.plain.bodies[body], &placed[s - 1][body].frame.axes, &rate)
             })
             .collect();
-        self.add_forces(s - 1, &placed, &started, -last, &mut loads, &mut efforts[s - 1]);
+        let at = AtStage { stage: s - 1, placed: &placed, started: &started, touches: &touches };
+        self.add_forces(&at, -last, &mut loads, &mut efforts[s - 1]);
         let mut along = along_freedoms(&self.figures.plain, &placed[s - 1], loads);
         for (&(freedom, armature), ahead) in self.figures.plain.rotors.iter().zip(&rotors) {
             let gained = weighted(ahead, &weights) / h;
@@ -155,22 +170,26 @@ impl<T: Number> StepMotion<'_, T> {
             along[freedom] = along[freedom] + armature * rate;
         }
         rows.extend(along.into_iter().zip(&efforts[s - 1]).map(|(row, &effort)| row - last * effort));
-        Residual { motion: rows, closures: self.closures(&placed), rates: self.closure_rates(&ended) }
+        Residual { motion: rows, closures: self.closures(&placed, &touches), rates: self.closure_rates(&ended) }
     }
 
     /// g at the stages i = 2..s.
-    fn closures(&self, placed: &[Vec<Placed<T>>]) -> Vec<Vec<T>> {
+    fn closures(&self, placed: &[Vec<Placed<T>>], touches: &[TouchInStep<T>]) -> Vec<Vec<T>> {
         let stages = self.stages.iter().zip(self.offsets).zip(&placed[1..]);
         let of = |((stage, offsets), placed): ((&State, &Vec<T>), &Vec<Placed<T>>)| {
-            closures(&self.figures.plain, self.mode.anchors, placed, &self.at(stage, offsets))
+            closures(&self.figures.plain, &self.mode.closed.anchors, placed, &self.at(stage, offsets))
         };
-        stages.map(of).collect()
+        let mut all: Vec<Vec<T>> = stages.map(of).collect();
+        for (stage, rows) in all.iter_mut().enumerate() {
+            touches.iter().for_each(|touch| rows.extend(&touch.rows[stage]));
+        }
+        all
     }
 
     /// G v̄ at the end.
     fn closure_rates(&self, ended: &[Placed<Jet<T>>]) -> Vec<T> {
         let Some(end) = self.stages.last() else { return Vec::new() };
-        let anchors: Vec<LoopFigures<Jet<T>>> = self.mode.anchors.iter().map(with_rates).collect();
+        let anchors: Vec<LoopFigures<Jet<T>>> = self.mode.closed.anchors.iter().map(with_rates).collect();
         let jets = |values: &[T], rate: bool| -> Vec<Jet<T>> {
             let zero = T::zero();
             let jet = |&of: &T| {
@@ -184,7 +203,8 @@ impl<T: Number> StepMotion<'_, T> {
         let motion = jets(self.end_velocities, true);
         let offsets = Offsets { from: self.start, to: end, first: &first, second: &second, motion: &motion };
         let rows = closures(&self.figures.moving, &anchors, ended, &offsets);
-        rows.into_iter().map(|row| row.rate).collect()
+        let touches = self.mode.closed.touches.iter();
+        rows.into_iter().map(|row| row.rate).chain(touches.flat_map(|closed| closed.rates(ended))).collect()
     }
 
     /// w_i of the coordinates of all rotors, at the stages i = 2..s.
@@ -274,15 +294,8 @@ impl<T: Number> StepMotion<'_, T> {
     }
 
     /// Adds `factor · F` of a stage (0 is the start) to loads, with the forces of closures.
-    fn add_forces(
-        &self,
-        stage: usize,
-        placed: &[Vec<Placed<T>>],
-        started: &[Placed<Jet<T>>],
-        factor: T,
-        loads: &mut [Load<T>],
-        efforts: &mut [T],
-    ) {
+    fn add_forces(&self, at: &AtStage<T>, factor: T, loads: &mut [Load<T>], efforts: &mut [T]) {
+        let &AtStage { stage, placed, started, touches } = at;
         let plain = &self.figures.plain;
         let gravity = plain.gravity.scaled(factor);
         for ((load, body), at) in loads.iter_mut().zip(&plain.bodies).zip(&placed[stage]) {
@@ -312,13 +325,22 @@ impl<T: Number> StepMotion<'_, T> {
             let arm = placed[stage][wrench.body].frame.axes.apply(wrench.point);
             push(Some(wrench.body), arm, wrench.force, wrench.torque);
         }
-        let (anchors, multipliers) = (self.mode.anchors, &self.mode.multipliers[stage]);
+        let (closed, multipliers) = (self.mode.closed, &self.mode.multipliers[stage]);
+        let (multipliers, of_touches) = multipliers.split_at(multipliers.len() - closed.touch_rows());
         let mut on_body = |body: Option<usize>, point: Vector<T>, force: Vector<T>, torque: Vector<T>| {
             let arm = body.map_or_else(Vector::zero, |body| point - placed[stage][body].frame.origin);
             push(body, arm, force, torque);
         };
         let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
-        push_closures(plain, anchors, &placed[stage], multipliers, &mut on_body, &mut on_freedom);
+        let mut own = of_touches.iter();
+        for touch in touches {
+            let along = touch.pushes[stage].iter().zip(own.by_ref());
+            let force = along.fold(Vector::zero(), |sum, (along, &size)| sum + along.scaled(size));
+            let [a, b] = touch.bodies;
+            on_body(a, touch.points[stage], -force, Vector::zero());
+            on_body(b, touch.points[stage], force, Vector::zero());
+        }
+        push_closures(plain, &closed.anchors, &placed[stage], multipliers, &mut on_body, &mut on_freedom);
     }
 
     fn start_rate_of_spring(&self, number: usize, started: &[Placed<Jet<T>>]) -> T {
@@ -348,37 +370,4 @@ pub(in crate::derivatives) fn momentum<T: Number>(body: &BodyFigures<T>, axes: &
         torque = torque + axis.cross(pull);
     }
     Load { force, torque }
-}
-
-fn place_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
-    of_frame(&placed.frame, |jet| jet.value)
-}
-
-/// The rate of a body.
-pub(in crate::derivatives) fn rate_of<T: Number>(placed: &Placed<Jet<T>>) -> Twelve<T> {
-    of_frame(&placed.frame, |jet| jet.rate)
-}
-
-fn of_frame<T: Number>(frame: &Frame<Jet<T>>, part: impl Fn(Jet<T>) -> T + Copy) -> Twelve<T> {
-    Twelve { origin: frame.origin.map(part), axes: frame.axes.map(|column| column.map(part)) }
-}
-
-impl<T: Number> Twelve<T> {
-    fn zero() -> Self {
-        Twelve { origin: Vector::zero(), axes: Matrix([Vector::zero(); 3]) }
-    }
-
-    fn plus(&self, other: &Self) -> Self {
-        let axes = std::array::from_fn(|column| self.axes.0[column] + other.axes.0[column]);
-        Twelve { origin: self.origin + other.origin, axes: Matrix(axes) }
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        let axes = std::array::from_fn(|column| self.axes.0[column] - other.axes.0[column]);
-        Twelve { origin: self.origin - other.origin, axes: Matrix(axes) }
-    }
-
-    fn scaled(&self, factor: T) -> Self {
-        Twelve { origin: self.origin.scaled(factor), axes: self.axes.map(|column| column.scaled(factor)) }
-    }
 }

@@ -7,6 +7,7 @@
 //!     R(u; x) = 0        R_u δu = −R_x δx
 //! ```
 
+use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
@@ -19,7 +20,7 @@ use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::{DMatrix, DVector, Dyn, LU, Vector3};
 
 /// Derivatives that are computed at once.
 pub const WIDTH: usize = 8;
@@ -53,8 +54,11 @@ pub struct StepMode {
     pub row_count: usize,
     /// The motors that follow their laws, by number.
     pub motors: Vec<(usize, Coordinate)>,
-    /// Points of contacts that stick.
-    pub anchors: Vec<LoopFigures<f64>>,
+    /// Contacts that are closed, and the same as constants with derivatives.
+    pub closed: ClosedContacts<f64>,
+    pub constant: ClosedContacts<Part>,
+    /// For each closed contact the direction of its slip at the start, or the one in which it begins to slide.
+    pub slips: Vec<Vector3<f64>>,
 }
 
 impl StepMode {
@@ -203,7 +207,7 @@ impl StepProblem<'_> {
             offsets: &vec![vec![0.0; n]; stages.len()],
             end_velocities: velocities,
             efforts: &efforts,
-            mode: InMode { drives: &drives, anchors: &self.mode.anchors, multipliers },
+            mode: InMode { drives: &drives, closed: &self.mode.closed, multipliers },
         };
         DVector::from_vec(self.mode.select(&motion.residual(), n))
     }
@@ -217,7 +221,6 @@ impl StepProblem<'_> {
         let start_velocities: Vec<Part> = constant(&self.start.velocity);
         let efforts: Vec<Vec<Part>> = self.efforts.iter().map(|efforts| constant(efforts.as_slice())).collect();
         let drives = self.mode.drives(&self.constant.laws);
-        let anchors: Vec<LoopFigures<Part>> = self.mode.anchors.iter().map(lifted).collect();
         let still = vec![Part::zero(); all];
         for first in (0..count).step_by(WIDTH) {
             let width = WIDTH.min(count - first);
@@ -247,7 +250,7 @@ impl StepProblem<'_> {
                 offsets: &offsets,
                 end_velocities: &end_velocities,
                 efforts: &efforts,
-                mode: InMode { drives: &drives, anchors: &anchors, multipliers: &pushes },
+                mode: InMode { drives: &drives, closed: &self.mode.constant, multipliers: &pushes },
             };
             for (row, value) in self.mode.select(&motion.residual(), all).into_iter().enumerate() {
                 (0..width).for_each(|part| matrix[(row, first + part)] = value.parts[part]);

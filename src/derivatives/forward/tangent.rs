@@ -12,7 +12,7 @@
 //! The steps of the run are kept: the derivative is exact for their sequence. Turns of ball joints are twists about the
 //! axes of the child, at the start and at the end: δq̄ = R_relᵀ δq₀ + δ_s.
 
-use crate::derivatives::equations::figures::LoopFigures;
+use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::forward::stage_equations::{BothFigures, InMode, StepMotion};
 use crate::derivatives::forward::step::{Part, SolvedStep, StepProblem, WIDTH, constant};
 use crate::derivatives::numbers::number::Number;
@@ -42,8 +42,8 @@ pub struct InputSlopes<'i> {
     pub efforts: &'i [DMatrix<f64>],
     /// Of the efforts at all stages by time (n each).
     pub rates: &'i [DVector<f64>],
-    /// Points of contacts that stick, a list for each [`WIDTH`] parameters.
-    pub anchors: &'i [Vec<LoopFigures<Part>>],
+    /// Closed contacts, a list for each [`WIDTH`] parameters.
+    pub closed: &'i [ClosedContacts<Part>],
 }
 
 impl Varied {
@@ -83,7 +83,7 @@ struct Starts<'s> {
     velocities: &'s [Part],
     step: Part,
     efforts: &'s [Vec<Part>],
-    anchors: &'s [LoopFigures<Part>],
+    closed: &'s ClosedContacts<Part>,
 }
 
 impl Tangent {
@@ -120,8 +120,8 @@ impl Tangent {
                     (0..n).map(row).collect()
                 })
                 .collect();
-            let anchors = slopes.anchors.get(chunk).map_or(&[][..], Vec::as_slice);
-            let starts = Starts { offsets: &offsets, velocities: &velocities, step, efforts: &efforts, anchors };
+            let closed = &slopes.closed[chunk];
+            let starts = Starts { offsets: &offsets, velocities: &velocities, step, efforts: &efforts, closed };
             let found = columns(problem, solved, figures, &starts, width)?;
             for part in 0..width {
                 let column = first + part;
@@ -146,7 +146,6 @@ pub fn by_length(
     problem: &StepProblem,
     solved: &SolvedStep,
     rates: &[DVector<f64>],
-    anchors: &[LoopFigures<Part>],
 ) -> Option<(DVector<f64>, DVector<f64>)> {
     let StepProblem { tableau, start, mode, .. } = problem;
     let n = start.velocity.len();
@@ -163,7 +162,8 @@ pub fn by_length(
     let offsets = vec![Part::zero(); n];
     let velocities: Vec<Part> = constant(&start.velocity);
     let step = Part::parameter(problem.step, 0);
-    let starts = Starts { offsets: &offsets, velocities: &velocities, step, efforts: &efforts, anchors };
+    let closed = &mode.constant;
+    let starts = Starts { offsets: &offsets, velocities: &velocities, step, efforts: &efforts, closed };
     let found = columns(problem, solved, problem.constant, &starts, 1)?;
     let free = mode.free.len();
     let (mut positions, mut velocities) = (DVector::zeros(n), DVector::zeros(n));
@@ -197,7 +197,7 @@ fn columns(
         offsets: &vec![vec![Part::zero(); n]; solved.stages.len()],
         end_velocities: &end_velocities,
         efforts: starts.efforts,
-        mode: InMode { drives: &drives, anchors: starts.anchors, multipliers: &multipliers },
+        mode: InMode { drives: &drives, closed: starts.closed, multipliers: &multipliers },
     };
     let residual = problem.mode.select(&motion.residual(), n);
     let right = DMatrix::from_fn(residual.len(), width, |row, part| -residual[row].parts[part]);

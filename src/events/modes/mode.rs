@@ -185,12 +185,16 @@ impl Closed {
     }
 
     /// A corner that sticks on a face is anchored: its place is held, not its velocity. None has a place on a belt.
+    pub(crate) fn is_anchored(&self) -> bool {
+        let joint = &self.contact.joint;
+        let is_corner = joint.touch.features == [Feature::Plane, Feature::Point { radius: 0.0 }];
+        self.slides.is_none() && !joint.is_belt() && is_corner
+    }
+
+    /// The place of a contact that is anchored.
     fn anchor(&self, bodies: &[BodyState]) -> Option<LoopJoint> {
         let joint = &self.contact.joint;
-        if self.slides.is_some()
-            || joint.is_belt()
-            || joint.touch.features != [Feature::Plane, Feature::Point { radius: 0.0 }]
-        {
+        if !self.is_anchored() {
             return None;
         }
         let point = touch_motion(joint, bodies).point;

@@ -120,7 +120,7 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// Unknown parameters; events without a derivative, and contacts that slide or roll on; and errors of the run.
+    /// Unknown parameters; events without a derivative; and errors of the run.
     pub fn sensitivity(mut self, keys: &[&str]) -> Result<Sensitivity, Error> {
         let start = self.look(State::clone)?;
         let model = self.model.clone();

@@ -16,7 +16,7 @@ use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
-use nalgebra::{DVector, Rotation3};
+use nalgebra::{DVector, Matrix3, Vector3};
 
 /// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
 const WIDTH: f64 = 4e-3;
@@ -95,7 +95,7 @@ impl Simulation {
         let mut found = params.iter().filter(|(name, _)| matches(name));
         let exact = params.iter().find(|(name, _)| name == key);
         let (_, value) = exact.or_else(|| found.next()).ok_or_else(|| SensitivityError::Unknown { key: own() })?;
-        let value = value.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
+        let value = value.filter(|value| value.is_finite()).ok_or_else(|| SensitivityError::NoValue { key: own() })?;
         let width = if value == 0.0 { WIDTH } else { WIDTH * value.abs() };
         let mechanism = &self.model.description().mechanism;
         let here = listed(&self.model);
@@ -180,9 +180,17 @@ fn motion_between(mechanism: &Mechanism, from: &State, to: &State) -> DVector<f6
         if is_ball {
             let slot = joint.position_index + slides;
             let [from, to] = [from, to].map(|state| rotation_from_wxyz(&state.position[slot..slot + 4]));
-            let turn = Rotation3::from_matrix_unchecked(from.transpose() * to).scaled_axis();
+            let turn = rotation_vector(&(from.transpose() * to));
             motion.rows_mut(joint.velocity_index + slides, 3).copy_from(&turn);
         }
     }
     motion
+}
+
+/// The rotation vector of a rotation by less than half a turn: `s (angle/|s|)` with `s = ½ vee(R − Rᵀ)`, zero for no rotation.
+fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
+    let skew = rotation - rotation.transpose();
+    let half = 0.5 * Vector3::new(skew[(2, 1)], skew[(0, 2)], skew[(1, 0)]);
+    let sine = half.norm();
+    if sine == 0.0 { half } else { half * (sine.atan2(0.5 * (rotation.trace() - 1.0)) / sine) }
 }
