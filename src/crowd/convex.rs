@@ -18,6 +18,8 @@ pub const TOLERANCE: f64 = 5e-9;
 const ENOUGH: f64 = 1e-7;
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
+/// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
+const NEARLY: f64 = 1e-5;
 /// Blocks are added this often at most.
 const WIDENED: usize = 10;
 /// Iterations of Newton's method at first, after a round, and of one convex problem.
@@ -45,8 +47,11 @@ pub fn solve(
     room: &mut Workspace,
 ) -> f64 {
     let all = std::mem::take(&mut problem.blocks);
+    let nearly = NEARLY * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     let mut part: Vec<usize> = (0..all.len())
-        .filter(|&number| impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free))
+        .filter(|&number| {
+            impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
+        })
         .collect();
     let (mut residual, mut within) = (0.0, tolerance.max(COARSE));
     for _ in 0..WIDENED {
@@ -58,7 +63,7 @@ pub fn solve(
         let before = part.len();
         let mut inside = part.iter().copied().peekable();
         let others = (0..all.len()).filter(|number| inside.next_if_eq(number).is_none());
-        let more: Vec<usize> = others.filter(|&number| problem.is_called(&all[number], v)).collect();
+        let more: Vec<usize> = others.filter(|&number| problem.is_called(&all[number], v, 0.0)).collect();
         part.extend(more);
         part.sort_unstable();
         if part.len() == before {

@@ -143,11 +143,11 @@ impl<'p> Problem<'p> {
         rate
     }
 
-    /// Whether a block that exerts no impulse presses or pulls at these rates.
-    pub fn is_called(&self, block: &Block, v: &[f64]) -> bool {
+    /// Whether a block that exerts no impulse presses or pulls at these rates, or parts more slowly than `nearly`.
+    pub fn is_called(&self, block: &Block, v: &[f64], nearly: f64) -> bool {
         match block.law {
             Law::Interval(lower, _) if lower < 0.0 => true,
-            Law::Interval(..) | Law::Cone(_) => self.moved_of(block, v).x + block.bias.x < 0.0,
+            Law::Interval(..) | Law::Cone(_) => self.moved_of(block, v).x + block.bias.x < nearly,
         }
     }
 

@@ -3,11 +3,15 @@
 //! ```text
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
 //!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`, if such crowds follow soon
-//!     ends:     calm, and   n_s c (n + 3 n_c)² < ½ (1/h) c_c (i + 5) n                                expected cost for a second of the motion (s)
+//!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins                   cost of its decision (s)
+//!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
 //! ```
 //!
-//! n are rates, n_c closed contacts, i the iterations of a step; n_s is the number of exact steps in a calm second, c and c_c are the measured costs of an
-//! iteration for each squared unknown, and of a step over events for each rate. All are counts: the choice does not depend on a clock.
+//! n are rates, n_c closed contacts, i the iterations of a step, of a usual one at most; n_s is the number of exact steps in a calm second, c and c_c are the measured costs of an
+//! iteration for each squared unknown, and of a step over events for each rate; c_d is the one of a decision for each cubed unknown, which is dense. All
+//! are counts: the choice does not depend on a clock.
+//!
+//! A step that cannot be made is tried with a quarter of its length. A crowd ends by it only after the last try.
 
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
@@ -35,6 +39,11 @@ const FALLS: f64 = 0.1;
 const ITERATION: f64 = 2e-7;
 const STEP: f64 = 4e-7;
 const CALM_STEPS: f64 = 200.0;
+/// c_d (s).
+const DECISION: f64 = 4e-8;
+/// A step is made shorter by this factor, this often at most.
+const SHORTER: f64 = 0.25;
+const SHORTENED: usize = 4;
 /// Iterations that the other work of a step is worth, and iterations of a usual step.
 const OVERHEAD: f64 = 5.0;
 const USUAL: f64 = 8.0;
@@ -69,8 +78,31 @@ impl Eventful {
         if self.workspaces.crowd.is_none() || !keeps || self.resists_turning() {
             return None;
         }
-        let second = STEP * (USUAL + OVERHEAD) * self.model.whole.velocity_count as f64 / length;
-        Some(LABOUR_WITHIN * (2.0 * second).max(CHEAP) / ITERATION)
+        Some(LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) / ITERATION)
+    }
+
+    /// The expected cost of steps of this length (s) and iterations for a second of the motion (s).
+    fn cost_of_crowds(&self, length: f64, iterations: f64) -> f64 {
+        STEP * (iterations + OVERHEAD) * self.model.whole.velocity_count as f64 / length
+    }
+
+    /// Begins a run in a crowd, if the decision of its start costs more than to step over events; `false` otherwise.
+    pub(super) fn begin_in_crowd(&mut self, state: &State) -> bool {
+        let (length, _) = self.crowd_length();
+        let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
+        if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.resists_turning() {
+            return false;
+        }
+        let scene = Scene { whole, elements, touching };
+        let held = self.workspaces.crowd.as_mut().and_then(|crowd| crowd.held_at(scene, state, length));
+        if decision(held.unwrap_or(0)) <= (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) {
+            return false;
+        }
+        self.leave_companion();
+        self.progress.asleep = false;
+        self.progress.crowding.enter(state.time);
+        self.progress.in_crowd = true;
+        true
     }
 
     /// Begins a crowd with a step from a state towards `until`; `None` if the crowd is brief and such steps do not keep to the tolerance, if crowds are
@@ -100,8 +132,7 @@ impl Eventful {
         }
         let next = self.model.next_instant(state.time, until);
         let (length, _) = self.crowd_length();
-        let made = self.step_in_crowd(inputs, state, next, length);
-        let Some((mut outcome, made)) = made else {
+        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, next, length) else {
             self.progress.in_crowd = false;
             self.pass_anew(inputs, state);
             return None;
@@ -119,8 +150,8 @@ impl Eventful {
     /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
     fn is_over(&mut self, made: &Made, length: f64) -> bool {
         let rates = self.model.whole.velocity_count as f64;
-        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2);
-        let over = STEP * (made.iterations as f64 + OVERHEAD) * rates / length;
+        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2) + decision(made.held);
+        let over = self.cost_of_crowds(length, (made.iterations as f64).min(USUAL));
         self.progress.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
     }
 
@@ -143,8 +174,20 @@ impl Eventful {
         piece.small = piece.moving.gather(&self.model.whole, state);
     }
 
-    /// Makes one step of at most this length (s) towards `until`, if it can be made.
+    /// Makes one step of at most this length (s) towards `until`, or a shorter one, if any can be made.
     fn step_in_crowd(
+        &mut self,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+        length: f64,
+    ) -> Option<(StepOutcome, Made)> {
+        let length = length.min(until - state.time);
+        (0..=SHORTENED).find_map(|times| self.try_in_crowd(inputs, state, until, length * SHORTER.powi(times as i32)))
+    }
+
+    /// The same of this length alone.
+    fn try_in_crowd(
         &mut self,
         inputs: Inputs,
         state: &mut State,
@@ -212,4 +255,9 @@ impl Eventful {
         crowd.pressing(&self.model.touching, out);
         true
     }
+}
+
+/// The cost of the decision of a mode with this number of closed contacts (s).
+fn decision(contacts: usize) -> f64 {
+    DECISION * (3.0 * contacts as f64).powi(3)
 }

@@ -201,6 +201,9 @@ impl Eventful {
         }
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
+        if self.begin_in_crowd(state) {
+            return Ok(());
+        }
         let events = self.tally.events.len();
         let exchanged = self.pass_anew(inputs, state);
         self.tally.lost_at_start += exchanged;

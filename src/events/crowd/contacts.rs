@@ -245,6 +245,22 @@ impl Contacts {
         }
     }
 
+    /// The deepest overlap of all candidates (m or rad).
+    pub fn deepest(&self) -> f64 {
+        let closing = self.list.iter().filter(|candidate| candidate.closes());
+        closing.fold(0.0, |deepest, candidate| deepest.max(-candidate.gap))
+    }
+
+    /// The normal rate of a candidate at rates of all freedoms [m/s or rad/s].
+    pub fn closing_rate(&self, number: usize, trees: &Trees, rates: &[f64]) -> f64 {
+        let along = |side: &Side| {
+            let (columns, entries) = self.rows.row(side, 0);
+            let freedoms = &trees.trees[side.tree].freedoms;
+            columns.iter().zip(entries).map(|(&column, entry)| entry * rates[freedoms[column]]).sum::<f64>()
+        };
+        self.list[number].sides.iter().flatten().map(along).sum()
+    }
+
     /// Takes impulses and curvatures from the candidates of the step before, which lasted this long (s), for steps that are longer by a factor.
     pub fn warm(&mut self, before: &Contacts, step: f64, longer: f64, trees: &Trees) {
         let mut keys: Vec<(Key, usize)> =

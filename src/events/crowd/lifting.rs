@@ -10,7 +10,7 @@ use crate::crowd::convex::{TOLERANCE, solve};
 use crate::crowd::islands::islands;
 use crate::crowd::laws::Law;
 use crate::crowd::problem::{Given, Problem};
-use crate::events::crowd::contacts::{Candidate, Contacts, Scene};
+use crate::events::crowd::contacts::{Candidate, Scene};
 use crate::events::crowd::step::Crowd;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -25,7 +25,7 @@ const ROUNDS: usize = 6;
 impl Crowd {
     /// Lifts a state whose candidates are at the end of the step; returns the largest overlap before, and what is left (m or rad).
     pub(super) fn lift(&mut self, scene: Scene, state: &mut State, step: f64) -> Option<(f64, f64)> {
-        let first = deepest(&self.next);
+        let first = self.next.deepest();
         let mut left = first;
         for _ in 0..ROUNDS {
             if left <= OVERLAP {
@@ -64,14 +64,8 @@ impl Crowd {
             self.next.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
             self.trees.place(scene.whole, &self.bodies);
             self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
-            left = deepest(&self.next);
+            left = self.next.deepest();
         }
         Some((if first > OVERLAP { first } else { 0.0 }, left))
     }
-}
-
-/// The deepest overlap of all candidates (m or rad).
-fn deepest(contacts: &Contacts) -> f64 {
-    let closing = contacts.list.iter().filter(|candidate| candidate.closes());
-    closing.fold(0.0, |deepest, candidate| deepest.max(-candidate.gap))
 }

@@ -5,6 +5,8 @@
 //!     c ← (φ̄ − φ)/h − H_N w         until |φ̄| ≤ 3e-10 where r_N > 0, and φ̄ ≥ −3e-10 elsewhere
 //! ```
 //!
+//! Rounds that do not bring the gaps nearer, as where a body would turn far in a step, end with the best round before; the overlap that is left is lifted.
+//!
 //! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions. It is first taken
 //! from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
@@ -23,6 +25,8 @@ use nalgebra::Vector3;
 /// A gap that counts as closed (m or rad), and the rounds for it.
 const MEETS: f64 = 3e-10;
 const ROUNDS: usize = 5;
+/// Gaps that are off by more than this times the least so far end the rounds.
+const DIVERGES: f64 = 1e3;
 
 /// The start of a step.
 pub(super) struct Moving<'m> {
@@ -65,6 +69,9 @@ pub(super) fn move_on(
         curves: Vec<f64>,
         v: Vec<f64>,
         residual: f64,
+        /// How far gaps are off in the best round (m), and its impulses, rates and residual.
+        off: f64,
+        best: (Vec<Vector3<f64>>, Vec<f64>, f64),
         open: bool,
     }
     let pressing = found.iter().filter(|island| !island.candidates.is_empty());
@@ -93,6 +100,8 @@ pub(super) fn move_on(
                 curves: island.candidates.iter().map(|number| of(number).curve).collect(),
                 v: Vec::new(),
                 residual: 0.0,
+                off: f64::INFINITY,
+                best: Default::default(),
                 open: true,
             };
             (own, &island.candidates[..])
@@ -108,14 +117,11 @@ pub(super) fn move_on(
             let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
             freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
         }
-        end.copy_from(start);
-        let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
-        end.displace(scene.whole, &moved);
-        place_bodies(scene.whole, end, bodies);
-        if round == ROUNDS {
-            break;
-        }
-        for (own, candidates) in &mut problems {
+        place_end(scene, start, displacement, step, end, bodies);
+        let mut back = false;
+        for ((own, candidates), island) in
+            problems.iter_mut().zip(found.iter().filter(|island| !island.candidates.is_empty()))
+        {
             if !own.open {
                 continue;
             }
@@ -128,7 +134,20 @@ pub(super) fn move_on(
                 own.curves[place] = (gap - linear) / step;
                 off = off.max(if own.impulses[place].x > 0.0 { gap.abs() } else { -gap });
             }
-            own.open = off > MEETS || own.residual > TOLERANCE && round == 0;
+            own.open = round < ROUNDS && (off > MEETS || own.residual > TOLERANCE && round == 0);
+            if off <= own.off {
+                own.off = off;
+                if own.open {
+                    own.best = (own.impulses.clone(), own.v.clone(), own.residual);
+                }
+            } else if off > DIVERGES * own.off || !own.open || off.is_nan() {
+                // Back to the best round.
+                (own.impulses, own.v, own.residual) = std::mem::take(&mut own.best);
+                own.curves.fill(0.0);
+                (own.open, back) = (false, true);
+                let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
+                freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
+            }
             if own.open {
                 for (place, &number) in candidates.iter().enumerate() {
                     let candidate = &contacts.list[number];
@@ -138,6 +157,9 @@ pub(super) fn move_on(
                 }
                 own.problem.set_scale();
             }
+        }
+        if back {
+            place_end(scene, start, displacement, step, end, bodies);
         }
         if problems.iter().all(|(own, _)| !own.open) {
             break;
@@ -156,6 +178,14 @@ pub(super) fn move_on(
         (now.list[number].moving, now.list[number].curve) = (impulse, curve);
     }
     solved
+}
+
+/// The state after a displacement from the start of a step (s), and the bodies in it.
+fn place_end(scene: Scene, start: &State, displacement: &[f64], step: f64, end: &mut State, bodies: &mut [BodyState]) {
+    end.copy_from(start);
+    let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
+    end.displace(scene.whole, &moved);
+    place_bodies(scene.whole, end, bodies);
 }
 
 /// Bias and compliance of a motor that acts for a time b (s) from a state: `p = b (kp (r − q − b w) + kd (ṙ − w))`.

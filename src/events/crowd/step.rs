@@ -29,6 +29,8 @@ use std::collections::BTreeSet;
 /// A pair that overlaps by more than this at the end, and was no candidate, becomes one (m); this often at most.
 const OVERLAPS: f64 = 1e-8;
 const AGAIN: usize = 2;
+/// A step at whose end shapes overlap by more than this, and twice as much as at its start, is too long (m or rad).
+const LIFTED: f64 = 1e-4;
 /// Speeds that have grown by this factor in a step make all pairs be looked at again.
 const SPEEDS: f64 = 1.25;
 
@@ -133,8 +135,18 @@ impl Crowd {
         })
     }
 
-    /// Makes a step of this length (s) from a state, evenly if nothing that acts changes in time; `None` where a mass matrix is singular or a number is not finite.
+    /// Makes a step of this length (s) from a state, evenly if nothing that acts changes in time; `None` where a mass matrix is singular, a number is not
+    /// finite, or shapes overlap far at its end: nothing of it is kept.
     pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
+        let made = self.make(scene, forces, state, step, evenly);
+        if made.is_none() {
+            (self.now, self.clearances, self.end) = (Contacts::default(), Clearances::default(), None);
+            self.displacement = vec![0.0; self.free.len()];
+        }
+        made
+    }
+
+    fn make(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
         let whole = scene.whole;
         let start = state.clone();
         if !evenly {
@@ -163,7 +175,7 @@ impl Crowd {
             self.place_middle(&start, &displacement, step, whole);
             place_bodies(whole, state, &mut self.bodies);
             self.next.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
-            if attempt == AGAIN || !self.widen(scene, &start) {
+            if attempt == AGAIN || !self.widen(scene, &start, &displacement, step) {
                 break;
             }
         }
@@ -172,6 +184,9 @@ impl Crowd {
         }
         self.trees.place(whole, &self.bodies);
         self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
+        if self.next.deepest() > LIFTED.max(2.0 * self.now.deepest()) {
+            return None;
+        }
         let (lifted, overlap) = self.lift(scene, state, step)?;
         (made.lifted, made.overlap) = (lifted, overlap);
         self.next.warm(&self.now, step, 1.0, &self.trees);
@@ -219,8 +234,9 @@ impl Crowd {
         Some(made)
     }
 
-    /// Makes pairs that overlap at the end of a step, and were no candidates, candidates at its start; returns whether there are any.
-    fn widen(&mut self, scene: Scene, start: &State) -> bool {
+    /// Makes pairs that overlap at the end of a step, and were no candidates, candidates of it; returns whether there are any. Features that tell nothing at
+    /// its start, where others are deeper, have the gap there that their gap and their rows at the end give: `φ − h H w`.
+    fn widen(&mut self, scene: Scene, start: &State, displacement: &[f64], step: f64) -> bool {
         let Crowd { now, next, trees, bodies, .. } = self;
         let known: BTreeSet<Key> = now.list.iter().map(|candidate| candidate.key).collect();
         let new =
@@ -229,16 +245,33 @@ impl Crowd {
         if !next.list.iter().any(|candidate| new(&candidate)) {
             return false;
         }
+        let at_end = bodies.clone();
         place_bodies(scene.whole, start, bodies);
+        let mut hidden = Vec::new();
         for candidate in next.list.iter().filter(new) {
             let there = candidate.at(scene.elements, start, bodies);
-            // One that overlaps at the start as well has other features that tell.
             if there.gap >= -CLOSED {
                 now.list.push(there);
+            } else {
+                hidden.push(candidate.clone());
             }
         }
         now.fill_rows(scene, trees, bodies, first);
-        now.list.len() > first
+        bodies.copy_from_slice(&at_end);
+        let second = now.list.len();
+        now.list.append(&mut hidden);
+        now.fill_rows(scene, trees, bodies, second);
+        for number in second..now.list.len() {
+            let moved = now.closing_rate(number, trees, displacement);
+            now.list[number].gap -= step * moved;
+        }
+        true
+    }
+
+    /// Number of contacts and limits that are closed in a state from which a step of this length (s) begins.
+    pub fn held_at(&mut self, scene: Scene, state: &State, step: f64) -> Option<usize> {
+        self.begin(scene, state, step)?;
+        Some(self.held())
     }
 
     /// Number of closed contacts and limits.

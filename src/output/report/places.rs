@@ -119,6 +119,11 @@ pub(crate) fn carried_reports(
     statuses: &[JointStatus],
 ) -> (Reports<JointReport>, Reports<LoopReport>) {
     let mechanism = &model.mechanism;
+    // The joints of floating bases transmit nothing.
+    if mechanism.loops.is_empty() && model.joints.iter().all(|record| record.is_base || record.body.is_none()) {
+        let nothing = vec![Reaction::default(); mechanism.bodies.len()];
+        return (reports_of_joints(model, state, &nothing, statuses), Vec::new());
+    }
     let mut carried = Reactions::new(mechanism);
     carried.clock(state.time);
     carried.drive(&motor_efforts(model, state, statuses));
