@@ -58,7 +58,7 @@ pub(crate) fn gather_meetings(
         let mut meeting = Meeting { block, restitution, rest: rests[index] };
         let rate = meeting.rate(&state.velocity);
         let known = &memory.joints[index];
-        if rate < 0.0
+        if rate < -meeting.rest
             && let Some((end, moves)) = known.accumulates(side, state.time, -rate, restitution, found.height)
         {
             left += moves;
@@ -71,8 +71,10 @@ pub(crate) fn gather_meetings(
     all.extend(contacts.meetings(scene, state, crowded));
     for (pair, known) in memory.pairs.iter().enumerate() {
         let own = |meeting: &&mut Meeting| contacts.pair_of(meeting.block.of) == Some(pair);
-        let rates = all[first..].iter_mut().filter(own).map(|meeting| meeting.rate(&state.velocity));
-        let rate = rates.fold(0.0_f64, f64::min);
+        // Rates of what touches are roundings: a blow that passes through it does not end its impacts.
+        let approaching = |meeting: &&mut Meeting| meeting.rate(&state.velocity) < -meeting.rest;
+        let meeting = all[first..].iter_mut().filter(own).filter(approaching);
+        let rate = meeting.map(|meeting| meeting.rate(&state.velocity)).fold(0.0_f64, f64::min);
         let restitution = scene.touching.pairs[pair].restitution;
         if rate < 0.0
             && let Some((end, moves)) = known.accumulates(Side::Lower, state.time, -rate, restitution, found.height)

@@ -291,8 +291,7 @@ impl Control {
         let mut outcome = StepOutcome::default();
         if !self.started() {
             self.start(mechanism, state, stepper.kernel.as_mut());
-        }
-        if let Some(settling) = stepper.settling_at_start(mechanism, state, self.memory.step, self.tolerance) {
+        } else if let Some(settling) = stepper.settling_at_start(mechanism, state, self.memory.step, self.tolerance) {
             self.settle(self.memory.step, settling);
         }
         let mut guess = stepper.first_guess();

@@ -331,7 +331,7 @@ impl Stepper {
         }
     }
 
-    /// The length (s) of a first step in which hard dampers stop what they are about to stop at the start of a motion, if one of `length` seconds would
+    /// The length (s) of a first step at a given pace in which hard dampers stop what they are about to stop at the start of a motion, if one of `length` seconds would
     /// let it ring. What moves less than the `tolerance` (m, rad) in a second may ring.
     pub fn settling_at_start(
         &mut self,

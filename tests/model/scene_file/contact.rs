@@ -145,7 +145,7 @@ fn later_pairs_override_earlier_ones_key_by_key_and_in_either_order_of_names() {
 }
 
 #[test]
-fn links_touch_links_of_other_robots_only_where_all_pairs_are_wanted() {
+fn links_touch_links_of_other_robots_where_there_is_an_obstacle_or_all_pairs_are_wanted() {
     let folder = with_walker("all_pairs");
     let two = "[[robot]]\nname = \"a\"\nurdf = \"walker.urdf\"\nbase = \"floating\"\n[[robot]]\nname = \"b\"\nurdf = \"walker.urdf\"\n";
     let counted = |rest: &str| {
@@ -159,11 +159,14 @@ fn links_touch_links_of_other_robots_only_where_all_pairs_are_wanted() {
     assert_eq!(of_all[0], ("a/trunk|b/trunk".to_string(), 0.5, 0.0));
     assert!(of_all.iter().all(|(names, ..)| names.starts_with("a/") && names.contains("|b/")));
     // The trunk and the foot of the second robot are fixed in the world, as the floor is.
-    let (_, with_floor, left_out) = counted(FLOOR);
+    let (_, with_floor, left_out) = counted(&format!("{FLOOR}[contact]\npairs = \"environment\"\n"));
     assert_eq!((with_floor.len(), left_out), (5, 13));
     assert_eq!(counted(&format!("{FLOOR}[contact]\npairs = \"none\"\n")), (0, Vec::new(), 0));
-    let (colliders, of_all, left_out) = counted(&format!("{FLOOR}[contact]\npairs = \"all\"\n"));
-    assert_eq!((colliders, of_all.len(), left_out), (9, 21, 13));
+    // With an obstacle everything touches, unless it is said otherwise.
+    for said in ["", "[contact]\npairs = \"all\"\n"] {
+        let (colliders, of_all, left_out) = counted(&format!("{FLOOR}{said}"));
+        assert_eq!((colliders, of_all.len(), left_out), (9, 21, 13));
+    }
 }
 
 #[test]

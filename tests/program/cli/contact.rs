@@ -53,7 +53,7 @@ fn a_floor_is_put_where_it_is_said_and_a_file_is_not_taken_for_its_height() {
         assert_eq!(pairs(&folder, arguments), nothing, "{arguments:?}");
     }
     let contact = model(&folder, &["touching.urdf", "--floor", "-1"])["contact"].take();
-    assert_eq!(contact["touching"], "environment");
+    assert_eq!(contact["touching"], "all");
     assert_eq!(contact["pairs"], json!([{"a": "tip", "b": "floor", "friction": 0.5, "restitution": 0.0}]));
     let shape = |index: usize| contact["shapes"][index].clone();
     let ball = json!({"name": "tip", "obstacle": false, "body": "rod", "shape": "sphere", "radius": 0.1,
@@ -303,9 +303,11 @@ fn a_contact_pair_that_changes_nothing_is_a_warning_with_its_line_and_the_reason
         let all = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
         all.filter(|warning| warning.contains("changes nothing")).map(str::to_string).collect()
     };
-    let (default, all, none) = ("", "[contact]\npairs = \"all\"\n", "[contact]\npairs = \"none\"\n");
+    let (default, environment) = ("", "[contact]\npairs = \"environment\"\n");
+    let (all, none) = ("[contact]\npairs = \"all\"\n", "[contact]\npairs = \"none\"\n");
     for (contact, rule, reason) in [
-        (default, pair("one/tip", "two/tip"), Some("pairs = \"all\" in [contact]")),
+        (environment, pair("one/tip", "two/tip"), Some("pairs = \"environment\"")),
+        (default, pair("one/tip", "two/tip"), None),
         (default, pair("one/*", "one/tip"), Some("a link does not touch itself")),
         (all, pair("one/tip", "one/tip"), Some("a link does not touch itself")),
         (all, pair("fl*", "floor"), Some("obstacles do not touch each other")),
