@@ -52,7 +52,7 @@ fn boxes(count: usize, half: Vector3<f64>, friction: f64, restitution: f64) -> M
     for a in 0..=count {
         for b in a + 1..=count {
             let number = nonsmooth.pairs.len();
-            nonsmooth.pairs.push(ContactPair { number, a, b, friction, restitution, moments: Default::default() });
+            nonsmooth.pairs.push(ContactPair::without_moments(number, [a, b], friction, restitution));
         }
     }
     mechanism
@@ -193,14 +193,7 @@ fn chain() -> Mechanism {
     nonsmooth.colliders.push(collider(None, Shape::HalfSpace));
     for body in 0..4 {
         nonsmooth.colliders.push(collider(Some(body), Shape::Box { half: Vector3::new(0.1, 0.05, 0.02) }));
-        nonsmooth.pairs.push(ContactPair {
-            number: body,
-            a: 0,
-            b: body + 1,
-            friction: 0.0,
-            restitution: 0.0,
-            moments: Default::default(),
-        });
+        nonsmooth.pairs.push(ContactPair::without_moments(body, [0, body + 1], 0.0, 0.0));
     }
     mechanism
 }

@@ -361,27 +361,52 @@ mod tests {
     use crate::stepping::recipe::{Recipe, Steps};
     use nalgebra::Vector3;
 
+    /// Bodies under gravity, of which the first has a shape that may touch a floor.
+    fn over_floor(bodies: Vec<Body>, shape: Shape, friction: f64, restitution: f64) -> Mechanism {
+        let mut mechanism = Mechanism::new("loose", Vector3::z() * -9.81, bodies).expect("bodies that move");
+        let nonsmooth = &mut mechanism.nonsmooth;
+        for (body, shape) in [(Some(0), shape), (None, Shape::HalfSpace)] {
+            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
+        }
+        nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], friction, restitution));
+        mechanism
+    }
+
+    /// A run of it with chosen steps that makes no steps over events.
+    fn without_crowds(mechanism: &Mechanism) -> Eventful {
+        let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
+        let mut eventful = Eventful::new(mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
+        eventful.workspaces.crowd = None;
+        eventful
+    }
+
+    const CUBE: Shape = Shape::Box { half: Vector3::new(0.1, 0.1, 0.1) };
+
+    /// A cube of 0.2 m.
+    fn cube() -> Body {
+        let joint = Joint::new("box", JointKind::Floating, Pose::identity(), Pose::identity());
+        Body { name: "box".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.01 / 1.5), joint }
+    }
+
+    /// The cube, turned by an angle (rad) about y, goes round its lower edge at a rate [rad/s].
+    fn on_edge(mechanism: &Mechanism, angle: f64, spin: f64) -> State {
+        let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
+        let arm = turned * Vector3::new(-0.1, 0.0, 0.1);
+        let mut state = State::zero(mechanism);
+        state.position[..3].copy_from_slice(arm.as_slice());
+        state.position[3..7].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
+        state.velocity[..3].copy_from_slice((Vector3::y() * spin).cross(&arm).as_slice());
+        state.velocity[4] = spin;
+        state
+    }
+
     #[test]
     fn steps_that_have_failed_do_not_leave_their_length_to_those_after_the_one_that_stands_for_them() {
         // A ball in the air over a floor.
         let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
         let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(4e-3), joint };
-        let mut mechanism = Mechanism::new("ball", Vector3::z() * -9.81, vec![body]).expect("a free body");
-        let nonsmooth = &mut mechanism.nonsmooth;
-        for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
-        }
-        nonsmooth.pairs.push(ContactPair {
-            number: 0,
-            a: 0,
-            b: 1,
-            friction: 0.5,
-            restitution: 0.0,
-            moments: Default::default(),
-        });
-        let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
-        let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
-        eventful.workspaces.crowd = None;
+        let mechanism = over_floor(vec![body], Shape::Sphere { radius: 0.1 }, 0.5, 0.0);
+        let mut eventful = without_crowds(&mechanism);
         let mut state = State::zero(&mechanism);
         state.position[2] = 100.0;
         let inputs = Inputs::constant(&[0.0; 6]);
@@ -402,33 +427,11 @@ mod tests {
 
     #[test]
     fn an_edge_about_which_a_box_turns_neither_leaves_the_floor_nor_slides_in_a_step_of_first_order() {
-        let joint = Joint::new("box", JointKind::Floating, Pose::identity(), Pose::identity());
-        let body = Body { name: "box".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.01 / 1.5), joint };
-        let mut mechanism = Mechanism::new("box", Vector3::z() * -9.81, vec![body]).expect("a free body");
-        let nonsmooth = &mut mechanism.nonsmooth;
-        for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
-        }
-        nonsmooth.pairs.push(ContactPair {
-            number: 0,
-            a: 0,
-            b: 1,
-            friction: 1.0,
-            restitution: 0.3,
-            moments: Default::default(),
-        });
-        let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
-        let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
-        eventful.workspaces.crowd = None;
+        let mechanism = over_floor(vec![cube()], CUBE, 1.0, 0.3);
+        let mut eventful = without_crowds(&mechanism);
         // Turned by 0.3 rad about y, over an edge that the centre of mass goes round at 2 rad/s.
         let (angle, spin) = (0.3_f64, 2.0);
-        let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
-        let arm = turned * Vector3::new(-0.1, 0.0, 0.1);
-        let mut state = State::zero(&mechanism);
-        state.position[..3].copy_from_slice(arm.as_slice());
-        state.position[3..].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-        state.velocity[..3].copy_from_slice((Vector3::y() * spin).cross(&arm).as_slice());
-        state.velocity[4] = spin;
+        let mut state = on_edge(&mechanism, angle, spin);
         let inputs = Inputs::constant(&[0.0; 6]);
         eventful.begin(&mechanism, inputs, &mut state).expect("a start");
         assert_eq!(eventful.mode.contacts.len(), 2);
@@ -448,39 +451,17 @@ mod tests {
     #[test]
     fn a_joint_that_bears_on_its_limit_stays_there_in_a_step_of_first_order() {
         // A box about whose edge it turns, and on it a flap that leans on its limit.
-        let joint = Joint::new("box", JointKind::Floating, Pose::identity(), Pose::identity());
-        let cube = Body { name: "box".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.01 / 1.5), joint };
         let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2);
         let frame = |x: f64, z: f64| Pose::from_parts(nalgebra::Translation3::new(x, 0.0, z), turn);
         let joint = Joint::new("flap", JointKind::Revolute, frame(0.1, 0.1), frame(-0.2, 0.0));
         let flap = Body { name: "flap".into(), parent: Some(0), mass: 0.2, inertia: Vector3::repeat(1e-4), joint };
-        let mut mechanism = Mechanism::new("box", Vector3::z() * -9.81, vec![cube, flap]).expect("two bodies");
+        let mut mechanism = over_floor(vec![cube(), flap], CUBE, 1.0, 0.0);
         let hinge = &mechanism.bodies[1].joint;
         let coordinate = Coordinate { body: 1, position: hinge.position_index, freedom: hinge.velocity_index };
-        let nonsmooth = &mut mechanism.nonsmooth;
-        nonsmooth.limits.push(JointLimit { coordinate, lower: -1.0, upper: 0.0, restitution: 0.0 });
-        for (body, shape) in [(Some(0), Shape::Box { half: Vector3::repeat(0.1) }), (None, Shape::HalfSpace)] {
-            nonsmooth.colliders.push(Collider::still("one", body, Pose::identity(), shape));
-        }
-        nonsmooth.pairs.push(ContactPair {
-            number: 0,
-            a: 0,
-            b: 1,
-            friction: 1.0,
-            restitution: 0.0,
-            moments: Default::default(),
-        });
-        let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
-        let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
-        eventful.workspaces.crowd = None;
+        mechanism.nonsmooth.limits.push(JointLimit { coordinate, lower: -1.0, upper: 0.0, restitution: 0.0 });
+        let mut eventful = without_crowds(&mechanism);
         let (angle, spin) = (0.1_f64, 1.0);
-        let turned = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
-        let arm = turned * Vector3::new(-0.1, 0.0, 0.1);
-        let mut state = State::zero(&mechanism);
-        state.position[..3].copy_from_slice(arm.as_slice());
-        state.position[3..7].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-        state.velocity[..3].copy_from_slice((Vector3::y() * spin).cross(&arm).as_slice());
-        state.velocity[4] = spin;
+        let mut state = on_edge(&mechanism, angle, spin);
         let inputs = Inputs::constant(&[0.0; 7]);
         eventful.begin(&mechanism, inputs, &mut state).expect("a start");
         assert_eq!(eventful.mode.joints[0], JointMode::Held { on: Some(Side::Upper) });

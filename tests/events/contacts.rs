@@ -27,14 +27,7 @@ pub fn over_floor(
     nonsmooth.colliders.push(Collider::still("floor", None, Pose::identity(), Shape::HalfSpace));
     for (number, (shape, pose)) in shapes.into_iter().enumerate() {
         nonsmooth.colliders.push(Collider::still(format!("shape{number}"), Some(0), pose, shape));
-        nonsmooth.pairs.push(ContactPair {
-            number,
-            a: 0,
-            b: number + 1,
-            friction,
-            restitution,
-            moments: Default::default(),
-        });
+        nonsmooth.pairs.push(ContactPair::without_moments(number, [0, number + 1], friction, restitution));
     }
     mechanism
 }

@@ -58,14 +58,7 @@ fn car() -> (Mechanism, State) {
     nonsmooth.colliders.push(collider("floor", None, Shape::HalfSpace));
     for number in 0..4 {
         nonsmooth.colliders.push(collider("tyre", Some(number + 1), Shape::Sphere { radius: RADIUS }));
-        nonsmooth.pairs.push(ContactPair {
-            number,
-            a: 0,
-            b: number + 1,
-            friction: FRICTION,
-            restitution: 0.0,
-            moments: Default::default(),
-        });
+        nonsmooth.pairs.push(ContactPair::without_moments(number, [0, number + 1], FRICTION, 0.0));
     }
     let mut start = State::zero(&mechanism);
     start.position[2] = OVER + RADIUS;

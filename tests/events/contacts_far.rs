@@ -25,14 +25,7 @@ fn let_go(shape: Shape, place: Vector3<f64>, height: f64) -> (Mechanism, State) 
     nonsmooth.colliders.push(Collider::still("block", None, pose, shape));
     let shape = Shape::Sphere { radius: RADIUS };
     nonsmooth.colliders.push(Collider::still("ball", Some(0), Pose::identity(), shape));
-    nonsmooth.pairs.push(ContactPair {
-        number: 0,
-        a: 0,
-        b: 1,
-        friction: 0.5,
-        restitution: 0.0,
-        moments: Default::default(),
-    });
+    nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], 0.5, 0.0));
     let mut start = State::zero(&mechanism);
     let at = place + Vector3::new(0.2, 0.3, height + RADIUS + GAP);
     start.position[..3].copy_from_slice(at.as_slice());

@@ -58,7 +58,7 @@ pub fn obstacle(mechanism: &mut Mechanism, shape: Shape, at: Vector3<f64>) -> us
 /// Lets two colliders touch.
 pub fn meet(mechanism: &mut Mechanism, a: usize, b: usize, friction: f64, restitution: f64) {
     let number = mechanism.nonsmooth.pairs.len();
-    mechanism.nonsmooth.pairs.push(ContactPair { number, a, b, friction, restitution, moments: Default::default() });
+    mechanism.nonsmooth.pairs.push(ContactPair::without_moments(number, [a, b], friction, restitution));
 }
 
 /// Adds a floor at z = 0, and lets everything touch everything.

@@ -11,7 +11,7 @@
 //! from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
 use crate::crowd::convex::{COARSE, TOLERANCE, solve};
-use crate::crowd::islands::islands;
+use crate::crowd::islands::{Island, islands};
 use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
 use crate::crowd::trees::Trees;
@@ -75,7 +75,7 @@ pub(super) fn move_on(
         open: bool,
     }
     let pressing = found.iter().filter(|island| !island.candidates.is_empty());
-    let mut problems: Vec<(Own, &[usize])> = pressing
+    let mut problems: Vec<(Own, &Island)> = pressing
         .map(|island| {
             let block = |&number: &usize| {
                 let candidate = &contacts.list[number];
@@ -104,29 +104,26 @@ pub(super) fn move_on(
                 best: Default::default(),
                 open: true,
             };
-            (own, &island.candidates[..])
+            (own, island)
         })
         .collect();
     for round in 0..=ROUNDS {
-        for ((own, _), island) in problems.iter_mut().zip(found.iter().filter(|island| !island.candidates.is_empty())) {
+        for (own, island) in &mut problems {
             if !own.open {
                 continue;
             }
             let tolerance = if round == 0 { COARSE } else { TOLERANCE };
             own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, tolerance, room);
-            let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
-            freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
+            spread(trees, island, &own.v, displacement);
         }
         place_end(scene, start, displacement, step, end, bodies);
         let mut back = false;
-        for ((own, candidates), island) in
-            problems.iter_mut().zip(found.iter().filter(|island| !island.candidates.is_empty()))
-        {
+        for (own, island) in &mut problems {
             if !own.open {
                 continue;
             }
             let mut off = 0.0_f64;
-            for (place, &number) in candidates.iter().enumerate() {
+            for (place, &number) in island.candidates.iter().enumerate() {
                 let candidate = &contacts.list[number];
                 let Some(contact) = &candidate.contact else { continue };
                 let gap = touch_motion(&contact.joint, bodies).gap;
@@ -145,11 +142,10 @@ pub(super) fn move_on(
                 (own.impulses, own.v, own.residual) = std::mem::take(&mut own.best);
                 own.curves.fill(0.0);
                 (own.open, back) = (false, true);
-                let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
-                freedoms.zip(&own.v).for_each(|(&freedom, rate)| displacement[freedom] = *rate);
+                spread(trees, island, &own.v, displacement);
             }
             if own.open {
-                for (place, &number) in candidates.iter().enumerate() {
+                for (place, &number) in island.candidates.iter().enumerate() {
                     let candidate = &contacts.list[number];
                     if candidate.contact.is_some() {
                         own.problem.blocks[place].bias.x = candidate.gap / step + own.curves[place];
@@ -167,10 +163,10 @@ pub(super) fn move_on(
     }
     let mut solved = Solved::default();
     let mut kept = Vec::new();
-    for (own, candidates) in problems {
+    for (own, island) in problems {
         solved.residual = solved.residual.max(own.residual);
         solved.unsolved += usize::from(own.residual > TOLERANCE);
-        for (place, &number) in candidates.iter().enumerate() {
+        for (place, &number) in island.candidates.iter().enumerate() {
             kept.push((number, own.impulses[place], own.curves[place]));
         }
     }
@@ -178,6 +174,12 @@ pub(super) fn move_on(
         (now.list[number].moving, now.list[number].curve) = (impulse, curve);
     }
     solved
+}
+
+/// Writes the rates of an island among those of all freedoms.
+fn spread(trees: &Trees, island: &Island, own: &[f64], rates: &mut [f64]) {
+    let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
+    freedoms.zip(own).for_each(|(&freedom, rate)| rates[freedom] = *rate);
 }
 
 /// The state after a displacement from the start of a step (s), and the bodies in it.

@@ -92,14 +92,7 @@ mod tests {
         {
             nonsmooth.colliders.push(Collider::still("one", body, pose, shape));
         }
-        nonsmooth.pairs.push(ContactPair {
-            number: 0,
-            a: 0,
-            b: 1,
-            friction: 3.0,
-            restitution: 0.0,
-            moments: Default::default(),
-        });
+        nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], 3.0, 0.0));
         let (half, mut state) = (0.25_f64, State::zero(&mechanism));
         state.position[2] = 0.5 * (2.0 * half).cos() + 0.01;
         state.position[3..7].copy_from_slice(&[half.cos(), 0.0, half.sin(), 0.0]);

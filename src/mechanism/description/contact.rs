@@ -137,6 +137,13 @@ pub struct ContactPair {
     pub moments: MomentLengths,
 }
 
+impl ContactPair {
+    /// A pair without rolling and spinning friction, of two colliders by number.
+    pub fn without_moments(number: usize, [a, b]: [usize; 2], friction: f64, restitution: f64) -> ContactPair {
+        ContactPair { number, a, b, friction, restitution, moments: MomentLengths::default() }
+    }
+}
+
 /// The lengths of rolling and spinning friction: a moment is at most the length times the normal force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MomentLengths {

@@ -130,14 +130,7 @@ mod tests {
 
     #[test]
     fn figures_keep_the_worst_of_each_with_the_friction_of_its_pair_and_its_instant() {
-        let pair = |number, friction| ContactPair {
-            number,
-            a: 0,
-            b: 1,
-            friction,
-            restitution: 0.0,
-            moments: Default::default(),
-        };
+        let pair = |number, friction| ContactPair::without_moments(number, [0, 1], friction, 0.0);
         let mut figures = ContactFigures::default();
         let points = [point([3.0, 4.0, 6.0], 1e-3), point([0.0, 0.0, 1.0], -1e-9)];
         figures.see(0.25, &points, &[pair(2, 0.0), pair(3, 0.5)]);

@@ -84,12 +84,10 @@ pub fn touch_accelerations(
     accelerations: &[BodyAcceleration],
     tangents: &[Vector3<f64>; 2],
 ) -> [f64; 3] {
-    let Some(pairing) = joint.touch.pairing() else { return [0.0; 3] };
-    let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
-    let [a, b] = ends.each_ref().map(|end| end.placed);
-    let Contact { gap, point, normal } = contact(pairing, joint.touch.side, a, b, || ends[1].axis(&joint.b, bodies, 0));
-    let here = Vector3::from(point.0.map(|component| component.value));
-    let moves = Vector3::from(point.0.map(|component| component.rate));
+    let Some((ends, Contact { gap, point, normal })) = moving_contact(joint, bodies, accelerations) else {
+        return [0.0; 3];
+    };
+    let [here, moves] = value_and_rate(&point);
     let [of_a, of_b] = ends.each_ref().map(|end| end.material(&here, &moves));
     let (velocity, acceleration) = (of_b.0 - of_a.0, of_b.1 - of_a.1);
     let turning = |tangent: &Vector3<f64>| ends[0].body.angular_velocity.cross(tangent);
@@ -99,7 +97,7 @@ pub fn touch_accelerations(
         let spins = ends.each_ref().map(|end| end.body.angular_velocity);
         let surface = surfaces[1] - surfaces[0];
         let change = spins[1].cross(&surfaces[1]) - spins[0].cross(&surfaces[0]);
-        let [normal, turns] = [normal.0.map(|part| part.value), normal.0.map(|part| part.rate)].map(Vector3::from);
+        let [normal, turns] = value_and_rate(&normal);
         let carried = |tangent: &Vector3<f64>| {
             let tangent_turns = turning(tangent);
             change.dot(tangent) + surface.dot(&tangent_turns)
@@ -117,11 +115,8 @@ pub fn turning_accelerations(
     accelerations: &[BodyAcceleration],
     tangents: &[Vector3<f64>; 2],
 ) -> [f64; 3] {
-    let Some(pairing) = joint.touch.pairing() else { return [0.0; 3] };
-    let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
-    let [a, b] = ends.each_ref().map(|end| end.placed);
-    let Contact { normal, .. } = contact(pairing, joint.touch.side, a, b, || ends[1].axis(&joint.b, bodies, 0));
-    let [normal, turns] = [normal.0.map(|part| part.value), normal.0.map(|part| part.rate)].map(Vector3::from);
+    let Some((ends, Contact { normal, .. })) = moving_contact(joint, bodies, accelerations) else { return [0.0; 3] };
+    let [normal, turns] = value_and_rate(&normal);
     let turning = joint.turning(bodies);
     let change = ends[1].acceleration.1 - ends[0].acceleration.1;
     let spin = turning.dot(&normal);
@@ -130,6 +125,24 @@ pub fn turning_accelerations(
         change.dot(tangent) - spin * turns.dot(tangent) + across.dot(&ends[0].body.angular_velocity.cross(tangent))
     };
     [along(&tangents[0]), along(&tangents[1]), change.dot(&normal) + turning.dot(&turns)]
+}
+
+/// The ends of a contact with the motion of their bodies, and the contact with its derivatives; `None` for features that make no pair.
+fn moving_contact<'b>(
+    joint: &TouchJoint,
+    bodies: &'b [BodyState],
+    accelerations: &[BodyAcceleration],
+) -> Option<([Moving<'b>; 2], Contact<Jet>)> {
+    let pairing = joint.touch.pairing()?;
+    let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
+    let [a, b] = ends.each_ref().map(|end| end.placed);
+    let contact = contact(pairing, joint.touch.side, a, b, || ends[1].axis(&joint.b, bodies, 0));
+    Some((ends, contact))
+}
+
+/// A vector and its first derivative.
+fn value_and_rate(of: &Triple<Jet>) -> [Vector3<f64>; 2] {
+    [of.0.map(|part| part.value), of.0.map(|part| part.rate)].map(Vector3::from)
 }
 
 /// An end of a contact with the motion of its body.

@@ -60,14 +60,7 @@ impl Model {
             let (a, number) = (colliders.len(), pairs.len());
             colliders.extend(rope.colliders.iter().cloned());
             owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
-            pairs.push(ContactPair {
-                number,
-                a,
-                b: a + 1,
-                friction: 0.0,
-                restitution: rope.restitution,
-                moments: Default::default(),
-            });
+            pairs.push(ContactPair::without_moments(number, [a, a + 1], 0.0, rope.restitution));
         }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;

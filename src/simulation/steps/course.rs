@@ -373,14 +373,7 @@ mod tests {
             let collider = Collider::still("one", body, Pose::identity(), shape);
             mechanism.nonsmooth.colliders.push(collider);
         }
-        mechanism.nonsmooth.pairs.push(ContactPair {
-            number: 0,
-            a: 0,
-            b: 1,
-            friction: 0.5,
-            restitution: 0.0,
-            moments: Default::default(),
-        });
+        mechanism.nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], 0.5, 0.0));
         // Each step with the pull at its end; the one that follows says whether that has lasted.
         let worst_of = |steps: &[(f64, f64)], exact: usize| {
             let mut state = State::zero(&mechanism);

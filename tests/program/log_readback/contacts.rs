@@ -30,8 +30,7 @@ const STEP: f64 = 0.05;
 fn touching_arm() -> Model {
     let mut model = arm();
     let collider = |name: &str, body| Collider::still(name, body, Pose::identity(), Shape::HalfSpace);
-    let pair =
-        |number, b| ContactPair { number, a: 0, b, friction: 0.5, restitution: 0.0, moments: Default::default() };
+    let pair = |number, b| ContactPair::without_moments(number, [0, b], 0.5, 0.0);
     model.mechanism.nonsmooth.colliders =
         vec![collider("slider", Some(1)), collider("floor", None), collider("wall", None)];
     model.mechanism.nonsmooth.pairs = vec![pair(0, 1), pair(1, 2)];

@@ -155,14 +155,7 @@ fn rows_that_fall_onto_a_floor_touch_it_at_the_same_instants_whichever_way_they_
             for (body, pose, shape) in shapes {
                 mechanism.nonsmooth.colliders.push(Collider::still(format!("{shape:?}"), body, pose, shape));
             }
-            mechanism.nonsmooth.pairs.push(ContactPair {
-                number: 0,
-                a: 0,
-                b: 1,
-                friction: mu,
-                restitution,
-                moments: Default::default(),
-            });
+            mechanism.nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], mu, restitution));
         }
         alike(&format!("a floor, friction {mu}"), both, 0.6, true, 1e-7);
     }
@@ -293,14 +286,7 @@ fn joints_carry_what_friction_motors_limits_and_contacts_exert_whichever_of_them
     for (body, pose, shape) in shapes {
         touching.nonsmooth.colliders.push(Collider::still(format!("{shape:?}"), body, pose, shape));
     }
-    touching.nonsmooth.pairs.push(ContactPair {
-        number: 0,
-        a: 0,
-        b: 1,
-        friction: 0.0,
-        restitution: 0.0,
-        moments: Default::default(),
-    });
+    touching.nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], 0.0, 0.0));
     assert!(plain.bodies[3].name.starts_with("coupler"), "{}", plain.bodies[3].name);
     for (name, mut mechanism, state, push) in [
         ("friction", rubbing, &start, 5.0),

@@ -118,7 +118,7 @@ fn on_floor(
     for b in 1..=bodies.len() {
         for a in 0..b {
             let number = nonsmooth.pairs.len();
-            nonsmooth.pairs.push(ContactPair { number, a, b, friction, restitution: 0.0, moments: Default::default() });
+            nonsmooth.pairs.push(ContactPair::without_moments(number, [a, b], friction, 0.0));
         }
     }
     Ok(mechanism)
