@@ -49,7 +49,8 @@ pub(crate) trait Approaching {
 
     /// A look at it at a time (s).
     fn look(&mut self, time: f64) -> Seen {
-        Seen { time, gap: self.gap(time), bodies: self.bodies(time) }
+        let gap = self.gap(time);
+        Seen { time, gap, speed: speed_at(self.bodies(time), self.reach()) }
     }
 }
 
@@ -58,14 +59,8 @@ pub(crate) trait Approaching {
 pub(crate) struct Seen {
     time: f64,
     gap: f64,
-    bodies: [BodyState; 2],
-}
-
-impl Seen {
-    /// V of its bodies, with their reaches (m), at this instant [m/s].
-    fn speed(&self, reach: [f64; 2]) -> f64 {
-        speed_at(self.bodies, reach)
-    }
+    /// V of its bodies at this instant [m/s].
+    speed: f64,
 }
 
 /// The bounds and resolution for the search of a gap.
@@ -195,9 +190,9 @@ fn between(
     pair: &mut impl Approaching,
     cover: &mut Cover,
 ) -> Option<(f64, f64)> {
-    let (long, reach) = (high.time - low.time, pair.reach());
+    let long = high.time - low.time;
     // Soon after the start of a long step bodies are much slower than later.
-    let own = speed_between([low.speed(reach), high.speed(reach)], measure.changing, long);
+    let own = speed_between([low.speed, high.speed], measure.changing, long);
     let closes = own.min(measure.speed) * long;
     if high.gap > 0.0 && low.gap + high.gap >= closes {
         cover.take([low.time, high.time], low.gap.min(high.gap));
