@@ -162,6 +162,10 @@ impl<'w> Walk<'w> {
     /// G of all closures at the state.
     pub(super) fn gradient(&self, mode: &StepMode) -> DMatrix<f64> {
         let n = self.state.velocity.len();
+        let plain = &self.figures.plain;
+        if plain.loops.is_empty() && plain.mimics.is_empty() && mode.closed.is_empty() {
+            return DMatrix::zeros(0, n);
+        }
         let still = vec![Part::zero(); n];
         let at = Instant { figures: &self.constant, state: &self.state, offsets: &still, closed: &mode.constant };
         let columns: Vec<Vec<Part>> = (0..n)
@@ -234,7 +238,7 @@ impl<'w> Walk<'w> {
             return Ok(());
         }
         let before = self.state.clone();
-        let (solved, efforts) = self.solved(&traced.mode, &mode, traced.end.time - since)?;
+        let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since)?;
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(solved, traced.end.time);
@@ -245,15 +249,17 @@ impl<'w> Walk<'w> {
     /// A step of some length (s), solved, and its efforts at all stages.
     pub(super) fn solved(
         &self,
-        of: &Mode,
+        traced: &TracedStep,
         mode: &StepMode,
         step: f64,
     ) -> Result<(SolvedStep, Vec<Efforts>), SensitivityError> {
         let since = self.state.time;
         let nodes = &self.subject.tableau.nodes;
-        let efforts: Vec<Efforts> = nodes.iter().map(|node| self.efforts(of, since, since + step * node)).collect();
+        let efforts: Vec<Efforts> =
+            nodes.iter().map(|node| self.efforts(&traced.mode, since, since + step * node)).collect();
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let solved = self.problem(mode, step, &values).solve().ok_or_else(|| self.failed())?;
+        let problem = StepProblem { toward: &traced.end, ..self.problem(mode, step, &values) };
+        let solved = problem.solve().ok_or_else(|| self.failed())?;
         Ok((solved, efforts))
     }
 
@@ -266,6 +272,7 @@ impl<'w> Walk<'w> {
             mode,
             start: &self.state,
             step,
+            toward: &self.state,
             efforts,
         }
     }
