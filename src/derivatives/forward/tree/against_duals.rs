@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 
 /// Both take the same sums in another order: roundings of some hundred terms.
 const ROUNDINGS: f64 = 1e-12;
+/// The same through the matrix of a step, which enlarges them ten to a hundred times.
+const SOLVED: f64 = 1e-11;
 
 fn robots(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(file)
@@ -153,9 +155,9 @@ fn rigid(case: &Case, mut slopes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     slopes
 }
 
-fn assert_near(name: &str, own: &DMatrix<f64>, other: &DMatrix<f64>) {
+fn assert_near(name: &str, own: &DMatrix<f64>, other: &DMatrix<f64>, bound: f64) {
     let apart = (own - other).amax() / other.amax().max(1e-30);
-    assert!(apart < ROUNDINGS, "{name}: apart by {apart:.1e}\n{:.3e}\n{:.3e}", own, other);
+    assert!(apart < bound, "{name}: apart by {apart:.1e}\n{:.3e}\n{:.3e}", own, other);
 }
 
 #[test]
@@ -171,9 +173,14 @@ fn equations_of_trees_that_are_written_out_and_their_matrices_are_those_of_numbe
             let column = |of: DVector<f64>| DMatrix::from_column_slice(of.len(), 1, of.as_slice());
             let multipliers = vec![Vec::new(); stages];
             let own = column(step.residual(&efforts(&step)));
-            assert_near(&case.mechanism.name, &own, &column(problem.residual(&at, &velocities, &multipliers)));
+            assert_near(
+                &case.mechanism.name,
+                &own,
+                &column(problem.residual(&at, &velocities, &multipliers)),
+                ROUNDINGS,
+            );
             let matrix = problem.matrix(&at, &velocities, &multipliers);
-            assert_near(&case.mechanism.name, &TreeMatrix::new(&step).whole(), &matrix);
+            assert_near(&case.mechanism.name, &TreeMatrix::new(&step).whole(), &matrix, ROUNDINGS);
         }
     }
 }
@@ -233,12 +240,12 @@ fn derivatives_over_a_step_of_a_tree_are_those_of_numbers_with_derivatives() {
             own
         };
         let (own, other) = (carry(&solved), carry(&literal));
-        assert_near(&case.mechanism.name, &own.positions, &other.positions);
-        assert_near(&case.mechanism.name, &own.velocities, &other.velocities);
+        assert_near(&case.mechanism.name, &own.positions, &other.positions, SOLVED);
+        assert_near(&case.mechanism.name, &own.velocities, &other.velocities, SOLVED);
         let of_length = |solved: &SolvedStep| {
             let (positions, velocities) = by_length(&problem, solved, &rates).expect("derivatives");
             DMatrix::from_columns(&[positions, velocities])
         };
-        assert_near(&case.mechanism.name, &of_length(&solved), &of_length(&literal));
+        assert_near(&case.mechanism.name, &of_length(&solved), &of_length(&literal), SOLVED);
     }
 }

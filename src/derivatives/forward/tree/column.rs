@@ -24,6 +24,7 @@ pub(in crate::derivatives) struct FigureSlopes {
     /// Those of inertial numbers, and the motions of the frames of joints on the parent and on the child, where they are not zero.
     bodies: Vec<Option<BodyFigures<f64>>>,
     frames: Option<Vec<[Twist; 2]>>,
+    changes_laws: bool,
 }
 
 /// What a parameter changes in a step.
@@ -64,7 +65,11 @@ impl FigureSlopes {
         let rest = |twist: &Twist| is_zero(&twist.turn) && is_zero(&twist.shift);
         let bodies = bodies.collect();
         let frames = (!frames.iter().flatten().all(rest)).then_some(frames);
-        FigureSlopes { plain, laws, bodies, frames }
+        let springs = plain.springs.iter().flat_map(|spring| [spring.stiffness, spring.rest]);
+        let joints = plain.dampers.iter().chain(&plain.loads).chain(&plain.rotors).map(|(_, slope)| *slope);
+        let motors = laws.motors.iter().flat_map(|motor| [motor.kp, motor.kd]);
+        let changes_laws = springs.chain(joints).chain(motors).any(|slope| slope != 0.0);
+        FigureSlopes { plain, laws, bodies, frames, changes_laws }
     }
 }
 
@@ -211,19 +216,14 @@ impl TreeStep<'_> {
                 .map(|(weight, node)| weight * (-place - h * node * rate - longer * node * start[freedom]))
                 .sum::<f64>()
         };
-        let slopes = column.figures;
-        for (number, (freedom, armature, scalar)) in self.rotors().enumerate() {
+        for (freedom, armature, scalar) in self.rotors() {
             let Some(row) = self.row(freedom) else { continue };
             let gained: f64 = weights.iter().zip(&scalar.ahead).map(|(weight, ahead)| weight * ahead).sum();
-            let (mut sum, mut whole) = (ahead(freedom, weights), gained);
+            let mut sum = ahead(freedom, weights);
             if is_end {
                 sum -= column.velocities[freedom] + longer * gained / h;
-                whole += self.velocities[freedom] - start[freedom];
             }
             change[stage * free + row] += armature * sum;
-            if let Some(slopes) = slopes {
-                change[stage * free + row] += slopes.plain.rotors[number].1 * whole;
-            }
         }
         let mut add = |freedom: usize, effort: f64| {
             if let Some(row) = self.row(freedom) {
@@ -242,7 +242,27 @@ impl TreeStep<'_> {
                 add(freedom, -coefficient * column.positions[freedom]);
             }
         }
-        let Some(slopes) = slopes else { return };
+        if let Some(slopes) = column.figures.filter(|slopes| slopes.changes_laws) {
+            self.add_law_changes(stage, slopes, weights, change);
+        }
+    }
+
+    /// δR of springs, dampers, motors, loads and rotors that change.
+    fn add_law_changes(&self, stage: usize, slopes: &FigureSlopes, weights: &[f64], change: &mut DVector<f64>) {
+        let free = self.problem.mode.free.len();
+        for (number, (freedom, _, scalar)) in self.rotors().enumerate() {
+            let Some(row) = self.row(freedom) else { continue };
+            let mut whole: f64 = weights.iter().zip(&scalar.ahead).map(|(weight, ahead)| weight * ahead).sum();
+            if stage + 1 == self.stages.len() {
+                whole += self.velocities[freedom] - self.problem.start.velocity[freedom];
+            }
+            change[stage * free + row] += slopes.plain.rotors[number].1 * whole;
+        }
+        let mut add = |freedom: usize, effort: f64| {
+            if let Some(row) = self.row(freedom) {
+                change[stage * free + row] -= self.factor(stage) * effort;
+            }
+        };
         let figures = &self.problem.figures.plain;
         for (spring, slope) in figures.springs.iter().zip(&slopes.plain.springs) {
             let freedom = spring.coordinate.freedom;
