@@ -5,6 +5,7 @@
 //!                                                   └▶ a bracket: located (location.rs)
 //! ```
 
+use crate::events::crowded::{ITERATION, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
@@ -283,7 +284,8 @@ impl Eventful {
     /// Counts the cost of a step from a time (s) on; given steps may be many between events.
     fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, event: bool) {
         if self.model.recipe.tolerance().is_some() {
-            self.progress.crowding.labour(since, iterations, unknowns, event);
+            let decided = event.then(|| decision(self.mode.contacts.len()) / ITERATION);
+            self.progress.crowding.labour(since, iterations, unknowns, decided);
         }
     }
 

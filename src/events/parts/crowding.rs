@@ -46,6 +46,8 @@ pub(crate) struct Crowding {
     counts: [(usize, f64); CROWDS.len()],
     /// Work of iterations, and events, since a time (s).
     labour: (f64, usize, f64),
+    /// Work of decisions of modes since then, as iterations.
+    decided: f64,
     /// Steps still to be made for the last crowd, steps that it had, both in the least length, and its end (s).
     left: usize,
     made: usize,
@@ -64,6 +66,7 @@ impl Crowding {
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
         labour: (0.0, 0, f64::NEG_INFINITY),
+        decided: 0.0,
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -78,18 +81,19 @@ impl Crowding {
         self.counts.iter_mut().for_each(|(count, _)| *count += steps);
     }
 
-    /// Counts the iterations of a step from a time (s) on, with this number of unknowns, that has ended at an event or not.
-    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, event: bool) {
+    /// Counts the iterations of a step from a time (s) on, with this number of unknowns, that has ended at an event with a decision of this work, or not.
+    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, decided: Option<f64>) {
         let (work, events, since) = &mut self.labour;
         if time - *since > LABOUR_WITHIN {
-            (*work, *events, *since) = (0.0, 0, time);
+            (*work, *events, *since, self.decided) = (0.0, 0, time, 0.0);
         }
         *work += iterations as f64 * (unknowns as f64).powi(2);
-        *events += usize::from(event);
+        *events += usize::from(decided.is_some());
+        self.decided += decided.unwrap_or(0.0);
     }
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
-    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`.
+    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included.
     pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -105,8 +109,8 @@ impl Crowding {
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let most = bearable.map_or(most, |bearable| most.min(bearable));
-            let laboured = work > most && events >= LABOUR_EVENTS;
+            let dearer = bearable.is_some_and(|bearable| work + self.decided > bearable);
+            let laboured = (work > most || dearer) && events >= LABOUR_EVENTS;
             if !crowded && !laboured {
                 return false;
             }
@@ -169,7 +173,7 @@ impl Crowding {
         self.spell.1 = time;
         self.left = 0;
         self.jams = false;
-        (self.counts, self.labour) = (Crowding::CALM.counts, Crowding::CALM.labour);
+        (self.counts, self.labour, self.decided) = (Crowding::CALM.counts, Crowding::CALM.labour, 0.0);
     }
 
     fn longer(&self) -> usize {
@@ -191,7 +195,7 @@ impl Crowding {
     fn make(&mut self, time: f64) {
         self.left = self.left.saturating_sub(self.longer());
         self.ended = time + self.longer() as f64 * STEP;
-        (self.counts, self.labour) = (Crowding::CALM.counts, Crowding::CALM.labour);
+        (self.counts, self.labour, self.decided) = (Crowding::CALM.counts, Crowding::CALM.labour, 0.0);
     }
 }
 
@@ -234,7 +238,7 @@ mod tests {
                 if crowding.count(time, 5, None) {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
-                    crowding.labour(time, 10, 100, events && steps % 2 == 0);
+                    crowding.labour(time, 10, 100, (events && steps % 2 == 0).then_some(0.0));
                     (steps, time) = (steps + 1, time + 5e-5);
                 }
             }
