@@ -137,7 +137,7 @@ impl<'w> Walk<'w> {
     }
 
     /// The equations of a mode.
-    fn mode(&self, traced: &TracedStep) -> Result<StepMode, SensitivityError> {
+    pub(super) fn mode(&self, traced: &TracedStep) -> Result<StepMode, SensitivityError> {
         let Subject { mechanism, elements, .. } = *self.subject;
         let moves = mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| !**held);
         let free: Vec<usize> = moves.flat_map(|(body, _)| body.joint.velocity_range()).collect();
@@ -210,7 +210,7 @@ impl<'w> Walk<'w> {
     }
 
     fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
-        let Subject { mechanism, laws, parameters, .. } = *self.subject;
+        let Subject { mechanism, .. } = *self.subject;
         let since = self.state.time;
         self.meet_ticks(&traced.mode, since);
         for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
@@ -225,13 +225,7 @@ impl<'w> Walk<'w> {
         if let Some(&trigger) = traced.triggers.first() {
             return self.step_to_event(traced, &mode, &closed, trigger, next);
         }
-        // An instant may move with a parameter.
-        let reached = laws.next_instant(since);
-        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
-        let later = |parameter: &Parameter| {
-            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
-        };
-        let later = DVector::from_iterator(parameters.len(), parameters.iter().map(later));
+        let later = self.later(traced, since);
         if mode.free.is_empty() {
             self.state.time = traced.end.time;
             self.tangent.times = later;
@@ -244,6 +238,17 @@ impl<'w> Walk<'w> {
         self.take_end(solved, traced.end.time);
         self.see_near(traced, &before);
         Ok(())
+    }
+
+    /// ∂T/∂θ of the end of a step to a given instant (p): the instant may move with a parameter.
+    pub(super) fn later(&self, traced: &TracedStep, since: f64) -> DVector<f64> {
+        let Subject { laws, parameters, .. } = *self.subject;
+        let reached = laws.next_instant(since);
+        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
+        let later = |parameter: &Parameter| {
+            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
+        };
+        DVector::from_iterator(parameters.len(), parameters.iter().map(later))
     }
 
     /// A step of some length (s), solved, and its efforts at all stages.

@@ -81,6 +81,11 @@ impl Varied {
         Varied { chunks, slopes }
     }
 
+    /// The derivatives of all figures by each parameter; `None` if it changes none.
+    pub(in crate::derivatives) fn slopes(&self) -> &[Option<FigureSlopes>] {
+        &self.slopes
+    }
+
     /// The figures with their derivatives by [`WIDTH`] parameters each.
     pub fn chunks(&self) -> &[BothFigures<Part>] {
         &self.chunks

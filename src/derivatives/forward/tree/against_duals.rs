@@ -3,6 +3,8 @@
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepMode, StepProblem};
 use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied, by_length};
+use crate::derivatives::forward::tree::adjoint::FigureCotangents;
+use crate::derivatives::forward::tree::column::Column;
 use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
 use crate::derivatives::forward::tree::step::{TreeStep, efforts};
@@ -247,5 +249,66 @@ fn derivatives_over_a_step_of_a_tree_are_those_of_numbers_with_derivatives() {
             DMatrix::from_columns(&[positions, velocities])
         };
         assert_near(&case.mechanism.name, &of_length(&solved), &of_length(&literal), SOLVED);
+    }
+}
+
+#[test]
+fn the_transpose_of_a_step_has_the_same_products_as_its_columns() {
+    for mechanism in trees() {
+        let case = Case::new(mechanism, 4);
+        let problem = case.problem();
+        let n = case.mechanism.velocity_count;
+        let solved = problem.solve().expect("a step");
+        let Factors::Tree(factors) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
+        let family = Family::new(&case.figures.plain, &case.mode.free);
+        let end = solved.stages.last().expect("an end");
+        let step = TreeStep::new(&problem, &family, &solved.stages, &end.velocity);
+        let all = efforts(&step);
+        let count = case.figures.plain.bodies.len();
+        let numbers = 3 + 37 * count + 200;
+        let slopes: Vec<f64> = (0..numbers).map(|entry| number(entry + 77)).collect();
+        let slopes = rigid(&case, vec![slopes]);
+        let varied = Varied::new(&case.mechanism, &case.elements, &case.frames, &slopes);
+        let figures = varied.slopes()[0].as_ref().expect("figures that change");
+        let (positions, velocities): (Vec<f64>, Vec<f64>) =
+            (0..n).map(|row| (number(row + 3), number(row + 9))).unzip();
+        let longer = 0.7;
+        let of_effort = |stage: usize, freedom: usize| number(stage * n + freedom + 11);
+        let column = Column {
+            positions: &positions,
+            velocities: &velocities,
+            longer,
+            efforts: &of_effort,
+            figures: Some(figures),
+        };
+        let right = step.right(&all, &[column]);
+        let free = case.mode.free.len();
+        let [left, other] = [20, 21].map(|seed| DVector::from_fn(free, |row, _| number(row * 13 + seed)));
+        let weights = factors.solve_transposed(&left, &other).expect("weights");
+        let found = factors.solve(&right).expect("a column");
+        let forward =
+            found.column(0).rows(2 * free, free).dot(&left) + found.column(0).rows(3 * free, free).dot(&other);
+        let mut constant = FigureCotangents::zero(count);
+        let pulled = step.pull_back(&all, &weights, &mut constant);
+        let sum = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
+        let of_efforts: f64 = pulled
+            .efforts
+            .iter()
+            .enumerate()
+            .map(|(stage, own)| own.iter().enumerate().map(|(freedom, by)| by * of_effort(stage, freedom)).sum::<f64>())
+            .sum();
+        let parts = [
+            sum(&pulled.positions, &positions),
+            sum(&pulled.velocities, &velocities),
+            pulled.longer * longer,
+            of_efforts,
+            constant.by(figures),
+            -weights.dot(&step.law_changes(figures)),
+        ];
+        let backward: f64 = parts.iter().sum();
+        // The parts cancel; each has roundings of its own.
+        let size = parts.iter().fold(forward.abs(), |size, part| size.max(part.abs()));
+        let apart = (forward - backward).abs() / size;
+        assert!(apart < SOLVED, "{}: {forward} and {backward}, {parts:?}", case.mechanism.name);
     }
 }

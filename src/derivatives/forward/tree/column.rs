@@ -71,6 +71,21 @@ impl FigureSlopes {
         let changes_laws = springs.chain(joints).chain(motors).any(|slope| slope != 0.0);
         FigureSlopes { plain, laws, bodies, frames, changes_laws }
     }
+
+    /// Those of inertial numbers, for each body that has any.
+    pub(super) fn inertial(&self) -> &[Option<BodyFigures<f64>>] {
+        &self.bodies
+    }
+
+    /// The motions of the frames of all joints, if any move.
+    pub(super) fn frames(&self) -> Option<&[[Twist; 2]]> {
+        self.frames.as_deref()
+    }
+
+    /// Whether springs, dampers, motors, loads or rotors change.
+    pub fn changes_laws(&self) -> bool {
+        self.changes_laws
+    }
 }
 
 /// The motion of a frame in the frame that it is fixed in, about its own origin.
@@ -248,6 +263,14 @@ impl TreeStep<'_> {
     }
 
     /// δR of springs, dampers, motors, loads and rotors that change.
+    pub(super) fn law_changes(&self, slopes: &FigureSlopes) -> DVector<f64> {
+        let mut change = DVector::zeros(self.stages.len() * self.problem.mode.free.len());
+        for stage in 0..self.stages.len() {
+            self.add_law_changes(stage, slopes, &self.weights(stage), &mut change);
+        }
+        change
+    }
+
     fn add_law_changes(&self, stage: usize, slopes: &FigureSlopes, weights: &[f64], change: &mut DVector<f64>) {
         let free = self.problem.mode.free.len();
         for (number, (freedom, _, scalar)) in self.rotors().enumerate() {

@@ -7,8 +7,10 @@
 //! | `step` | the equations |
 //! | `matrix` | their derivatives by the unknowns, and the factors |
 //! | `column` | their derivatives by all that is given |
+//! | `adjoint` | the transpose of that, for gradients |
 //! | `solve` | steps solved, and derivatives carried over them |
 
+mod adjoint;
 #[cfg(test)]
 mod against_duals;
 mod column;
@@ -18,7 +20,9 @@ mod solve;
 mod spatial;
 mod step;
 
+pub(in crate::derivatives) use adjoint::FigureCotangents;
 pub(in crate::derivatives) use column::FigureSlopes;
 pub(in crate::derivatives::forward) use matrix::TreeFactors;
+pub(in crate::derivatives) use solve::pulled_back;
 pub(in crate::derivatives::forward) use solve::{TreeColumns, solve_tree};
 pub(in crate::derivatives::forward) use step::is_tree;

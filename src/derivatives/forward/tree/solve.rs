@@ -9,6 +9,7 @@
 use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::step::{Factors, ITERATIONS, ROUNDING, SLOW, SolvedStep, StepProblem};
 use crate::derivatives::forward::tangent::Tangent;
+use crate::derivatives::forward::tree::adjoint::{Cotangents, FigureCotangents};
 use crate::derivatives::forward::tree::column::{Column, FigureSlopes};
 use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::{TreeFactors, TreeMatrix};
@@ -87,6 +88,36 @@ fn first_stages(problem: &StepProblem) -> Vec<State> {
         stage
     };
     (1..tableau.stages).map(at).collect()
+}
+
+/// What the derivatives of a loss by the end of a step become.
+pub(in crate::derivatives) struct PulledBack {
+    /// By what is given in the step.
+    pub given: Cotangents,
+    /// By each parameter that changes springs, dampers, motors, loads or rotors.
+    pub laws: Vec<f64>,
+}
+
+/// Goes back over a solved step of a tree, from derivatives by q̄ and v̄ (n each); those by figures are added.
+pub(in crate::derivatives) fn pulled_back(
+    problem: &StepProblem,
+    solved: &SolvedStep,
+    factors: &TreeFactors,
+    of_end: [&DVector<f64>; 2],
+    figures: &mut FigureCotangents,
+    slopes: &[Option<FigureSlopes>],
+) -> Option<PulledBack> {
+    let free = &problem.mode.free;
+    let family = Family::new(&problem.figures.plain, free);
+    let step = TreeStep::new(problem, &family, &solved.stages, &solved.stages.last()?.velocity);
+    let [positions, velocities] = of_end.map(|of| of.select_rows(free));
+    let weights = factors.solve_transposed(&positions, &velocities)?;
+    let given = step.pull_back(&efforts(&step), &weights, figures);
+    let law = |slopes: &Option<FigureSlopes>| {
+        let slopes = slopes.as_ref().filter(|slopes| slopes.changes_laws());
+        slopes.map_or(0.0, |slopes| -weights.dot(&step.law_changes(slopes)))
+    };
+    Some(PulledBack { given, laws: slopes.iter().map(law).collect() })
 }
 
 /// The derivatives that go over a step of a tree.
