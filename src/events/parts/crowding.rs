@@ -6,7 +6,8 @@
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!
-//! Given steps count 1 each. The first-order steps have 1e-4 s, and a sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the
+//! Where steps over events keep to the tolerance, their cost takes the place of 1.2e7, and given instants to which few stages are not enough count as
+//! events: many stages gain nothing where efforts jump every millisecond. Given steps count 1 each. The first-order steps have 1e-4 s, and a sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the
 //! work for a time of the motion is bounded: if crowds follow without end, 52 ms take 400 steps without contacts and 52 steps of first order.
 //!
 //! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed
@@ -44,8 +45,8 @@ const LONGEST: usize = 512;
 pub(crate) struct Crowding {
     /// Work since a time (s), for each kind of crowd.
     counts: [(usize, f64); CROWDS.len()],
-    /// Work of iterations, and events, since a time (s).
-    labour: (f64, usize, f64),
+    /// Work of iterations.
+    labour: Labour,
     /// Steps still to be made for the last crowd, steps that it had, both in the least length, and its end (s).
     left: usize,
     made: usize,
@@ -59,11 +60,30 @@ pub(crate) struct Crowding {
     spell: (f64, f64),
 }
 
+/// Work of iterations, events, and instants in all at which a motion breaks, since a time (s).
+#[derive(Clone, Copy, Debug)]
+struct Labour {
+    work: f64,
+    events: usize,
+    breaks: usize,
+    since: f64,
+}
+
+/// How a step ended, for the count of its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ended {
+    /// Where the method ended it.
+    Smoothly,
+    /// At a given instant, to which few stages were not enough.
+    AtInstant,
+    AtEvent,
+}
+
 impl Crowding {
     /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
-        labour: (0.0, 0, f64::NEG_INFINITY),
+        labour: Labour { work: 0.0, events: 0, breaks: 0, since: f64::NEG_INFINITY },
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -78,18 +98,19 @@ impl Crowding {
         self.counts.iter_mut().for_each(|(count, _)| *count += steps);
     }
 
-    /// Counts the iterations of a step from a time (s) on, with this number of unknowns, that has ended at an event or not.
-    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, event: bool) {
-        let (work, events, since) = &mut self.labour;
-        if time - *since > LABOUR_WITHIN {
-            (*work, *events, *since) = (0.0, 0, time);
+    /// Counts the iterations of a step from a time (s) on, with this number of unknowns.
+    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, ended: Ended) {
+        let labour = &mut self.labour;
+        if time - labour.since > LABOUR_WITHIN {
+            *labour = Labour { since: time, ..Crowding::CALM.labour };
         }
-        *work += iterations as f64 * (unknowns as f64).powi(2);
-        *events += usize::from(event);
+        labour.work += iterations as f64 * (unknowns as f64).powi(2);
+        labour.events += usize::from(ended == Ended::AtEvent);
+        labour.breaks += usize::from(ended != Ended::Smoothly);
     }
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
-    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`.
+    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, if events or given instants break the motion.
     pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -101,12 +122,12 @@ impl Crowding {
                 *count += work;
                 crowded |= *count > most;
             }
-            let (work, events, _) = self.labour;
+            let Labour { work, events, breaks, .. } = self.labour;
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let most = bearable.map_or(most, |bearable| most.min(bearable));
-            let laboured = work > most && events >= LABOUR_EVENTS;
+            let unbearable = bearable.is_some_and(|bearable| work > bearable && breaks >= LABOUR_EVENTS);
+            let laboured = work > most && events >= LABOUR_EVENTS || unbearable;
             if !crowded && !laboured {
                 return false;
             }
@@ -234,7 +255,8 @@ mod tests {
                 if crowding.count(time, 5, None) {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
-                    crowding.labour(time, 10, 100, events && steps % 2 == 0);
+                    let ended = if events && steps % 2 == 0 { Ended::AtEvent } else { Ended::AtInstant };
+                    crowding.labour(time, 10, 100, ended);
                     (steps, time) = (steps + 1, time + 5e-5);
                 }
             }
@@ -243,6 +265,21 @@ mod tests {
         let (steps, coarse) = run(true);
         assert!(steps <= 121 + 29 * 21 && coarse <= 2000, "{steps} and {coarse} of first order");
         assert_eq!(run(false).1, 0);
+    }
+
+    #[test]
+    fn given_instants_count_as_events_where_steps_over_them_are_accurate_enough() {
+        // Ten steps of 1 ms to ticks, each with five iterations of 60 unknowns: 1.8e5.
+        let crowded = |ended: Ended, bearable: Option<f64>| {
+            let mut crowding = Crowding::CALM;
+            (0..20).any(|tick| {
+                crowding.labour(1e-3 * f64::from(tick), 5, 60, ended);
+                crowding.count(1e-3 * f64::from(tick), 1, bearable)
+            })
+        };
+        assert!(crowded(Ended::AtInstant, Some(1e5)) && crowded(Ended::AtEvent, Some(1e5)));
+        assert!(!crowded(Ended::Smoothly, Some(1e5)) && !crowded(Ended::AtInstant, None));
+        assert!(!crowded(Ended::AtInstant, Some(2.5e5)));
     }
 
     #[test]
