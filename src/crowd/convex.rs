@@ -1,4 +1,5 @@
-//! The way out where Newton's method stalls: a sequence of convex problems, each with a friction cone that is shifted by the last slip.
+//! The solver of an island: Newton's method, an interior point where it stalls, and last a sequence of convex problems, each with a friction cone that is
+//! shifted by the last slip.
 //!
 //! ```text
 //!     min ½|v − v_f|²_M̃ + Σ ε/(2ρ) |Π_K(r₀ − (ρ/ε)(u + s n))|²          Newton with the derivative of the projection, exact line search
@@ -9,6 +10,7 @@
 //!
 //! Source: R. T. Rockafellar, Augmented Lagrangians and the proximal point algorithm (1976); G. De Saxcé, Z.-Q. Feng (1998) for the shift.
 
+use crate::interior::interior;
 use crate::newton::{Workspace, newton};
 use crate::problem::Problem;
 use nalgebra::Vector3;
@@ -27,6 +29,13 @@ const NEWTON: f64 = 30.0;
 const AFTER: f64 = 8.0;
 const CONVEX: usize = 20;
 const ROUNDS: usize = 12;
+/// The rounds end if this many of them have not made the residual smaller by this factor, or one of them if it is small. Before this number of rounds the
+/// proximal part is too large for an answer.
+const STALLED: usize = 3;
+const HALVED: f64 = 0.5;
+const LEAST_ROUNDS: usize = 4;
+/// How far inside the cones interior points start.
+const DEPTH: f64 = 10.0;
 /// The proximal part of the first round, and the least one.
 const FIRST: f64 = 1e-3;
 const LEAST: f64 = 1e-6;
@@ -90,8 +99,34 @@ fn solve_all(
         return residual;
     }
     let (mut best, mut rates) = (impulses.to_vec(), Vec::new());
+    let mut near = impulses.to_vec();
+    if interior(problem, &mut near, DEPTH, room) {
+        let found = newton(problem, &mut near, &mut rates, [tolerance, NEWTON], room);
+        if found < residual {
+            (residual, best) = (found, near);
+        }
+    }
+    if residual > ENOUGH {
+        rounds(problem, impulses, (&mut residual, &mut best), v, tolerance, room);
+    }
+    impulses.copy_from_slice(&best);
+    problem.velocity(impulses, v);
+    residual
+}
+
+/// The convex problems, from impulses to better ones with a smaller residual, if there are any.
+fn rounds(
+    problem: &Problem,
+    impulses: &[Vector3<f64>],
+    (residual, best): (&mut f64, &mut Vec<Vector3<f64>>),
+    v: &mut [f64],
+    tolerance: f64,
+    room: &mut Workspace,
+) {
+    let mut rates = Vec::new();
     let mut shifts: Vec<f64> = (0..impulses.len()).map(|number| shift(problem, number, v)).collect();
     let mut own = impulses.to_vec();
+    let mut stalled = 0;
     for round in 0..ROUNDS {
         let proximal = (FIRST * 0.1_f64.powi(round as i32)).max(LEAST);
         convex(problem, &mut own, &shifts, v, proximal, room);
@@ -101,16 +136,15 @@ fn solve_all(
         }
         let mut tried = own.clone();
         let found = newton(problem, &mut tried, &mut rates, [tolerance, AFTER], room);
-        if found < residual {
-            (residual, best) = (found, tried);
+        stalled = if found < HALVED * *residual { 0 } else { stalled + 1 };
+        if found < *residual {
+            (*residual, *best) = (found, tried);
         }
-        if residual <= tolerance || (round + 1 >= ROUNDS / 2 && residual <= ENOUGH) {
+        let most = if *residual <= ENOUGH { 1 } else { STALLED };
+        if *residual <= tolerance || (round + 1 >= LEAST_ROUNDS && stalled >= most) {
             break;
         }
     }
-    impulses.copy_from_slice(&best);
-    problem.velocity(impulses, v);
-    residual
 }
 
 fn shift(problem: &Problem, number: usize, v: &[f64]) -> f64 {

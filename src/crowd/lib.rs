@@ -3,14 +3,16 @@
 //! - [`trees`]: mass matrices in joint rates;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
 //! - [`laws`], [`problem`]: the equations;
-//! - `elimination`, `block_factors`, [`newton`], [`convex`]: the solvers.
+//! - `elimination`, `block_factors`, [`newton`], `interior` (with [`jordan`]), [`convex`]: the solvers.
 
 #![deny(unsafe_code)]
 
 mod block_factors;
 pub mod convex;
 mod elimination;
+mod interior;
 pub mod islands;
+pub mod jordan;
 pub mod laws;
 pub mod newton;
 pub mod problem;

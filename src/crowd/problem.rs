@@ -43,7 +43,8 @@ pub struct Given {
 /// The blocks and trees of an island.
 pub struct Problem<'p> {
     trees: &'p Trees,
-    rows: &'p Rows,
+    /// H; others may take their places if they have the same sides.
+    pub rows: &'p Rows,
     members: &'p [usize],
     /// The place of each tree of the mechanism among the members.
     places: &'p [usize],

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
-//!     begins:   exact labour > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in 10 ms;  or as in `crowding.rs`, if such crowds follow soon
+//!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
+//!               10 ms;  or as in `crowding.rs`, if such crowds follow soon
 //!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins                   cost of its decision (s)
 //!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
 //! ```
@@ -36,7 +37,7 @@ const SMEARS: f64 = 0.3;
 /// Bodies at rest may come to the speed of a fall for this time (s).
 const FALLS: f64 = 0.1;
 /// c and c_c (s), n_s.
-const ITERATION: f64 = 2e-7;
+pub(super) const ITERATION: f64 = 2e-7;
 const STEP: f64 = 4e-7;
 const CALM_STEPS: f64 = 200.0;
 /// c_d (s).
@@ -268,6 +269,6 @@ impl Eventful {
 }
 
 /// The cost of the decision of a mode with this number of closed contacts (s).
-fn decision(contacts: usize) -> f64 {
+pub(super) fn decision(contacts: usize) -> f64 {
     DECISION * (3.0 * contacts as f64).powi(3)
 }

@@ -5,6 +5,7 @@
 //!                                                   └▶ a bracket: located (location.rs)
 //! ```
 
+use crate::events::crowded::{ITERATION, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
@@ -263,7 +264,7 @@ impl Eventful {
         let short =
             self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_short_span());
         let ended = match (triggers.is_empty(), attempt.given && !short && self.counts_instants()) {
-            (false, _) => Ended::AtEvent,
+            (false, _) => Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION },
             (true, true) => Ended::AtInstant,
             (true, false) => Ended::Smoothly,
         };

@@ -222,27 +222,18 @@ impl Contacts {
             self.rows.clear();
         }
         for number in first..self.list.len() {
-            let candidate = &self.list[number];
-            let sides = match (&candidate.contact, candidate.key) {
-                (Some(contact), _) => {
-                    let point = touch_motion(&contact.joint, bodies).point;
-                    let (frame, rows) = (candidate.frame, if candidate.friction > 0.0 { 3 } else { 1 });
-                    self.rows.between([contact.joint.a.body, contact.joint.b.body], &point, &frame[..rows], trees)
-                }
-                (None, Key::Limit(joint, upper)) => {
-                    let sign = inward(if upper { End::Upper } else { End::Lower });
-                    [Some(self.rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, sign, trees)), None]
-                }
-                (None, Key::Friction(joint)) => {
-                    [Some(self.rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, 1.0, trees)), None]
-                }
-                (None, Key::Motor(motor)) => {
-                    [Some(self.rows.of_freedom(scene.elements.motors[motor].coordinate.freedom, 1.0, trees)), None]
-                }
-                (None, Key::Touch(..)) => [None, None],
-            };
+            let sides = self.list[number].add_rows(&mut self.rows, scene, trees, bodies);
             self.list[number].sides = sides;
         }
+    }
+
+    /// The rows of the same candidates where trees and bodies are at other places, each where it was in the rows here.
+    pub fn rows_at(&self, scene: Scene, trees: &Trees, bodies: &[BodyState]) -> Rows {
+        let mut rows = Rows::default();
+        for candidate in &self.list {
+            candidate.add_rows(&mut rows, scene, trees, bodies);
+        }
+        rows
     }
 
     /// The deepest overlap of all candidates (m or rad).
@@ -297,6 +288,31 @@ impl Candidate {
             key: Key::Touch(contact.pair, contact.features),
             contact: Some(contact),
             ..Candidate::of_joint(Key::Friction(0), restitution, 0.0)
+        }
+    }
+
+    /// Adds its rows, with trees and bodies at the same places; the normal is the one there, and the tangents are the nearest to those of its frame.
+    fn add_rows(&self, rows: &mut Rows, scene: Scene, trees: &Trees, bodies: &[BodyState]) -> [Option<Side>; 2] {
+        match (&self.contact, self.key) {
+            (Some(contact), _) => {
+                let touch = touch_motion(&contact.joint, bodies);
+                let first = (self.frame[1] - touch.normal * touch.normal.dot(&self.frame[1])).normalize();
+                let second = touch.normal.cross(&first);
+                let count = if self.friction > 0.0 { 3 } else { 1 };
+                let along = [touch.normal, first, second];
+                rows.between([contact.joint.a.body, contact.joint.b.body], &touch.point, &along[..count], trees)
+            }
+            (None, Key::Limit(joint, upper)) => {
+                let sign = inward(if upper { End::Upper } else { End::Lower });
+                [Some(rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, sign, trees)), None]
+            }
+            (None, Key::Friction(joint)) => {
+                [Some(rows.of_freedom(scene.elements.joints[joint].coordinate.freedom, 1.0, trees)), None]
+            }
+            (None, Key::Motor(motor)) => {
+                [Some(rows.of_freedom(scene.elements.motors[motor].coordinate.freedom, 1.0, trees)), None]
+            }
+            (None, Key::Touch(..)) => [None, None],
         }
     }
 

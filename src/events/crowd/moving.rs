@@ -7,13 +7,15 @@
 //!
 //! Rounds that do not bring the gaps nearer, as where a body would turn far in a step, end with the best round before; the overlap that is left is lifted.
 //!
-//! φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions. It is first taken
+//! H is at the start, and after each round at q̄: corners that close in the step are in the plane of the other shape there, so that they can stick together,
+//! and at the start they are not. φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions. It is first taken
 //! from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
 use crate::crowd::convex::{COARSE, TOLERANCE, solve};
 use crate::crowd::islands::{Island, islands};
 use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
+use crate::crowd::rows::Rows;
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Contacts, Key, Scene};
 use crate::mechanism::description::body_state::BodyState;
@@ -21,6 +23,7 @@ use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
+use std::cell::OnceCell;
 
 /// A gap that counts as closed (m or rad), and the rounds for it.
 const MEETS: f64 = 3e-10;
@@ -74,6 +77,7 @@ pub(super) fn move_on(
         best: (Vec<Vector3<f64>>, Vec<f64>, f64),
         open: bool,
     }
+    let at_end: [OnceCell<Rows>; ROUNDS] = std::array::from_fn(|_| OnceCell::new());
     let pressing = found.iter().filter(|island| !island.candidates.is_empty());
     let mut problems: Vec<(Own, &Island)> = pressing
         .map(|island| {
@@ -107,6 +111,11 @@ pub(super) fn move_on(
             (own, island)
         })
         .collect();
+    if problems.is_empty() {
+        place_end(scene, start, displacement, step, end, bodies);
+        return Solved::default();
+    }
+    let mut ahead = trees.clone();
     for round in 0..=ROUNDS {
         for (own, island) in &mut problems {
             if !own.open {
@@ -118,6 +127,12 @@ pub(super) fn move_on(
         }
         place_end(scene, start, displacement, step, end, bodies);
         let mut back = false;
+        if round < ROUNDS {
+            ahead.place(scene.whole, bodies);
+            let rows = at_end[round].get_or_init(|| contacts.rows_at(scene, &ahead, bodies));
+            let open = problems.iter_mut().filter(|(own, _)| own.open);
+            open.for_each(|(own, _)| own.problem.rows = rows);
+        }
         for (own, island) in &mut problems {
             if !own.open {
                 continue;

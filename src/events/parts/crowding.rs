@@ -60,30 +60,32 @@ pub(crate) struct Crowding {
     spell: (f64, f64),
 }
 
-/// Work of iterations, events, and instants in all at which a motion breaks, since a time (s).
+/// Work of iterations, work of decisions of modes in the same unit, events, and instants in all at which a motion breaks, since a time (s).
 #[derive(Clone, Copy, Debug)]
 struct Labour {
     work: f64,
+    decided: f64,
     events: usize,
     breaks: usize,
     since: f64,
 }
 
 /// How a step ended, for the count of its work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ended {
     /// Where the method ended it.
     Smoothly,
     /// At a given instant, to which few stages were not enough.
     AtInstant,
-    AtEvent,
+    /// With a decision of this work, as iterations.
+    AtEvent { decided: f64 },
 }
 
 impl Crowding {
     /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
-        labour: Labour { work: 0.0, events: 0, breaks: 0, since: f64::NEG_INFINITY },
+        labour: Labour { work: 0.0, decided: 0.0, events: 0, breaks: 0, since: f64::NEG_INFINITY },
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -105,12 +107,16 @@ impl Crowding {
             *labour = Labour { since: time, ..Crowding::CALM.labour };
         }
         labour.work += iterations as f64 * (unknowns as f64).powi(2);
-        labour.events += usize::from(ended == Ended::AtEvent);
         labour.breaks += usize::from(ended != Ended::Smoothly);
+        if let Ended::AtEvent { decided } = ended {
+            labour.events += 1;
+            labour.decided += decided;
+        }
     }
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
-    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, if events or given instants break the motion.
+    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included, if events or given instants break
+    /// the motion.
     pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -122,12 +128,12 @@ impl Crowding {
                 *count += work;
                 crowded |= *count > most;
             }
-            let Labour { work, events, breaks, .. } = self.labour;
+            let Labour { work, decided, events, breaks, .. } = self.labour;
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let unbearable = bearable.is_some_and(|bearable| work > bearable && breaks >= LABOUR_EVENTS);
-            let laboured = work > most && events >= LABOUR_EVENTS || unbearable;
+            let dearer = bearable.is_some_and(|bearable| work + decided > bearable && breaks >= LABOUR_EVENTS);
+            let laboured = work > most && events >= LABOUR_EVENTS || dearer;
             if !crowded && !laboured {
                 return false;
             }
@@ -255,7 +261,8 @@ mod tests {
                 if crowding.count(time, 5, None) {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
-                    let ended = if events && steps % 2 == 0 { Ended::AtEvent } else { Ended::AtInstant };
+                    let at_event = events && steps % 2 == 0;
+                    let ended = if at_event { Ended::AtEvent { decided: 0.0 } } else { Ended::AtInstant };
                     crowding.labour(time, 10, 100, ended);
                     (steps, time) = (steps + 1, time + 5e-5);
                 }
@@ -277,9 +284,9 @@ mod tests {
                 crowding.count(1e-3 * f64::from(tick), 1, bearable)
             })
         };
-        assert!(crowded(Ended::AtInstant, Some(1e5)) && crowded(Ended::AtEvent, Some(1e5)));
+        assert!(crowded(Ended::AtInstant, Some(1e5)) && crowded(Ended::AtEvent { decided: 0.0 }, Some(1e5)));
         assert!(!crowded(Ended::Smoothly, Some(1e5)) && !crowded(Ended::AtInstant, None));
-        assert!(!crowded(Ended::AtInstant, Some(2.5e5)));
+        assert!(!crowded(Ended::AtInstant, Some(2.5e5)) && crowded(Ended::AtEvent { decided: 1e4 }, Some(2.5e5)));
     }
 
     #[test]

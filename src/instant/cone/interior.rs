@@ -13,7 +13,7 @@
 //!
 //! Source: S. J. Wright, Primal-Dual Interior-Point Methods, SIAM 1997, chapter 10.
 
-use crate::instant::cone::jordan::{arrow, to_border};
+use crate::crowd::jordan::{arrow, to_border};
 use crate::instant::cone::problem::Law;
 use crate::instant::cone::scaled::Scaled;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `problem.rs` defines the problem, `scaled.rs` makes it dimensionless. `laws.rs` has the equations of the laws and `newton.rs` solves them. The
-//! first guess comes from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` (with `jordan.rs`, products in cones) or, last, `oracle.rs`
+//! first guess comes from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` or, last, `oracle.rs`
 //! (clarabel). `cascade.rs` has their order and `settling.rs` the resulting states. Based on these: `least_compliance.rs` (which forces are
 //! reported), `margin.rs` (whether all contacts can stay closed) and `impact.rs` (restitution). `apart.rs` splits what falls apart.
 
@@ -14,7 +14,6 @@ pub(crate) mod bounded;
 mod cascade;
 pub(crate) mod impact;
 mod interior;
-mod jordan;
 mod laws;
 mod least_compliance;
 pub(crate) mod least_norm;

@@ -9,12 +9,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 /// The matrix of the product with a vector: `arrow(v) w = v ∘ w`.
-pub(super) fn arrow(v: &Vector3<f64>) -> Matrix3<f64> {
+pub fn arrow(v: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(v.x, v.y, v.z, v.y, v.x, 0.0, v.z, 0.0, v.x)
 }
 
 /// The largest α with `v + α d` in the cone |v_T| ≤ v₀; infinite without a bound.
-pub(super) fn to_border(v: &Vector3<f64>, d: &Vector3<f64>) -> f64 {
+pub fn to_border(v: &Vector3<f64>, d: &Vector3<f64>) -> f64 {
     // det(v + α d) = a α² + 2 b α + c.
     let pair = |one: &Vector3<f64>, other: &Vector3<f64>| one.x * other.x - one.y * other.y - one.z * other.z;
     let (a, b, c) = (pair(d, d), pair(v, d), pair(v, v).max(0.0));
