@@ -81,11 +81,11 @@ if len(sys.argv) > 1:
     matplotlib.use("svg")
     from matplotlib import pyplot
 
-    figure, axes = pyplot.subplots(figsize=(7, 4.5))
+    figure, axes = pyplot.subplots(figsize=(7, 5.2), layout="constrained")
     for name, points in lines.items():
         axes.loglog([1e3 * cost for _, cost in points], [max(abs(found - truth).max(), 1e-16) for found, _ in points], "o-", label=name)
     axes.set(xlabel="CPU time [ms]", ylabel="error of ∂q/∂q₀ [rad/rad]", title="Derivative of the end of a double pendulum by its start")
     axes.grid(alpha=0.3)
-    axes.legend()
-    figure.tight_layout()
+    # Beside the axes no point is covered, wherever the points are.
+    figure.legend(loc="outside lower center", ncols=2)
     figure.savefig(sys.argv[1])

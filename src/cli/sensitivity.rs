@@ -61,8 +61,8 @@ pub struct SensitivityArgs {
 
 /// A parameter with its standard deviation.
 #[derive(Clone, Debug, PartialEq)]
-struct By {
-    key: String,
+pub struct By {
+    pub key: String,
     deviation: Option<f64>,
 }
 
@@ -106,8 +106,13 @@ pub fn run(args: &SensitivityArgs) -> Result<(), Failure> {
         let written = std::fs::write(output, as_csv(&found));
         written.with_context(|| format!("{} cannot be written", output.display())).map_err(Failure::run)?;
     }
-    let deviations: Vec<Option<f64>> = found.keys.iter().map(|key| deviation(&args.by, key)).collect();
+    let deviations = deviations(&args.by, &found);
     if args.json { print_json(&as_json(args, &found, &deviations)) } else { print(as_text(&found, &deviations)) }
+}
+
+/// The standard deviations of all parameters.
+pub fn deviations(by: &[By], found: &Sensitivity) -> Vec<Option<f64>> {
+    found.keys.iter().map(|key| deviation(by, key)).collect()
 }
 
 /// The standard deviation of a parameter; `start.q` stands for all of its freedoms.
@@ -123,7 +128,8 @@ fn spread(row: impl Iterator<Item = f64>, deviations: &[Option<f64>]) -> Option<
     (!squares.is_empty()).then(|| squares.iter().sum::<f64>().sqrt())
 }
 
-fn as_text(found: &Sensitivity, deviations: &[Option<f64>]) -> String {
+/// The derivatives at the end, as tables.
+pub fn as_text(found: &Sensitivity, deviations: &[Option<f64>]) -> String {
     let mut text = String::new();
     let time = found.times.last().copied().unwrap_or_default();
     let spreads = deviations.iter().any(Option::is_some);
@@ -181,6 +187,26 @@ fn as_csv(found: &Sensitivity) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The derivatives at the end, and how far they hold.
+pub fn end_as_json(found: &Sensitivity, deviations: &[Option<f64>]) -> Value {
+    let last = |of: &[nalgebra::DMatrix<f64>]| -> Vec<Vec<f64>> {
+        let rows = of.last().into_iter().flat_map(|last| last.row_iter());
+        rows.map(|row| row.iter().copied().collect()).collect()
+    };
+    // JSON has no infinity.
+    let within: Vec<Option<f64>> = found.valid_within.iter().map(|&of| of.is_finite().then_some(of)).collect();
+    json!({
+        "keys": found.keys,
+        "deviations": deviations,
+        "freedoms": found.freedoms,
+        "time": found.times.last(),
+        "dq": last(&found.dq),
+        "dv": last(&found.dv),
+        "valid_within": within,
+        "bounded_by": found.bounded_by,
+    })
 }
 
 fn as_json(args: &SensitivityArgs, found: &Sensitivity, deviations: &[Option<f64>]) -> Value {

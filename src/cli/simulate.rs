@@ -10,21 +10,25 @@ use crate::cli::check::end_with_half_the_step;
 use crate::cli::logged_state::{LogInstant, start_of};
 use crate::cli::origin;
 use crate::cli::page_files::{check_page, is_same};
+use crate::cli::sensitivity::{By, as_text, deviations, end_as_json};
 use crate::cli::terminal::printing::{Failure, print, print_json};
 use crate::cli::terminal::progress::Progress;
 use crate::cli::terminal::special_output::open_special;
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
-use catena::output::log::LogOptions;
+use catena::output::log::{Derivatives, DerivativesRow, LogOptions};
 use catena::output::page::MESH_LIMIT;
 use catena::output::report::SpeedWatch;
 use catena::scene::Warning;
-use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Settled, check_log, check_place};
+use catena::session::{
+    self, Account, Asked, Closed, Ended, Error, Loaded, Sensitivity, Settled, check_log, check_place,
+};
 use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Groups of options.
 const START: &str = "Start";
@@ -83,6 +87,11 @@ pub struct Arguments {
     /// gravity alone, with up to 9 stages
     #[arg(long, help_heading = STEPS, requires = "step", conflicts_with = "reversible")]
     precise: bool,
+
+    /// Derivatives of the run by a parameter, as `catena sensitivity --by` takes it, with its standard deviation S if the report is to have that of
+    /// the motion: in the log, its tables and the report (repeatable)
+    #[arg(long, help_heading = REPORT, value_name = "KEY[=S]", conflicts_with_all = ["from", "base_velocity", "reversible", "precise"])]
+    sensitivity: Vec<By>,
 
     /// Make the same run with half the --step, on another core, and estimate the error from the difference
     #[arg(long, help_heading = STEPS, requires = "step")]
@@ -183,7 +192,9 @@ pub struct Ran {
 pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
-    let Setup { state, settled, log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let Setup { state, settled, mut log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let derived = derivatives(arguments, &loaded)?;
+    log.derivatives = derived.as_ref().map(|found| Arc::new(logged(found)));
     let Settled { duration, choice, rate } = settled;
     let model = &loaded.model;
     output.iter().try_for_each(|output| check_log(output, model, duration, &log)).map_err(Failure::input)?;
@@ -246,15 +257,62 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     };
     let input = arguments.input.input.display().to_string();
     let Closed { report, ended, .. } = begun.close(model, input, &origin, ended);
-    let printed = match (arguments.json, arguments.quiet) {
-        (true, _) => print_json(&report),
-        (false, true) => Ok(()),
-        (false, false) => print(&report),
+    let found = derived.as_ref().map(|found| (found, deviations(&arguments.sensitivity, found)));
+    let printed = match (arguments.json, arguments.quiet, found) {
+        (true, _, None) => print_json(&report),
+        (true, _, Some((found, deviations))) => {
+            let mut whole = serde_json::to_value(&report).map_err(Failure::run)?;
+            whole["sensitivity"] = end_as_json(found, &deviations);
+            print_json(&whole)
+        }
+        (false, true, _) => Ok(()),
+        (false, false, None) => print(&report),
+        (false, false, Some((found, deviations))) => print(format_args!("{report}\n{}", as_text(found, &deviations))),
     };
     let before = model.warning_lines().count();
     let strict = arguments.input.refuse(report.warnings.iter().skip(before).cloned()).map_err(Failure::run);
     // The outcome of the run matters more than the outcome of its report.
     Ok(Ran { log: report.log, ended: ended.map_err(Failure::from).and(printed).and(strict) })
+}
+
+/// The derivatives that are asked for, before the run: a scene without them is refused, and no log is touched.
+fn derivatives(arguments: &Arguments, loaded: &Loaded) -> Result<Option<Sensitivity>, Failure> {
+    if arguments.sensitivity.is_empty() {
+        return Ok(None);
+    }
+    let path = arguments.input.input.clone();
+    let model = session::Model::of_loaded(loaded.clone(), path, arguments.input.world.world());
+    let mut run = session::Simulation::new(&model);
+    for rule in &arguments.input.keep {
+        run = run.keep(*rule);
+    }
+    if let Some(duration) = arguments.duration {
+        run = run.duration(duration);
+    }
+    if let Some(tolerance) = arguments.tolerance {
+        run = run.tolerance(tolerance);
+    }
+    if let Some((stages, step)) = arguments.stages.zip(arguments.step) {
+        run = run.fixed(stages.into(), step);
+    }
+    if arguments.no_estimate {
+        run = run.without_estimate();
+    }
+    let run = run.start(pairs(&arguments.position))?.velocities(pairs(&arguments.velocity))?;
+    let keys: Vec<&str> = arguments.sensitivity.iter().map(|by| by.key.as_str()).collect();
+    Ok(Some(run.sensitivity(&keys)?))
+}
+
+/// Derivatives as a log has them.
+fn logged(found: &Sensitivity) -> Derivatives {
+    let column = |of: &nalgebra::DMatrix<f64>, key: usize| of.column(key).iter().copied().collect::<Vec<f64>>();
+    let rows = found.times.iter().enumerate().map(|(index, &time)| DerivativesRow {
+        time,
+        slopes: (0..found.keys.len())
+            .map(|key| [column(&found.dq[index], key), column(&found.dv[index], key)])
+            .collect(),
+    });
+    Derivatives { keys: found.keys.clone(), freedoms: found.freedoms.clone(), rows: rows.collect() }
 }
 
 /// The page of a run is made from its log: that must be a file, and another one.

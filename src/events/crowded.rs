@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
-//!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance;  or as in `crowding.rs`, if such crowds follow soon
+//!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
+//!               10 ms;  or as in `crowding.rs`, if such crowds follow soon
 //!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins                   cost of its decision (s)
 //!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
 //! ```
@@ -60,6 +61,16 @@ impl Eventful {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
             _ => (PLAIN, self.progress.beyond_horizon),
         }
+    }
+
+    /// The error of the run is estimated: up to its horizon given instants alone are no reason for steps over events.
+    pub(crate) fn keep_estimate(&mut self) {
+        self.progress.estimated = true;
+    }
+
+    /// Whether steps that end at given instants, to which few stages are not enough, are as good a reason for steps over events as events are.
+    pub(super) fn counts_instants(&self) -> bool {
+        !self.progress.estimated || self.progress.beyond_horizon
     }
 
     /// From now on no step can be accurate: runs that differ by roundings have met other events.

@@ -15,6 +15,7 @@ use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::piece::Piece;
 use crate::events::next_step::{Ending, NextStep};
+use crate::events::parts::crowding::Ended;
 use crate::events::quiet::QUIET;
 use crate::events::sliding::{JAM, Stopping};
 use crate::mechanism::forces::total::Exchange;
@@ -35,6 +36,8 @@ struct Attempt {
     until: f64,
     /// Whether some functions are not looked at.
     passing: bool,
+    /// Whether a given instant bounds it.
+    given: bool,
     /// An event that is nearer to the start than this is there (s).
     shortest: f64,
     /// Unknowns of the stages, for the count of the work.
@@ -81,7 +84,7 @@ impl Eventful {
             if outcome.step <= JAM {
                 return Err(StepError::NotAccurate { time: since, step: outcome.step });
             }
-            self.note_labour(since, outcome.cost.iterations, attempt.unknowns, false);
+            self.note_labour(since, outcome.cost.iterations, attempt.unknowns, Ended::Smoothly);
             self.workspaces.active_mut().go_back(since, &self.model.recipe);
             state.copy_from(&self.trial.origin);
             until = since + SHORTER * outcome.step;
@@ -114,7 +117,7 @@ impl Eventful {
             steps.expect_instant(given);
         }
         piece.begin(&self.model.whole, inputs, &self.trial.efforts, &self.trial.origin);
-        Attempt { since, until: until.min(soon), passing, shortest, unknowns, slow, stopped }
+        Attempt { since, until: until.min(soon), passing, given, shortest, unknowns, slow, stopped }
     }
 
     /// Makes the step, ends it at its first event, and says how it ended.
@@ -258,7 +261,14 @@ impl Eventful {
         }
         self.tally.steps += 1;
         self.tally.stepped += outcome.step;
-        self.note_labour(since, outcome.cost.iterations, attempt.unknowns, !triggers.is_empty());
+        let short =
+            self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_short_span());
+        let ended = match (triggers.is_empty(), attempt.given && !short && self.counts_instants()) {
+            (false, _) => Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION },
+            (true, true) => Ended::AtInstant,
+            (true, false) => Ended::Smoothly,
+        };
+        self.note_labour(since, outcome.cost.iterations, attempt.unknowns, ended);
     }
 
     /// Remembers the largest rates, speeds and kinetic energy at the end of a step.
@@ -282,10 +292,9 @@ impl Eventful {
     }
 
     /// Counts the cost of a step from a time (s) on; given steps may be many between events.
-    fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, event: bool) {
+    fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, ended: Ended) {
         if self.model.recipe.tolerance().is_some() {
-            let decided = event.then(|| decision(self.mode.contacts.len()) / ITERATION);
-            self.progress.crowding.labour(since, iterations, unknowns, decided);
+            self.progress.crowding.labour(since, iterations, unknowns, ended);
         }
     }
 

@@ -2,12 +2,13 @@
 
 use crate::exact::near;
 use crate::mechanisms::*;
-use catena::mechanism::description::nonsmooth::MotorLaw;
+use catena::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::contact_point::ContactPoint;
 use catena::mechanism::motion::event::EventKind;
 use catena::model::Model;
 use catena::scene::{PackagePath, read_scene};
+use catena::session;
 use catena::simulation::{Finished, Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice};
 use nalgebra::Vector3;
 use std::path::Path;
@@ -146,4 +147,47 @@ fn a_run_without_an_estimate_makes_the_steps_of_one_with_it() {
     assert!(without.accuracy[0].is_err());
     assert_eq!(with.state.position, without.state.position);
     assert_eq!(with.summary.steps, without.summary.steps);
+}
+
+/// A humanoid of 26 joints on its feet, whose hard motors are sampled every millisecond: the light hands shake, more than three stages can follow.
+fn shaking(steps: StepChoice, duration: f64) -> Finished {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/humanoid.urdf");
+    let loader = session::Model::loader().floating().base_pose([0.0, 0.0, 0.888, 0.0, 0.0, 0.0]).floor(0.0);
+    let model = loader.load(&file).expect("a model").description().clone();
+    let mut mechanism = model.mechanism.clone();
+    for limit in model.mechanism.nonsmooth.limits.clone() {
+        mechanism.nonsmooth.motors.push(Motor {
+            coordinate: limit.coordinate,
+            law: MotorLaw::Position { kp: 200.0, kd: 5.0 },
+            target: Target::constant(0.0),
+            max_effort: 20.0,
+            period: 1e-3,
+        });
+    }
+    let start = model.initial_state(&[], &[], None).expect("a start");
+    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+    let mut simulation = Simulation::at_once(&mechanism, start, None, options).expect("a run");
+    simulation.run().expect("it runs");
+    simulation.finish()
+}
+
+#[test]
+fn costly_spans_that_three_stages_cannot_make_are_stepped_over_where_the_tolerance_allows_it_and_late_where_an_error_is_estimated()
+ {
+    let duration = 0.1;
+    let exact = shaking(StepChoice::Unestimated(1e-6), duration);
+    let coarse = shaking(StepChoice::Unestimated(1e-3), duration);
+    let told = shaking(StepChoice::Tolerance(1e-3), duration);
+    let apart = |axis: usize| (coarse.state.position[axis] - exact.state.position[axis]).abs();
+    let off = (0..3).map(apart).fold(0.0, f64::max);
+    let times = [&exact, &coarse, &told].map(|run| run.method.first_order_time);
+    println!("{times:?} s of first order, the pelvis {off:e} m off, {:?}", coarse.summary.contact);
+    // The feet land after 10 ms, and jam for a microsecond.
+    assert!(times[0] <= 1e-5 && times[1] > 0.8 * duration);
+    // The smear of the landing is 0.3 · 0.1 m/s · 1 ms.
+    assert!(off < 1e-4, "{off:e}");
+    assert!(coarse.summary.contact.penetration <= 1e-9);
+    // Ten milliseconds are looked at before a crowd begins, and the estimate looks 32 times.
+    let told_until = told.accuracy[0].as_ref().expect("an estimate").holds_until;
+    assert!(times[2] <= duration - told_until && times[2] < times[1] - 5e-3, "{told_until}");
 }

@@ -45,3 +45,54 @@ fn unknown_parameters_and_impacts_without_a_single_active_set_are_refused_with_t
         assert!(message.contains(reason), "{message}");
     }
 }
+
+#[test]
+fn a_log_has_the_derivatives_of_its_run_at_the_ends_of_steps_and_its_table_and_report_have_the_same_numbers() {
+    let folder = folder("sensitivity_log");
+    let ball = robot("ball_dropped.toml");
+    let words = ["simulate", &ball, "--duration", "1.5", "--json"];
+    let asked =
+        ["--sensitivity", "floor.restitution=0.01", "--sensitivity", "robot.ball.pose.position.z", "-o", "b.mcap"];
+    let with = run(&folder, &[&words[..], &asked[..]].concat());
+    assert_eq!(with.status.code(), Some(0), "{}", String::from_utf8_lossy(&with.stderr));
+    let with: Value = serde_json::from_slice(&with.stdout).expect("JSON");
+    let plain = run(&folder, &[&words[..], &["-o", "plain.mcap"]].concat());
+    let plain: Value = serde_json::from_slice(&plain.stdout).expect("JSON");
+    assert_eq!(with["links"], plain["links"], "derivatives change nothing of the motion");
+    let found = &with["sensitivity"];
+    assert_eq!(found["keys"].as_array().map(Vec::len), Some(2));
+    assert!(found["valid_within"][0].as_f64().expect("a bound of an impact") > 0.0);
+    let table = run(&folder, &["inspect", "b.mcap", "--csv", "b.csv"]);
+    assert_eq!(table.status.code(), Some(0), "{}", String::from_utf8_lossy(&table.stderr));
+    let table = std::fs::read_to_string(folder.join("b.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let freedom = found["freedoms"]
+        .as_array()
+        .and_then(|all| all.iter().position(|name| name.as_str().is_some_and(|name| name.ends_with(".z"))));
+    let freedom = freedom.expect("a height");
+    let name = found["freedoms"][freedom].as_str().expect("a name");
+    for (key, place) in [("floor.restitution", 0), ("robot.ball.pose.position.z", 1)] {
+        let column = rows[0].iter().position(|head| *head == format!("d{name}.position/d{key}")).expect("a column");
+        let last: f64 = rows.last().expect("rows")[column].parse().expect("a number");
+        // The same double, in both.
+        assert_eq!(Some(last), found["dq"][freedom][place].as_f64(), "{key}");
+        // A lower ball starts lower.
+        let first: f64 = rows[1][column].parse().expect("a number");
+        assert!((first - place as f64).abs() < 1e-9, "{key}: {first}");
+    }
+    let replayed = run(&folder, &["replay", "b.mcap"]);
+    assert_eq!(replayed.status.code(), Some(0), "{}", String::from_utf8_lossy(&replayed.stderr));
+}
+
+#[test]
+fn a_run_without_derivatives_is_refused_before_it_touches_its_log() {
+    let folder = folder("sensitivity_log_refused");
+    std::fs::write(folder.join("kept.mcap"), "kept").expect("a file");
+    let words = ["simulate", &robot("gripper_holds_box.toml"), "--sensitivity", "gravity.z", "-o", "kept.mcap"];
+    let output = run(&folder, &words);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("single active set") && message.contains("end the run before it"), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert_eq!(std::fs::read_to_string(folder.join("kept.mcap")).expect("a file"), "kept");
+}

@@ -46,7 +46,7 @@ impl LogArgs {
             MeshPlace::None => Meshes::None,
         };
         let topics = self.topics.clone().unwrap_or_default();
-        LogOptions { topics, meshes, compress: self.compress, start: self.start_time }
+        LogOptions { topics, meshes, compress: self.compress, start: self.start_time, derivatives: None }
     }
 }
 

@@ -62,6 +62,13 @@ impl<T> Default for ClosedContacts<T> {
     }
 }
 
+impl<T> ClosedContacts<T> {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.anchors.is_empty() && self.touches.is_empty()
+    }
+}
+
 impl<T: Number> ClosedContacts<T> {
     /// The number of equations of the touches, which come after those of all other closures.
     pub fn touch_rows(&self) -> usize {

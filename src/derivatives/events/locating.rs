@@ -53,7 +53,7 @@ impl Walk<'_> {
         let mut last = f64::INFINITY;
         let mut found = None;
         for _ in 0..ATTEMPTS {
-            let (solved, efforts) = self.solved(&traced.mode, mode, step)?;
+            let (solved, efforts) = self.solved(traced, mode, step)?;
             let (value, rate, along) = self
                 .by_length(traced, mode, step, &solved, &efforts, (trigger, contact))
                 .ok_or_else(|| unknown(traced.end.time))?;

@@ -8,6 +8,7 @@ pub mod instant;
 mod jumping;
 mod locating;
 pub mod parameter;
+pub(crate) mod reverse;
 pub mod validity;
 pub mod walk;
 pub mod watched;

@@ -14,7 +14,7 @@ use nalgebra::DVector;
 pub const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 
 /// Efforts that follow time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TimeLaws {
     pub motors: Vec<Motor>,
     pub courses: Vec<JointCourse>,
@@ -30,7 +30,7 @@ pub struct Parameter {
     pub velocity: DVector<f64>,
     /// Of a constant effort (n).
     pub constant_effort: DVector<f64>,
-    /// Models with other numbers, with their weights.
+    /// Models with other numbers, with their weights; none if efforts do not change.
     pub others: Vec<(f64, TimeLaws)>,
 }
 

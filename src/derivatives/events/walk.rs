@@ -137,7 +137,7 @@ impl<'w> Walk<'w> {
     }
 
     /// The equations of a mode.
-    fn mode(&self, traced: &TracedStep) -> Result<StepMode, SensitivityError> {
+    pub(super) fn mode(&self, traced: &TracedStep) -> Result<StepMode, SensitivityError> {
         let Subject { mechanism, elements, .. } = *self.subject;
         let moves = mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| !**held);
         let free: Vec<usize> = moves.flat_map(|(body, _)| body.joint.velocity_range()).collect();
@@ -162,6 +162,10 @@ impl<'w> Walk<'w> {
     /// G of all closures at the state.
     pub(super) fn gradient(&self, mode: &StepMode) -> DMatrix<f64> {
         let n = self.state.velocity.len();
+        let plain = &self.figures.plain;
+        if plain.loops.is_empty() && plain.mimics.is_empty() && mode.closed.is_empty() {
+            return DMatrix::zeros(0, n);
+        }
         let still = vec![Part::zero(); n];
         let at = Instant { figures: &self.constant, state: &self.state, offsets: &still, closed: &mode.constant };
         let columns: Vec<Vec<Part>> = (0..n)
@@ -206,7 +210,7 @@ impl<'w> Walk<'w> {
     }
 
     fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
-        let Subject { mechanism, laws, parameters, .. } = *self.subject;
+        let Subject { mechanism, .. } = *self.subject;
         let since = self.state.time;
         self.meet_ticks(&traced.mode, since);
         for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
@@ -221,20 +225,14 @@ impl<'w> Walk<'w> {
         if let Some(&trigger) = traced.triggers.first() {
             return self.step_to_event(traced, &mode, &closed, trigger, next);
         }
-        // An instant may move with a parameter.
-        let reached = laws.next_instant(since);
-        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
-        let later = |parameter: &Parameter| {
-            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
-        };
-        let later = DVector::from_iterator(parameters.len(), parameters.iter().map(later));
+        let later = self.later(traced, since);
         if mode.free.is_empty() {
             self.state.time = traced.end.time;
             self.tangent.times = later;
             return Ok(());
         }
         let before = self.state.clone();
-        let (solved, efforts) = self.solved(&traced.mode, &mode, traced.end.time - since)?;
+        let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since)?;
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(solved, traced.end.time);
@@ -242,18 +240,31 @@ impl<'w> Walk<'w> {
         Ok(())
     }
 
+    /// ∂T/∂θ of the end of a step to a given instant (p): the instant may move with a parameter.
+    pub(super) fn later(&self, traced: &TracedStep, since: f64) -> DVector<f64> {
+        let Subject { laws, parameters, .. } = *self.subject;
+        let reached = laws.next_instant(since);
+        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
+        let later = |parameter: &Parameter| {
+            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
+        };
+        DVector::from_iterator(parameters.len(), parameters.iter().map(later))
+    }
+
     /// A step of some length (s), solved, and its efforts at all stages.
     pub(super) fn solved(
         &self,
-        of: &Mode,
+        traced: &TracedStep,
         mode: &StepMode,
         step: f64,
     ) -> Result<(SolvedStep, Vec<Efforts>), SensitivityError> {
         let since = self.state.time;
         let nodes = &self.subject.tableau.nodes;
-        let efforts: Vec<Efforts> = nodes.iter().map(|node| self.efforts(of, since, since + step * node)).collect();
+        let efforts: Vec<Efforts> =
+            nodes.iter().map(|node| self.efforts(&traced.mode, since, since + step * node)).collect();
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let solved = self.problem(mode, step, &values).solve().ok_or_else(|| self.failed())?;
+        let problem = StepProblem { toward: &traced.end, ..self.problem(mode, step, &values) };
+        let solved = problem.solve().ok_or_else(|| self.failed())?;
         Ok((solved, efforts))
     }
 
@@ -266,6 +277,7 @@ impl<'w> Walk<'w> {
             mode,
             start: &self.state,
             step,
+            toward: &self.state,
             efforts,
         }
     }

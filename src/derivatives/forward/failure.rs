@@ -47,6 +47,11 @@ pub enum SensitivityError {
     /// Parts of mechanisms that are not known here.
     #[error("derivatives of runs do not know {part}: {advice}")]
     Unsupported { part: &'static str, advice: &'static str },
+    /// A sample outside the run.
+    #[error(
+        "a sample at t = {time} s is not in the run, which goes from {start} s to {end} s; give times after its start"
+    )]
+    Sample { time: f64, start: f64, end: f64 },
     /// A step was not solved again.
     #[error("the step at t = {time} s could not be solved to rounding again; take shorter steps")]
     Step { time: f64 },

@@ -1,8 +1,10 @@
 //! Derivatives of a run by its start and its numbers, through its own steps.
 
+pub(crate) mod between;
 pub mod failure;
 pub mod stage_equations;
 pub mod step;
 pub mod tangent;
 mod touching;
+pub mod tree;
 pub mod twelve;

@@ -6,11 +6,14 @@
 //! ```text
 //!     R(u; x) = 0        R_u δu = −R_x δx
 //! ```
+//!
+//! Trees have their equations written out ([`crate::derivatives::forward::tree`]); these here are for all mechanisms.
 
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
+use crate::derivatives::forward::tree::{TreeFactors, is_tree, solve_tree};
 use crate::derivatives::numbers::dual::Dual;
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
@@ -28,11 +31,11 @@ pub const WIDTH: usize = 8;
 pub type Part = Dual<WIDTH>;
 
 /// Iterations; about six are made.
-const ITERATIONS: usize = 60;
+pub(super) const ITERATIONS: usize = 60;
 /// The matrix is renewed if a correction is larger than this part of the one before.
-const SLOW: f64 = 0.1;
+pub(super) const SLOW: f64 = 0.1;
 /// Corrections this small (rad or m) that do not shrink any more are rounding.
-const ROUNDING: f64 = 1e-10;
+pub(super) const ROUNDING: f64 = 1e-10;
 
 /// A step that is solved.
 pub struct SolvedStep {
@@ -41,7 +44,25 @@ pub struct SolvedStep {
     /// Λ_1 … Λ_s (an entry for each closure).
     pub multipliers: Vec<Vec<f64>>,
     /// R_u, factored.
-    pub factors: LU<f64, Dyn, Dyn>,
+    pub factors: Factors,
+}
+
+/// A factored matrix R_u.
+pub enum Factors {
+    /// Of all unknowns.
+    Whole(LU<f64, Dyn, Dyn>),
+    /// Of a tree.
+    Tree(Box<TreeFactors>),
+}
+
+impl Factors {
+    /// R_u⁻¹ times a matrix; `None` if it is singular.
+    pub fn solve(&self, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        match self {
+            Factors::Whole(factors) => factors.solve(right),
+            Factors::Tree(factors) => factors.solve(right),
+        }
+    }
 }
 
 /// The mode in which a step is made.
@@ -100,6 +121,8 @@ pub struct StepProblem<'p> {
     pub start: &'p State,
     /// h (s).
     pub step: f64,
+    /// A state near the end, with its velocities.
+    pub toward: &'p State,
     /// Efforts from outside at all stages (n each).
     pub efforts: &'p [DVector<f64>],
 }
@@ -133,6 +156,16 @@ pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
 impl StepProblem<'_> {
     /// Solves it; `None` if the iteration does not converge.
     pub fn solve(&self) -> Option<SolvedStep> {
+        if self.is_tree() { solve_tree(self) } else { self.solve_whole() }
+    }
+
+    /// Whether all of its equations are those of a tree.
+    pub fn is_tree(&self) -> bool {
+        is_tree(&self.figures.plain) && self.mode.row_count == 0
+    }
+
+    /// The same by the equations of all mechanisms.
+    fn solve_whole(&self) -> Option<SolvedStep> {
         let (s, StepMode { free, rows, row_count, .. }) = (self.tableau.stages, self.mode);
         let (n, m) = (free.len(), rows.len());
         let all = self.start.velocity.len();
@@ -182,7 +215,7 @@ impl StepProblem<'_> {
                 let end = stages.last_mut()?;
                 end.velocity = velocities;
                 end.time = self.start.time + self.step;
-                return Some(SolvedStep { stages, multipliers, factors });
+                return Some(SolvedStep { stages, multipliers, factors: Factors::Whole(factors) });
             }
             if size <= SLOW * last {
                 factors = Some(matrix);
@@ -192,7 +225,7 @@ impl StepProblem<'_> {
         None
     }
 
-    fn residual(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DVector<f64> {
+    pub(super) fn residual(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DVector<f64> {
         let n = velocities.len();
         let efforts: Vec<Vec<f64>> = self.efforts.iter().map(|efforts| efforts.iter().copied().collect()).collect();
         let drives = self.mode.drives(&self.figures.laws);
@@ -214,6 +247,12 @@ impl StepProblem<'_> {
 
     /// R_u at some stages, factored; `None` if it is singular.
     fn factors(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> Option<LU<f64, Dyn, Dyn>> {
+        let factors = self.matrix(stages, velocities, multipliers).lu();
+        factors.is_invertible().then_some(factors)
+    }
+
+    /// R_u at some stages.
+    pub(super) fn matrix(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DMatrix<f64> {
         let StepMode { free, rows, .. } = self.mode;
         let (s, n, m, all) = (self.tableau.stages, free.len(), rows.len(), velocities.len());
         let count = self.mode.size(s);
@@ -256,8 +295,7 @@ impl StepProblem<'_> {
                 (0..width).for_each(|part| matrix[(row, first + part)] = value.parts[part]);
             }
         }
-        let factors = matrix.lu();
-        factors.is_invertible().then_some(factors)
+        matrix
     }
 }
 

@@ -13,8 +13,11 @@
 //! axes of the child, at the start and at the end: δq̄ = R_relᵀ δq₀ + δ_s.
 
 use crate::derivatives::equations::closed::ClosedContacts;
+use crate::derivatives::equations::figures::Figures;
+use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::stage_equations::{BothFigures, InMode, StepMotion};
-use crate::derivatives::forward::step::{Part, SolvedStep, StepProblem, WIDTH, constant};
+use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepProblem, WIDTH, constant};
+use crate::derivatives::forward::tree::{FigureSlopes, TreeColumns};
 use crate::derivatives::numbers::number::Number;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz};
@@ -33,8 +36,13 @@ pub struct Tangent {
     pub times: DVector<f64>,
 }
 
-/// The figures with their derivatives by some parameters, [`WIDTH`] at a time.
-pub struct Varied(Vec<BothFigures<Part>>);
+/// The figures with their derivatives by some parameters.
+pub struct Varied {
+    /// [`WIDTH`] at a time.
+    chunks: Vec<BothFigures<Part>>,
+    /// For each parameter; `None` if it changes no figure.
+    slopes: Vec<Option<FigureSlopes>>,
+}
 
 /// The derivatives of the inputs of a step.
 pub struct InputSlopes<'i> {
@@ -59,12 +67,28 @@ impl Varied {
             })
         };
         // States and jumps are computed with the first ones, also without parameters.
-        Varied(if slopes.is_empty() { vec![of(&[])] } else { slopes.chunks(WIDTH).map(of).collect() })
+        let chunks = if slopes.is_empty() { vec![of(&[])] } else { slopes.chunks(WIDTH).map(of).collect() };
+        let constant: Figures<f64> = Figures::taken(mechanism, frames, &mut |value| value);
+        let slope = |slopes: &Vec<f64>| {
+            let mut given = slopes.iter().copied();
+            let mut take = |_: f64| given.next().unwrap_or(0.0);
+            let plain = Figures::taken(mechanism, frames, &mut take);
+            let laws = Laws::taken(mechanism, elements, frames, &mut take);
+            FigureSlopes::new(&constant, plain, laws)
+        };
+        let moves = |slopes: &Vec<f64>| slopes.iter().any(|slope| *slope != 0.0);
+        let slopes = slopes.iter().map(|slopes| moves(slopes).then(|| slope(slopes))).collect();
+        Varied { chunks, slopes }
+    }
+
+    /// The derivatives of all figures by each parameter; `None` if it changes none.
+    pub(in crate::derivatives) fn slopes(&self) -> &[Option<FigureSlopes>] {
+        &self.slopes
     }
 
     /// The figures with their derivatives by [`WIDTH`] parameters each.
     pub fn chunks(&self) -> &[BothFigures<Part>] {
-        &self.0
+        &self.chunks
     }
 }
 
@@ -99,6 +123,21 @@ impl Tangent {
         let StepProblem { mechanism, tableau, start, mode, .. } = problem;
         let n = start.velocity.len();
         let end = solved.stages.last()?;
+        if let Factors::Tree(factors) = &solved.factors {
+            let columns = TreeColumns { tangent: self, longer, efforts: slopes.efforts, rates: slopes.rates };
+            let [positions, velocities] = columns.carried(problem, solved, factors, &varied.slopes)?;
+            for column in 0..self.positions.ncols() {
+                let mut moved = carried(mechanism, start, end, &self.positions.column(column).into_owned());
+                self.velocities.column_mut(column).fill(0.0);
+                for (row, &freedom) in mode.free.iter().enumerate() {
+                    moved[freedom] = positions[(row, column)];
+                    self.velocities[(freedom, column)] = velocities[(row, column)];
+                }
+                self.positions.set_column(column, &moved);
+            }
+            self.times += longer;
+            return Some(());
+        }
         for (chunk, figures) in varied.chunks().iter().enumerate() {
             let first = chunk * WIDTH;
             let width = WIDTH.min(self.positions.ncols() - first);
@@ -149,6 +188,19 @@ pub fn by_length(
 ) -> Option<(DVector<f64>, DVector<f64>)> {
     let StepProblem { tableau, start, mode, .. } = problem;
     let n = start.velocity.len();
+    if let Factors::Tree(factors) = &solved.factors {
+        let tangent =
+            Tangent { positions: DMatrix::zeros(n, 1), velocities: DMatrix::zeros(n, 1), times: DVector::zeros(1) };
+        let (longer, still) = (DVector::from_element(1, 1.0), vec![DMatrix::zeros(n, 1); tableau.stages]);
+        let columns = TreeColumns { tangent: &tangent, longer: &longer, efforts: &still, rates };
+        let [positions, velocities] = columns.carried(problem, solved, factors, &[None])?;
+        let spread = |of: &DMatrix<f64>| {
+            let mut all = DVector::zeros(n);
+            mode.free.iter().enumerate().for_each(|(row, &freedom)| all[freedom] = of[(row, 0)]);
+            all
+        };
+        return Some((spread(&positions), spread(&velocities)));
+    }
     let efforts: Vec<Vec<Part>> = (0..tableau.stages)
         .map(|stage| {
             let row = |row: usize| {

@@ -11,7 +11,7 @@ use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
 
 /// Place or rate of a body in R¹².
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::derivatives) struct Twelve<T> {
     pub origin: Vector<T>,
     pub axes: Matrix<T>,
@@ -32,20 +32,24 @@ fn of_frame<T: Number>(frame: &Frame<Jet<T>>, part: impl Fn(Jet<T>) -> T + Copy)
 }
 
 impl<T: Number> Twelve<T> {
+    #[inline]
     pub(super) fn zero() -> Self {
         Twelve { origin: Vector::zero(), axes: Matrix([Vector::zero(); 3]) }
     }
 
+    #[inline]
     pub(super) fn plus(&self, other: &Self) -> Self {
-        let axes = std::array::from_fn(|column| self.axes.0[column] + other.axes.0[column]);
-        Twelve { origin: self.origin + other.origin, axes: Matrix(axes) }
+        let ([a, b, c], [x, y, z]) = (self.axes.0, other.axes.0);
+        Twelve { origin: self.origin + other.origin, axes: Matrix([a + x, b + y, c + z]) }
     }
 
+    #[inline]
     pub(super) fn minus(&self, other: &Self) -> Self {
-        let axes = std::array::from_fn(|column| self.axes.0[column] - other.axes.0[column]);
-        Twelve { origin: self.origin - other.origin, axes: Matrix(axes) }
+        let ([a, b, c], [x, y, z]) = (self.axes.0, other.axes.0);
+        Twelve { origin: self.origin - other.origin, axes: Matrix([a - x, b - y, c - z]) }
     }
 
+    #[inline]
     pub(super) fn scaled(&self, factor: T) -> Self {
         Twelve { origin: self.origin.scaled(factor), axes: self.axes.map(|column| column.scaled(factor)) }
     }

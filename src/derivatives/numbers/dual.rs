@@ -27,70 +27,91 @@ impl<const N: usize> Dual<N> {
     }
 
     /// A function with this value and slope.
+    #[inline(always)]
     fn through(self, value: f64, slope: f64) -> Self {
-        Dual { value, parts: self.parts.map(|part| slope * part) }
+        let mut parts = [0.0; N];
+        for index in 0..N {
+            parts[index] = slope * self.parts[index];
+        }
+        Dual { value, parts }
     }
 
-    fn with(self, other: Self, value: f64, [own, others]: [f64; 2]) -> Self {
-        Dual { value, parts: std::array::from_fn(|index| own * self.parts[index] + others * other.parts[index]) }
+    #[inline(always)]
+    fn with(self, other: Self, value: f64, of: impl Fn(f64, f64) -> f64) -> Self {
+        let mut parts = [0.0; N];
+        for index in 0..N {
+            parts[index] = of(self.parts[index], other.parts[index]);
+        }
+        Dual { value, parts }
     }
 }
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.with(other, self.value + other.value, [1.0, 1.0])
+        self.with(other, self.value + other.value, |own, other| own + other)
     }
 }
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.with(other, self.value - other.value, [1.0, -1.0])
+        self.with(other, self.value - other.value, |own, other| own - other)
     }
 }
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.with(other, self.value * other.value, [other.value, self.value])
+        self.with(other, self.value * other.value, |own, others| other.value * own + self.value * others)
     }
 }
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
-        self.with(other, quotient, [1.0 / other.value, -quotient / other.value])
+        let inverse = 1.0 / other.value;
+        self.with(other, quotient, |own, other| inverse * (own - quotient * other))
     }
 }
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         self.through(-self.value, -1.0)
     }
 }
 
 impl<const N: usize> Number for Dual<N> {
+    #[inline(always)]
     fn of(value: f64) -> Self {
         Dual { value, parts: [0.0; N] }
     }
 
+    #[inline(always)]
     fn value(self) -> f64 {
         self.value
     }
 
+    #[inline(always)]
     fn square_root(self) -> Self {
         let root = self.value.sqrt();
         self.through(root, 0.5 / root)
     }
 
+    #[inline(always)]
     fn sine_cosine(self) -> (Self, Self) {
         let (sine, cosine) = self.value.sin_cos();
         (self.through(sine, cosine), self.through(cosine, -sine))
     }
 
+    #[inline(always)]
     fn times(self, factor: f64) -> Self {
         self.through(self.value * factor, factor)
     }

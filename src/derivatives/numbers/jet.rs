@@ -20,11 +20,13 @@ pub struct Jet<T> {
 
 impl<T: Number> Jet<T> {
     /// A function with this value and these two derivatives by its argument.
+    #[inline]
     fn through(self, value: T, slope: T, curvature: T) -> Self {
         let Jet { rate, acceleration, .. } = self;
         Jet { value, rate: slope * rate, acceleration: curvature * rate * rate + slope * acceleration }
     }
 
+    #[inline]
     fn reciprocal(self) -> Self {
         let inverse = T::of(1.0) / self.value;
         let square = inverse * inverse;
@@ -34,6 +36,7 @@ impl<T: Number> Jet<T> {
 
 impl<T: Number> Add for Jet<T> {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Jet {
             value: self.value + other.value,
@@ -45,6 +48,7 @@ impl<T: Number> Add for Jet<T> {
 
 impl<T: Number> Sub for Jet<T> {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -52,6 +56,7 @@ impl<T: Number> Sub for Jet<T> {
 
 impl<T: Number> Mul for Jet<T> {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         Jet {
             value: self.value * other.value,
@@ -66,6 +71,7 @@ impl<T: Number> Mul for Jet<T> {
 impl<T: Number> Div for Jet<T> {
     type Output = Self;
     #[allow(clippy::suspicious_arithmetic_impl)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         self * other.reciprocal()
     }
@@ -73,31 +79,37 @@ impl<T: Number> Div for Jet<T> {
 
 impl<T: Number> Neg for Jet<T> {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Jet { value: -self.value, rate: -self.rate, acceleration: -self.acceleration }
     }
 }
 
 impl<T: Number> Number for Jet<T> {
+    #[inline]
     fn of(value: f64) -> Self {
         Jet { value: T::of(value), rate: T::zero(), acceleration: T::zero() }
     }
 
+    #[inline]
     fn value(self) -> f64 {
         self.value.value()
     }
 
+    #[inline]
     fn square_root(self) -> Self {
         let root = self.value.square_root();
         let slope = T::of(0.5) / root;
         self.through(root, slope, -(slope / self.value).times(0.5))
     }
 
+    #[inline]
     fn sine_cosine(self) -> (Self, Self) {
         let (sine, cosine) = self.value.sine_cosine();
         (self.through(sine, cosine, -sine), self.through(cosine, -sine, -cosine))
     }
 
+    #[inline]
     fn times(self, factor: f64) -> Self {
         Jet {
             value: self.value.times(factor),

@@ -17,29 +17,35 @@ pub trait Number:
     fn sine_cosine(self) -> (Self, Self);
 
     /// Zero.
+    #[inline]
     fn zero() -> Self {
         Self::of(0.0)
     }
 
     /// Times a double.
+    #[inline]
     fn times(self, factor: f64) -> Self {
         self * Self::of(factor)
     }
 }
 
 impl Number for f64 {
+    #[inline]
     fn of(value: f64) -> Self {
         value
     }
 
+    #[inline]
     fn value(self) -> f64 {
         self
     }
 
+    #[inline]
     fn square_root(self) -> Self {
         self.sqrt()
     }
 
+    #[inline]
     fn sine_cosine(self) -> (Self, Self) {
         self.sin_cos()
     }

@@ -6,7 +6,8 @@
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!
-//! Given steps count 1 each. The first-order steps have 1e-4 s, and a sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the
+//! Where steps over events keep to the tolerance, their cost takes the place of 1.2e7, and given instants to which few stages are not enough count as
+//! events: many stages gain nothing where efforts jump every millisecond. Given steps count 1 each. The first-order steps have 1e-4 s, and a sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the
 //! work for a time of the motion is bounded: if crowds follow without end, 52 ms take 400 steps without contacts and 52 steps of first order.
 //!
 //! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed
@@ -44,10 +45,8 @@ const LONGEST: usize = 512;
 pub(crate) struct Crowding {
     /// Work since a time (s), for each kind of crowd.
     counts: [(usize, f64); CROWDS.len()],
-    /// Work of iterations, and events, since a time (s).
-    labour: (f64, usize, f64),
-    /// Work of decisions of modes since then, as iterations.
-    decided: f64,
+    /// Work of iterations.
+    labour: Labour,
     /// Steps still to be made for the last crowd, steps that it had, both in the least length, and its end (s).
     left: usize,
     made: usize,
@@ -61,12 +60,32 @@ pub(crate) struct Crowding {
     spell: (f64, f64),
 }
 
+/// Work of iterations, work of decisions of modes in the same unit, events, and instants in all at which a motion breaks, since a time (s).
+#[derive(Clone, Copy, Debug)]
+struct Labour {
+    work: f64,
+    decided: f64,
+    events: usize,
+    breaks: usize,
+    since: f64,
+}
+
+/// How a step ended, for the count of its work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Ended {
+    /// Where the method ended it.
+    Smoothly,
+    /// At a given instant, to which few stages were not enough.
+    AtInstant,
+    /// With a decision of this work, as iterations.
+    AtEvent { decided: f64 },
+}
+
 impl Crowding {
     /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
-        labour: (0.0, 0, f64::NEG_INFINITY),
-        decided: 0.0,
+        labour: Labour { work: 0.0, decided: 0.0, events: 0, breaks: 0, since: f64::NEG_INFINITY },
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -81,19 +100,23 @@ impl Crowding {
         self.counts.iter_mut().for_each(|(count, _)| *count += steps);
     }
 
-    /// Counts the iterations of a step from a time (s) on, with this number of unknowns, that has ended at an event with a decision of this work, or not.
-    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, decided: Option<f64>) {
-        let (work, events, since) = &mut self.labour;
-        if time - *since > LABOUR_WITHIN {
-            (*work, *events, *since, self.decided) = (0.0, 0, time, 0.0);
+    /// Counts the iterations of a step from a time (s) on, with this number of unknowns.
+    pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, ended: Ended) {
+        let labour = &mut self.labour;
+        if time - labour.since > LABOUR_WITHIN {
+            *labour = Labour { since: time, ..Crowding::CALM.labour };
         }
-        *work += iterations as f64 * (unknowns as f64).powi(2);
-        *events += usize::from(decided.is_some());
-        self.decided += decided.unwrap_or(0.0);
+        labour.work += iterations as f64 * (unknowns as f64).powi(2);
+        labour.breaks += usize::from(ended != Ended::Smoothly);
+        if let Ended::AtEvent { decided } = ended {
+            labour.events += 1;
+            labour.decided += decided;
+        }
     }
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
-    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included.
+    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included, if events or given instants break
+    /// the motion.
     pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -105,12 +128,12 @@ impl Crowding {
                 *count += work;
                 crowded |= *count > most;
             }
-            let (work, events, _) = self.labour;
+            let Labour { work, decided, events, breaks, .. } = self.labour;
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let dearer = bearable.is_some_and(|bearable| work + self.decided > bearable);
-            let laboured = (work > most || dearer) && events >= LABOUR_EVENTS;
+            let dearer = bearable.is_some_and(|bearable| work + decided > bearable && breaks >= LABOUR_EVENTS);
+            let laboured = work > most && events >= LABOUR_EVENTS || dearer;
             if !crowded && !laboured {
                 return false;
             }
@@ -173,7 +196,7 @@ impl Crowding {
         self.spell.1 = time;
         self.left = 0;
         self.jams = false;
-        (self.counts, self.labour, self.decided) = (Crowding::CALM.counts, Crowding::CALM.labour, 0.0);
+        (self.counts, self.labour) = (Crowding::CALM.counts, Crowding::CALM.labour);
     }
 
     fn longer(&self) -> usize {
@@ -195,7 +218,7 @@ impl Crowding {
     fn make(&mut self, time: f64) {
         self.left = self.left.saturating_sub(self.longer());
         self.ended = time + self.longer() as f64 * STEP;
-        (self.counts, self.labour, self.decided) = (Crowding::CALM.counts, Crowding::CALM.labour, 0.0);
+        (self.counts, self.labour) = (Crowding::CALM.counts, Crowding::CALM.labour);
     }
 }
 
@@ -238,7 +261,9 @@ mod tests {
                 if crowding.count(time, 5, None) {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
-                    crowding.labour(time, 10, 100, (events && steps % 2 == 0).then_some(0.0));
+                    let at_event = events && steps % 2 == 0;
+                    let ended = if at_event { Ended::AtEvent { decided: 0.0 } } else { Ended::AtInstant };
+                    crowding.labour(time, 10, 100, ended);
                     (steps, time) = (steps + 1, time + 5e-5);
                 }
             }
@@ -247,6 +272,21 @@ mod tests {
         let (steps, coarse) = run(true);
         assert!(steps <= 121 + 29 * 21 && coarse <= 2000, "{steps} and {coarse} of first order");
         assert_eq!(run(false).1, 0);
+    }
+
+    #[test]
+    fn given_instants_count_as_events_where_steps_over_them_are_accurate_enough() {
+        // Ten steps of 1 ms to ticks, each with five iterations of 60 unknowns: 1.8e5.
+        let crowded = |ended: Ended, bearable: Option<f64>| {
+            let mut crowding = Crowding::CALM;
+            (0..20).any(|tick| {
+                crowding.labour(1e-3 * f64::from(tick), 5, 60, ended);
+                crowding.count(1e-3 * f64::from(tick), 1, bearable)
+            })
+        };
+        assert!(crowded(Ended::AtInstant, Some(1e5)) && crowded(Ended::AtEvent { decided: 0.0 }, Some(1e5)));
+        assert!(!crowded(Ended::Smoothly, Some(1e5)) && !crowded(Ended::AtInstant, None));
+        assert!(!crowded(Ended::AtInstant, Some(2.5e5)) && crowded(Ended::AtEvent { decided: 1e4 }, Some(2.5e5)));
     }
 
     #[test]

@@ -20,6 +20,8 @@ pub(crate) struct Progress {
     pub crowding: Crowding,
     /// Whether the run makes steps over many impacts now.
     pub in_crowd: bool,
+    /// Whether the error of the run is estimated, which steps over events end.
+    pub estimated: bool,
     /// Whether runs that differ by roundings have met other events before, so that no step can be accurate.
     pub beyond_horizon: bool,
     /// Whether the laws could not be solved at all where the last step ended: the next one is of first order.
@@ -41,6 +43,7 @@ impl Progress {
             repeats: Repeats::new(),
             crowding: Crowding::CALM,
             in_crowd: false,
+            estimated: false,
             beyond_horizon: false,
             undecided: false,
             asleep: false,

@@ -248,18 +248,21 @@ fn check_pose(kind: &'static str, pose: &Pose) -> Result<(), GeometryError> {
     if entries { Ok(()) } else { Err(GeometryError::Pose { shape: kind }) }
 }
 
-/// Whether a shape can be used.
+/// Whether a shape can be used in a pose.
 ///
 /// # Errors
 /// [`GeometryError`] for sizes that are no lengths, for points that have no hull, for meshes of too many points or with coordinates that are not
 /// finite, and for shapes that reach too far from their origin.
-pub fn check_shape(shape: &Shape) -> Result<(), GeometryError> {
+pub fn check_shape(shape: &Shape, pose: &Pose) -> Result<(), GeometryError> {
+    let farthest = |points: &[Vector3<f64>]| points.iter().map(|point| point.norm()).fold(0.0, f64::max);
     let reach = match shape {
         Shape::Mesh(surface) => {
             check_surface(surface)?;
-            surface.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max)
+            farthest(&surface.vertices)
         }
-        _ => Convex::shared(shape, &Pose::identity())?.map_or(0.0, |convex| convex.reach()),
+        // The hull of this pose is kept for the pairs of the shape.
+        Shape::Hull(points) => Convex::shared(shape, pose).map(|_| farthest(points))?,
+        _ => Convex::new(shape, &Pose::identity())?.map_or(0.0, |convex| convex.reach()),
     };
     if reach <= FARTHEST { Ok(()) } else { Err(GeometryError::TooFar { shape: kind(shape), reach, limit: FARTHEST }) }
 }
@@ -297,4 +300,21 @@ fn cuboid(half: &Vector3<f64>, pose: &Pose) -> Polytope {
     };
     let faces = (0..6).map(|number| face(number / 2, number % 2)).collect();
     Polytope::of_faces(vertices.collect(), faces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hull_is_made_once_for_the_check_of_its_points_and_for_its_pairs() {
+        let corner =
+            |number: u32| Vector3::new(f64::from(number & 1), f64::from(number >> 1 & 1), f64::from(number >> 2));
+        let points = Arc::new((0..8).map(corner).collect::<Vec<_>>());
+        let pose = Pose::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.3, -0.2, 0.1));
+        let shape = Shape::Hull(points.clone());
+        check_shape(&shape, &pose).expect("a cube");
+        Convex::shared(&shape, &pose).expect("a hull");
+        assert_eq!(HULLS.poses(&points), 1);
+    }
 }

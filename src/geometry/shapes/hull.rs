@@ -10,7 +10,7 @@ use catena_mechanism::description::contact::Surface;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::try_convex_hull;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Meshes of more triangles take too long.
 const MOST_TRIANGLES: usize = 2_000_000;
@@ -133,12 +133,11 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
         let [a, b, c] = corners.map(|corner| vertices[corner]);
         (b - a).cross(&(c - a))
     };
-    let mut beside: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-    for (number, corners) in triangles.iter().enumerate() {
-        for side in 0..3 {
-            beside.insert([corners[side], corners[(side + 1) % 3]], number);
-        }
-    }
+    let edges = triangles
+        .iter()
+        .enumerate()
+        .flat_map(|(number, corners)| (0..3).map(move |side| ([corners[side], corners[(side + 1) % 3]], number)));
+    let beside: HashMap<[usize; 2], usize> = edges.collect();
     // The largest triangles begin, so that a face has the plane of its best-known part.
     let areas: Vec<f64> = triangles.iter().map(|corners| doubled(corners).norm()).collect();
     let mut order: Vec<usize> = (0..triangles.len()).collect();
@@ -183,6 +182,13 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
 
 /// The outline of some triangles in one plane.
 fn outline(triangles: &[[usize; 3]], members: &[usize], normal: Vector3<f64>) -> Result<Face, GeometryError> {
+    if let &[alone] = members {
+        // From its first corner on, as longer outlines.
+        let mut corners = triangles[alone];
+        let first = (0..3).min_by_key(|&side| corners[side]).unwrap_or_default();
+        corners.rotate_left(first);
+        return Ok(Face { normal, corners: corners.to_vec() });
+    }
     let sides = |&member: &usize| {
         let corners = triangles[member];
         (0..3).map(move |side| (corners[side], corners[(side + 1) % 3]))
@@ -223,6 +229,18 @@ mod tests {
                 Vector3::new(0.3 * radius * turn.cos(), 0.2 * radius * turn.sin(), 0.1 * z)
             })
             .collect()
+    }
+
+    #[test]
+    fn faces_of_one_triangle_begin_at_their_first_corner_as_merged_ones_do_and_turn_about_their_normal() {
+        let hull = convex_hull(&points(800, true)).expect("a hull");
+        assert!(hull.faces.iter().any(|face| face.corners.len() == 3));
+        assert!(hull.faces.iter().any(|face| face.corners.len() > 20));
+        for Face { normal, corners } in &hull.faces {
+            assert_eq!(corners.iter().min(), corners.first());
+            let [a, b, c] = [0, 1, 2].map(|place| hull.vertices[corners[place]]);
+            assert!((b - a).cross(&(c - a)).dot(normal) > 0.0);
+        }
     }
 
     #[test]

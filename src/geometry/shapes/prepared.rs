@@ -45,6 +45,12 @@ impl<S, T> Prepared<S, T> {
         Ok(shape)
     }
 
+    /// In how many poses a source is known.
+    #[cfg(test)]
+    pub fn poses(&self, source: &Arc<S>) -> usize {
+        self.lock().iter().filter(|known| known.source.as_ptr() == Arc::as_ptr(source)).count()
+    }
+
     fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Known<S, T>>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }

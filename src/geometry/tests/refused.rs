@@ -55,7 +55,7 @@ fn every_impossible_shape_is_refused_with_what_to_do() {
         assert_eq!(error(shape.clone()), words);
         // Only the reader of a mesh knows the properties of its triangles.
         if !matches!(shape, Shape::Mesh(_)) {
-            assert_eq!(check_shape(&shape).expect_err(words).to_string(), words);
+            assert_eq!(check_shape(&shape, &Pose::identity()).expect_err(words).to_string(), words);
         }
     }
     assert!(error(hull(&corners)).contains("m of one plane"), "thinner than 1e-7 of its size");
@@ -130,7 +130,7 @@ fn points_in_one_plane_make_a_plate_that_touches_with_its_corners_and_is_touched
 
 #[test]
 fn what_reaches_too_far_or_has_too_many_triangles_is_refused_before_it_is_in_a_scene() {
-    let refused = |shape: &Shape| check_shape(shape).err().map(|error| error.to_string());
+    let refused = |shape: &Shape| check_shape(shape, &Pose::identity()).err().map(|error| error.to_string());
     let corners = |size: f64| [[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size]];
     for (size, is_refused) in [(9.9e5, false), (1.01e6, true)] {
         let shapes = [

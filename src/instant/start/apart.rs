@@ -23,8 +23,10 @@ use nalgebra::DMatrix;
 const ROUNDS: usize = 60;
 /// Overlaps up to this part of the size of a pair may remain.
 const APART: f64 = 1e-14;
-/// Contacts of a pair that overlaps are near if their gaps are less than this part of its size.
+/// Contacts of a pair that overlaps are near if their gaps are less than this part of its size,
 const NEAR: f64 = 0.1;
+/// and less than this many times the deepest overlap: to move apart by a rounding, features of dense hulls a tenth of their size apart do not matter.
+const MOVES: f64 = 100.0;
 /// Gaps of the linear problem above minus this part of the deepest overlap are closed.
 const CLOSED: f64 = 1e-13;
 /// Largest change of a freedom in one round (rad, m).
@@ -39,16 +41,17 @@ pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State)
     overlaps.max_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// Makes one round: moves a state so that what overlaps would not, were its gaps linear. Says whether anything was moved.
+/// Makes one round: moves a state with this deepest overlap (m) so that nothing would overlap, were its gaps linear. Says whether anything was moved.
 pub(crate) fn move_apart(
     touching: &Touching,
     mechanism: &Mechanism,
     response: &mut Response,
     state: &mut State,
+    depth: f64,
 ) -> bool {
     let bodies = body_states(mechanism, state);
     let (mut rows, mut gaps) = (Vec::new(), Vec::new());
-    for (pair, near) in touching.pairs.iter().map(|pair| pair.within(NEAR)).enumerate() {
+    for (pair, near) in touching.pairs.iter().map(|pair| pair.within(NEAR).min(MOVES * depth)).enumerate() {
         if touching.distance_within(pair, &bodies, near) > near {
             continue;
         }
@@ -120,11 +123,9 @@ pub(crate) fn without_overlap<E>(
     let first = deepest(&touching, mechanism, state).map(named);
     let mut response = None;
     for _ in 0..ROUNDS {
-        if deepest(&touching, mechanism, state).is_none() {
-            return Ok((first, None));
-        }
+        let Some((_, depth)) = deepest(&touching, mechanism, state) else { return Ok((first, None)) };
         let response = response.get_or_insert_with(|| Response::new(mechanism));
-        if !move_apart(&touching, mechanism, response, state) {
+        if !move_apart(&touching, mechanism, response, state, depth) {
             break;
         }
         close(state)?;

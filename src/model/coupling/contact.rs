@@ -113,7 +113,8 @@ impl Model {
                 }
                 let pose = frame.in_body * given.origin;
                 let names = [link.name.as_str(), frame.name.as_str()];
-                let shapes = reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice)?;
+                let shapes =
+                    reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice, &pose)?;
                 let surface_velocity =
                     link.surface.velocity.map_or(Vector3::zeros(), |own| frame.in_body.rotation * own);
                 let (name, body) = (&frame.name, frame.body);

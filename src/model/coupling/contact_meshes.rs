@@ -2,6 +2,7 @@
 
 use crate::geometry::{GeometryError, Pieces, check_shape, decompose};
 use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::joint::Pose;
 use crate::meshes::{collision_surface, connected_parts};
 use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
@@ -25,7 +26,8 @@ pub(crate) struct ShapeReader {
 
 impl ShapeReader {
     /// The shapes for a collision shape of a link of the robot of file `number`: several for a mesh in parts, zero and a warning for a mesh that is
-    /// not found. The link is given by its names in the URDF and in the scene, the shape by its place among the shapes of the link.
+    /// not found. The link is given by its names in the URDF and in the scene, the shape by its place among the shapes of the link; `pose` is its frame
+    /// in the body.
     ///
     /// # Errors
     /// [`ModelError`] for shapes without size, and for meshes that are there and cannot be used: a run without them would be one of another robot.
@@ -35,6 +37,7 @@ impl ShapeReader {
         [link, touching]: [&str; 2],
         (place, given): (usize, &LinkShape),
         choice: LinkShapes,
+        pose: &Pose,
     ) -> Result<Vec<Shape>, ModelError> {
         let refuse = |problem: CouplingProblem| {
             let (file, element) = (robot.path.clone(), Element::Link(link.to_string()));
@@ -74,7 +77,7 @@ impl ShapeReader {
                     self.warn(robot, link, given.line, message);
                     return Ok(Vec::new());
                 };
-                let (shapes, exact) = hulls(&source, mesh, choice).map_err(|why| {
+                let (shapes, exact) = hulls(&source, mesh, choice, pose).map_err(|why| {
                     refuse(match why {
                         Unusable::Mesh(problem) => unusable(problem),
                         Unusable::Pieces(problem) => {
@@ -93,7 +96,7 @@ impl ShapeReader {
                 return Ok(shapes);
             }
         };
-        check_shape(&shape).map_err(|problem| refuse(CouplingProblem::Shape(problem)))?;
+        check_shape(&shape, pose).map_err(|problem| refuse(CouplingProblem::Shape(problem)))?;
         Ok(vec![shape])
     }
 
@@ -118,7 +121,12 @@ impl ShapeReader {
 }
 
 /// The convex hulls of a mesh and whether they are exact, or the reason why it cannot be used.
-fn hulls(source: &MeshSource, mesh: &MeshFile, choice: LinkShapes) -> Result<(Vec<Shape>, bool), Unusable> {
+fn hulls(
+    source: &MeshSource,
+    mesh: &MeshFile,
+    choice: LinkShapes,
+    pose: &Pose,
+) -> Result<(Vec<Shape>, bool), Unusable> {
     let surface = collision_surface(std::path::Path::new(&mesh.path), &source.bytes, &mesh.scale);
     let surface = surface.map_err(|error| Unusable::Mesh(error.to_string()))?;
     let mut exact = true;
@@ -136,7 +144,8 @@ fn hulls(source: &MeshSource, mesh: &MeshFile, choice: LinkShapes) -> Result<(Ve
         LinkShapes::Hull | LinkShapes::None => vec![surface.vertices],
     };
     let shapes: Vec<Shape> = parts.into_iter().map(|part| Shape::Hull(Arc::new(part))).collect();
-    shapes.iter().try_for_each(check_shape).map_err(|problem| Unusable::Mesh(problem.to_string()))?;
+    let checked = shapes.iter().try_for_each(|shape| check_shape(shape, pose));
+    checked.map_err(|problem| Unusable::Mesh(problem.to_string()))?;
     Ok((shapes, exact))
 }
 

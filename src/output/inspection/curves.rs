@@ -15,7 +15,7 @@ use crate::mechanism::ground::words::counted;
 use crate::output::inspection::joint_values::{JointKinds, Quantity, contact_forces, joint_values, wrenches};
 use crate::output::inspection::summary::short;
 use crate::output::log::reading::decode::LoggedEvent;
-use crate::output::log::reading::frames::{Figures, Frame, Visitor, visit};
+use crate::output::log::reading::frames::{Figures, Frame, Slopes, Visitor, visit};
 use crate::output::log::reading::records::ReadError;
 use crate::output::log::seconds;
 use std::ops::ControlFlow;
@@ -140,6 +140,16 @@ impl Visitor for Gatherer<'_> {
         }
         self.before = Some([self.before.map_or(time, |[first, _]| first), time]);
         ControlFlow::Continue(())
+    }
+
+    fn slopes(&mut self, slopes: &Slopes) {
+        let Slopes { key, by, .. } = slopes;
+        let time = seconds(slopes.nanoseconds);
+        for (quantity, values) in [(Quantity::Slope, &by.positions), (Quantity::RateSlope, &by.velocities)] {
+            for (name, value) in by.names.iter().zip(values) {
+                self.add(quantity, &format!("{name} by {key}"), time, *value);
+            }
+        }
     }
 
     fn event(&mut self, event: LoggedEvent) {

@@ -37,6 +37,9 @@ pub enum Quantity {
     Force,
     Torque,
     ContactForce,
+    /// Derivatives by a parameter.
+    Slope,
+    RateSlope,
 }
 
 impl Quantity {
@@ -54,6 +57,7 @@ impl Quantity {
             Quantity::Torque | Quantity::MotorTorque => "N m",
             Quantity::Displacement => "rad or m",
             Quantity::Rate => "rad/s or m/s",
+            Quantity::Slope | Quantity::RateSlope => "per unit",
         }
     }
 
@@ -75,6 +79,8 @@ impl Quantity {
             Quantity::MotorEffort => "Motor efforts",
             Quantity::Displacement => "Joint positions",
             Quantity::Rate => "Joint velocities",
+            Quantity::Slope => "Derivatives of joint positions",
+            Quantity::RateSlope => "Derivatives of joint velocities",
         }
     }
 

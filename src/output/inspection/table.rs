@@ -8,12 +8,13 @@
 //! | `JOINT.motor_effort [N m]`               | what its motor does, if it has one                           |
 //! | `A\|B.contact_force.x [N]`, …            | force of B on A, for all that touch at any sample            |
 //! | `LINK.x [m]`, …, `LINK.qw`, …            | every link frame in the world                                |
+//! | `sensitivity_at [s]`, `dJOINT.position/dKEY`, … | derivatives at the end of the last step that has them, if the log does |
 //! | `step_end [s]`, `energy.total [J]`, …    | figures at the end of the last step, which is not later       |
 
 use crate::drawing::comma_separated::field;
 use crate::output::inspection::joint_values::{JointKinds, contact_forces, joint_values};
 use crate::output::log::reading::frame_stream::Frames;
-use crate::output::log::reading::frames::{Frame, Visitor, visit};
+use crate::output::log::reading::frames::{Frame, Slopes, Visitor, visit};
 use crate::output::log::reading::reader::LogChannel;
 use crate::output::log::reading::records::ReadError;
 use crate::output::log::seconds;
@@ -130,6 +131,15 @@ fn cells(frame: &Frame, kinds: &JointKinds, pairs: &[String]) -> Vec<(String, Op
         for (axis, value) in [("x [m]", x), ("y [m]", y), ("z [m]", z), ("qw", qw), ("qx", qx), ("qy", qy), ("qz", qz)]
         {
             cells.push((format!("{name}.{axis}"), Some(value)));
+        }
+    }
+    if let Some(first) = frame.slopes.first() {
+        cells.push(("sensitivity_at [s]".to_string(), Some(seconds(first.nanoseconds))));
+    }
+    for Slopes { key, by, .. } in &frame.slopes {
+        for (what, values) in [("position", &by.positions), ("velocity", &by.velocities)] {
+            let named = by.names.iter().zip(values);
+            cells.extend(named.map(|(name, value)| (format!("d{name}.{what}/d{key}"), Some(*value))));
         }
     }
     let figures = &frame.figures;

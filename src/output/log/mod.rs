@@ -19,6 +19,7 @@
 //! | `/energy`            | `catena_msgs/msg/Energy`                | step ends: the parts of the energy (J), by name |
 //! | `/constraint`        | `catena_msgs/msg/Constraint`            | step ends: constraint errors of positions and velocities |
 //! | `/solver`            | `catena_msgs/msg/Solver`                | step ends: last step (s), stages; steps, iterations, rejections since before |
+//! | `/sensitivities/KEY` | `sensor_msgs/msg/JointState`            | step ends: derivatives by a parameter, with `--sensitivity` |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.
@@ -65,6 +66,7 @@ pub use encoding::names::START;
 pub use encoding::severity::Severity;
 pub use encoding::time::{LONGEST, nanoseconds, seconds};
 pub use messages::options::{LogOptions, Meshes};
+pub use messages::sensitivities::{Derivatives, DerivativesRow};
 pub use messages::topics::{Topics, UnknownTopic};
 pub use recording::comparison::{Compared, Difference};
 pub use recording::recorder::Recorder;

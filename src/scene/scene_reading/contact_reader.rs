@@ -99,14 +99,15 @@ impl CouplingReader<'_> {
             let scale = given(&shape.get_ref().scale).unwrap_or(Vector3::repeat(1.0));
             let span = shape.span();
             let (shape, turn, mesh) = self.shape(shape, &owner, files)?;
-            if let Err(problem) = check_shape(&shape) {
+            let in_world = placed(&pose) * turn;
+            if let Err(problem) = check_shape(&shape, &in_world) {
                 let problem = Problem::Toml { key: Some("obstacle.shape".to_string()), message: problem.to_string() };
                 return Err(self.text.error(&span, Some(owner), problem));
             }
             obstacles.push(Obstacle {
                 name,
                 shape,
-                pose: placed(&pose) * turn,
+                pose: in_world,
                 rpy: pose.rpy.map(|angle| angle.0),
                 turn,
                 normal,

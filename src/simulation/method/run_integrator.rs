@@ -103,6 +103,15 @@ impl RunIntegrator {
         }
     }
 
+    /// The error of the run is estimated.
+    pub(crate) fn keep_estimate(&mut self) {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.keep_estimate(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.keep_estimate(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => {}
+        }
+    }
+
     /// A bound of the overlap of shapes in the steps so far (m).
     pub(crate) fn overlap(&self) -> f64 {
         match self {

@@ -62,7 +62,10 @@ impl Terms<'_> {
         stages: StageChoice,
     ) -> Result<RunIntegrator, MethodError> {
         let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
-        let run = RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone());
+        let mut run = RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone());
+        if self.estimate {
+            run.keep_estimate();
+        }
         // The height that accumulating impacts leave is an error, as the increments at the stop are.
         Ok(run.leaving(stop / self.first_stop(mechanism), 1.0))
     }

@@ -92,7 +92,12 @@ impl<'d> CdrReader<'d> {
 
     /// A `std_msgs/Header`.
     pub(crate) fn header(&mut self) -> Result<(), String> {
+        self.frame().map(drop)
+    }
+
+    /// The frame of a `std_msgs/Header`.
+    pub(crate) fn frame(&mut self) -> Result<String, String> {
         self.time()?;
-        self.string().map(drop)
+        self.string()
     }
 }

@@ -32,6 +32,16 @@ impl Template {
         Self::new(frame, names, |writer| [0; 3].map(|_| writer.structures::<1>(count)).to_vec())
     }
 
+    /// A `sensor_msgs/msg/JointState` without efforts: rows of positions and velocities.
+    pub(crate) fn slopes<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+        let count = names.len();
+        Self::new(frame, names, |writer| {
+            let rows = [0; 2].map(|_| writer.structures::<1>(count)).to_vec();
+            writer.unsigned(0);
+            rows
+        })
+    }
+
     /// A `sensor_msgs/msg/JointState` with efforts alone: one row of them.
     pub(crate) fn efforts<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
         let count = names.len();

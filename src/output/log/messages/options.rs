@@ -1,6 +1,8 @@
 //! The options of a log.
 
+use crate::output::log::messages::sensitivities::Derivatives;
 use crate::output::log::messages::topics::Topics;
+use std::sync::Arc;
 
 /// The place of the geometry of mesh files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,7 +17,7 @@ pub enum Meshes {
 }
 
 /// The options of a log.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogOptions {
     /// The topics that it has.
     pub topics: Topics,
@@ -25,6 +27,8 @@ pub struct LogOptions {
     pub compress: bool,
     /// The time of the log at the start of the run, in nanoseconds since 1970.
     pub start: u64,
+    /// Derivatives of the run, which are known before it.
+    pub derivatives: Option<Arc<Derivatives>>,
 }
 
 impl LogOptions {

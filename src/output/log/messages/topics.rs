@@ -6,7 +6,7 @@
 use std::str::FromStr;
 
 /// The topics that can be left out; topics of robots in a scene have the robot's name before them.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 15] = [
     "robot_description",
     "visual_markers",
     "collision_shapes",
@@ -21,6 +21,7 @@ const NAMES: [&str; 14] = [
     "energy",
     "constraint",
     "solver",
+    "sensitivities",
 ];
 
 /// The topics of a log.

@@ -170,6 +170,16 @@ pub fn joint_states(data: &[u8]) -> Result<JointStates, String> {
     }
 }
 
+/// Decodes a `sensor_msgs/msg/JointState` about a frame, and the name of that.
+///
+/// # Errors
+/// The defect of the message.
+pub fn framed_joint_states(data: &[u8]) -> Result<(String, JointStates), String> {
+    let mut cdr = CdrReader::new(data)?;
+    let frame = cdr.frame()?;
+    Ok((frame, joint_states(data)?))
+}
+
 /// Decodes a `sensor_msgs/msg/MultiDOFJointState`.
 ///
 /// # Errors

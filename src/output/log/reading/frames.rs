@@ -7,6 +7,7 @@
 use crate::output::log::encoding::line;
 use crate::output::log::encoding::names::LIBRARY;
 use crate::output::log::encoding::time::seconds;
+use crate::output::log::messages::sensitivities::TOPIC as SENSITIVITIES;
 use crate::output::log::reading::decode;
 use crate::output::log::reading::decode::{JointStates, LinkPose, LogLine, LoggedContact, LoggedEvent, MultiDofStates};
 use crate::output::log::reading::reader::{Item, LogChannel, read_log};
@@ -34,6 +35,19 @@ pub struct Frame {
     pub contacts: Vec<LoggedContact>,
     /// Figures of the last step.
     pub figures: Figures,
+    /// The last derivatives by each parameter.
+    pub slopes: Vec<Slopes>,
+}
+
+/// The derivatives of a run by a parameter, at the end of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Slopes {
+    /// Time at the end of the step in nanoseconds.
+    pub nanoseconds: u64,
+    /// The parameter.
+    pub key: String,
+    /// ∂q/∂θ and ∂v/∂θ of the degrees of freedom.
+    pub by: JointStates,
 }
 
 /// The figures at the end of a step; `None` where the log has no such figure yet.
@@ -101,6 +115,9 @@ pub trait Visitor {
     /// The figures of a step, in order of time.
     fn figures(&mut self, _figures: &Figures) {}
 
+    /// The derivatives by a parameter at the end of a step.
+    fn slopes(&mut self, _slopes: &Slopes) {}
+
     /// An event.
     fn event(&mut self, _event: LoggedEvent) {}
 
@@ -129,6 +146,7 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
         frame: None,
         figures: None,
         last: Figures::default(),
+        slopes: Vec::new(),
         is_ours: false,
         declared: [false; TOPICS.len()],
         seen: [false; TOPICS.len()],
@@ -195,6 +213,8 @@ struct Builder<'v> {
     frame: Option<Frame>,
     figures: Option<Figures>,
     last: Figures,
+    /// The last derivatives by each parameter.
+    slopes: Vec<Slopes>,
     /// Whether this program wrote the log, so that every sample has a message of every topic.
     is_ours: bool,
     /// Which of [`TOPICS`] the log has,
@@ -251,6 +271,15 @@ impl Builder<'_> {
                 let solver = decode::named_numbers(data)?;
                 self.figures.get_or_insert_with(new_figures).solver = Some(solver);
             }
+            (topic, "sensor_msgs/msg/JointState") if topic.starts_with(SENSITIVITIES) => {
+                let (key, by) = decode::framed_joint_states(data)?;
+                let slopes = Slopes { nanoseconds: time, key, by };
+                self.visitor.slopes(&slopes);
+                match self.slopes.iter_mut().find(|known| known.key == slopes.key) {
+                    Some(known) => *known = slopes,
+                    None => self.slopes.push(slopes),
+                }
+            }
             (line::TOPIC, "rcl_interfaces/msg/Log") => self.visitor.line(time, decode::log_line(data)?),
             _ => {}
         }
@@ -269,7 +298,9 @@ impl Builder<'_> {
         let may_lack = std::mem::take(&mut self.is_torn) || self.is_ours;
         let lacks = std::mem::take(&mut self.seen) != self.declared;
         match self.frame.take() {
-            Some(frame) if !(may_lack && lacks) => self.visitor.frame(&Frame { figures: self.last, ..frame }),
+            Some(frame) if !(may_lack && lacks) => {
+                self.visitor.frame(&Frame { figures: self.last, slopes: self.slopes.clone(), ..frame })
+            }
             _ => ControlFlow::Continue(()),
         }
     }

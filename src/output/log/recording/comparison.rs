@@ -8,6 +8,7 @@ use crate::output::log::encoding::line::TOPIC as LINES;
 use crate::output::log::encoding::markers::TOPIC as MARKERS;
 use crate::output::log::encoding::time::seconds;
 use crate::output::log::messages::collision_shapes::TOPIC as SHAPES;
+use crate::output::log::messages::sensitivities::TOPIC as SENSITIVITIES;
 use crate::output::log::reading::decode;
 use crate::output::log::reading::reader::{Item, read_log};
 use crate::output::log::storage::batch::Batch;
@@ -20,9 +21,11 @@ use std::sync::mpsc::{Receiver, sync_channel};
 /// Messages that are handed over together.
 const PIECE: usize = 256;
 
-/// Topics that are not compared: they hold paths of the machine and words.
+/// Topics that are not compared: they hold paths of the machine and words, or follow from the run.
 fn is_compared(topic: &str) -> bool {
-    !(topic.ends_with("robot_description") || [MARKERS, SHAPES, LINES, "/scene", "/log"].contains(&topic))
+    !(topic.starts_with(SENSITIVITIES)
+        || topic.ends_with("robot_description")
+        || [MARKERS, SHAPES, LINES, "/scene", "/log"].contains(&topic))
 }
 
 /// The first message of a run that differs from the log.

@@ -17,6 +17,7 @@ use crate::output::log::messages::figures::FigureMessages;
 use crate::output::log::messages::joints::JointMessages;
 use crate::output::log::messages::motors::MotorMessages;
 use crate::output::log::messages::options::LogOptions;
+use crate::output::log::messages::sensitivities::SensitivityMessages;
 use crate::output::log::messages::transforms::{TransformsEncoder, drawn_links, world_frame};
 use crate::output::log::recording::queue::{Between, Piece};
 use crate::output::log::storage::error::LogError;
@@ -35,6 +36,7 @@ pub(crate) struct SampleEncoder {
     events: Option<EventMessages>,
     contacts: Option<ContactMessages>,
     contact_forces: Option<ContactForces>,
+    sensitivities: Option<SensitivityMessages>,
     instants: View,
     snapshots: Snapshots,
     position_count: usize,
@@ -66,6 +68,7 @@ impl SampleEncoder {
             events: EventMessages::new(sink, model, wanted)?,
             contacts: ContactMessages::new(sink, model, world, wanted)?,
             contact_forces: ContactForces::new(sink, model, world, wanted)?,
+            sensitivities: SensitivityMessages::new(sink, options.derivatives.as_ref(), wanted)?,
             instants: View::new(mechanism, &places),
             snapshots: Snapshots::new(mechanism, places.len()),
             position_count: mechanism.position_count,
@@ -127,6 +130,10 @@ impl SampleEncoder {
                 }
                 self.contact_forces.as_mut().map_or(Ok(()), |forces| forces.write(stamp, points, sink))
             }
+            Between::Derivatives(time, row) => match &self.sensitivities {
+                Some(sensitivities) => sensitivities.write(*row, self.start + time, sink),
+                None => Ok(()),
+            },
             Between::Figures(time, figures) => self.figures.write(figures, self.start + time, sink),
         }
     }

@@ -7,9 +7,11 @@
 use crate::mechanism::motion::event::Event;
 use crate::output::log::encoding::time::nanoseconds;
 use crate::output::log::messages::figures::Figures;
+use crate::output::log::messages::sensitivities::Derivatives;
 use crate::output::log::recording::queue::{Between, Piece};
 use crate::simulation::{Counts, Sample, StepEnd};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Events are at the end of a step if they differ from it by at most this (s), at later times by this part of the time.
 const AT_END: f64 = 1e-9;
@@ -24,11 +26,14 @@ pub(crate) struct Order {
     last_figures: Option<f64>,
     last_counts: Counts,
     last_time: u64,
+    /// Derivatives of the run, and how many of their rows are added.
+    derivatives: Option<Arc<Derivatives>>,
+    derived: usize,
 }
 
 impl Order {
-    /// The order of a run with this number of stages.
-    pub(crate) fn new(stages: f64) -> Self {
+    /// The order of a run with this number of stages, and with derivatives.
+    pub(crate) fn new(stages: f64, derivatives: Option<Arc<Derivatives>>) -> Self {
         Order {
             stages,
             waiting: None,
@@ -37,6 +42,8 @@ impl Order {
             last_figures: None,
             last_counts: Counts::default(),
             last_time: 0,
+            derivatives,
+            derived: 0,
         }
     }
 
@@ -61,6 +68,7 @@ impl Order {
     /// Adds a sample, and before it what happened up to there.
     pub(crate) fn add(&mut self, sample: &Sample, piece: &mut Piece) {
         self.add_until(sample.time, piece);
+        self.add_derivatives(nanoseconds(sample.time), piece);
         self.last_time = nanoseconds(sample.time);
         piece.push(sample.time, sample.position, sample.velocity);
         if self.last_figures.is_none_or(|last| last < sample.step.time) {
@@ -109,12 +117,27 @@ impl Order {
         let waits = |event: &Event| event.time > time;
         while let Some(index) = self.events.iter().position(|event| !waits(event)) {
             let Some(event) = self.events.remove(index) else { return };
+            self.add_derivatives(nanoseconds(event.time), piece);
             self.last_time = self.last_time.max(nanoseconds(event.time));
             piece.push_event(self.last_time, event);
         }
     }
 
+    /// Adds the derivatives up to a time in nanoseconds.
+    fn add_derivatives(&mut self, until: u64, piece: &mut Piece) {
+        let Some(derivatives) = &self.derivatives else { return };
+        while let Some(stamp) = derivatives.rows.get(self.derived).map(|row| nanoseconds(row.time)) {
+            if stamp > until {
+                return;
+            }
+            self.last_time = self.last_time.max(stamp);
+            piece.push_between(Between::Derivatives(self.last_time, self.derived));
+            self.derived += 1;
+        }
+    }
+
     fn add_figures(&mut self, end: &StepEnd, stamp: u64, piece: &mut Piece) {
+        self.add_derivatives(stamp, piece);
         let (energy, exchange) = (end.energy, end.exchange);
         // Several steps may have been made since the figures before these.
         let (counts, last) = (end.so_far, self.last_counts);
@@ -162,6 +185,7 @@ mod tests {
                     Between::Figures(stamp, _) => format!("figures {}", *stamp as f64 / 1e6),
                     Between::Event(stamp, _) => format!("event {}", stamp / 1_000_000),
                     Between::Contacts(stamp, _) => format!("contacts {}", stamp / 1_000_000),
+                    Between::Derivatives(stamp, _) => format!("derivatives {}", stamp / 1_000_000),
                     Between::Line(..) => "line".to_string(),
                 });
             }
@@ -188,7 +212,7 @@ mod tests {
             order.add(&Sample { time, position: &[], velocity: &[], step }, piece);
         };
         let event = |time: f64| Event { time, kind: EventKind::Stick, body: 0, pair: None, impulse: None };
-        let (mut order, mut piece) = (Order::new(5.0), Piece::default());
+        let (mut order, mut piece) = (Order::new(5.0, None), Piece::default());
         sample(&mut order, &mut piece, 0.0, &end(0.0));
         // A step from 0 to 25 ms, at whose end are two events.
         order.event(&event(0.025));
@@ -235,7 +259,7 @@ mod tests {
         };
         let so_far = Counts { steps: 2, iterations: 9, rejected: 1 };
         let end = StepEnd { time: 0.025, energy, exchange, violation: Violation::default(), outcome, so_far };
-        let (mut order, mut piece) = (Order::new(5.0), Piece::default());
+        let (mut order, mut piece) = (Order::new(5.0, None), Piece::default());
         order.event(&Event { time: 0.025, kind: EventKind::LimitImpact, body: 0, pair: None, impulse: Some(1.0) });
         order.step(&end);
         order.add_until(0.1, &mut piece);
@@ -253,7 +277,7 @@ mod tests {
     #[test]
     fn an_event_that_is_told_before_it_happens_keeps_back_no_event_after_it() {
         let event = |time: f64| Event { time, kind: EventKind::Rest, body: 0, pair: None, impulse: None };
-        let (mut order, mut piece) = (Order::new(5.0), Piece::default());
+        let (mut order, mut piece) = (Order::new(5.0, None), Piece::default());
         [0.020, 0.010, f64::NAN, 0.012].iter().for_each(|&time| order.event(&event(time)));
         order.add_until(0.015, &mut piece);
         // A time that is not a number is the time of the event before it.

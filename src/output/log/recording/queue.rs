@@ -32,6 +32,8 @@ pub(crate) enum Between {
     Event(u64, Event),
     /// The contacts of the sample before, at its time in nanoseconds.
     Contacts(u64, Vec<ContactPoint>),
+    /// The derivatives of this number at a time in nanoseconds.
+    Derivatives(u64, usize),
     /// A line of `/log`, encoded.
     Line(u64, Vec<u8>),
 }

@@ -12,6 +12,7 @@ use crate::output::log::encoding::severity::Severity;
 use crate::output::log::encoding::time::{nanoseconds, seconds};
 use crate::output::log::messages::description::describe;
 use crate::output::log::messages::options::{LogOptions, Meshes};
+use crate::output::log::messages::sensitivities::Derivatives;
 use crate::output::log::recording::accuracy_lines::AccuracyLines;
 use crate::output::log::recording::background::BackgroundFile;
 use crate::output::log::recording::comparison::{Compared, Comparison, Difference};
@@ -40,6 +41,7 @@ pub struct Recorder {
     accuracy: AccuracyLines,
     /// The contacts of the next sample, where shapes may touch.
     contacts: Option<Vec<ContactPoint>>,
+    derivatives: Option<Arc<Derivatives>>,
 }
 
 /// The destination of samples.
@@ -117,13 +119,14 @@ impl Recorder {
         // The constant part is safe in the file before the run begins.
         file.begin(may_begin_again)?;
         let file = BackgroundFile::new(path, file, encoder)?;
-        let (sink, order) = (Sink::File(file), Order::new(stages));
-        Ok(Recorder::new(sink, order, model, options.start))
+        let (sink, order) = (Sink::File(file), Order::new(stages, options.derivatives.clone()));
+        Ok(Recorder::new(sink, order, model, options))
     }
 
-    fn new(sink: Sink, order: Order, model: &Model, start: u64) -> Self {
+    fn new(sink: Sink, order: Order, model: &Model, options: &LogOptions) -> Self {
         let (before, accuracy) = (Vec::new(), AccuracyLines::default());
-        Recorder { sink, order, start, before, begun: false, accuracy, contacts: may_touch(model) }
+        let (start, derivatives) = (options.start, options.derivatives.clone());
+        Recorder { sink, order, start, before, begun: false, accuracy, contacts: may_touch(model), derivatives }
     }
 
     /// Once `interrupted` says that the run is interrupted, it waits no longer for an output that is no file and is not read.
@@ -144,8 +147,8 @@ impl Recorder {
         let options = LogOptions { meshes: Meshes::None, ..options.clone() };
         let encoder = prepare(&mut comparison, model, &options, None)?;
         let compare = Compare { log: path.to_path_buf(), comparison, encoder, piece: Piece::default(), waits: false };
-        let (sink, order) = (Sink::Comparison(Box::new(compare)), Order::new(stages));
-        Ok(Recorder::new(sink, order, model, options.start))
+        let (sink, order) = (Sink::Comparison(Box::new(compare)), Order::new(stages, None));
+        Ok(Recorder::new(sink, order, model, &options))
     }
 
     /// The run that is compared may restart: where it differs counts at its end alone, but that the log has ended.
@@ -217,7 +220,8 @@ impl Recorder {
 impl Observer for Recorder {
     fn begin_again(&mut self, method: &MethodDescription) -> Result<(), ObserverError> {
         let after = seconds(self.order.last_time());
-        (self.order, self.accuracy) = (Order::new(method.stages as f64), AccuracyLines::default());
+        (self.order, self.accuracy) =
+            (Order::new(method.stages as f64, self.derivatives.clone()), AccuracyLines::default());
         self.contacts.iter_mut().for_each(Vec::clear);
         match &mut self.sink {
             Sink::File(file) => file.begin_again(),

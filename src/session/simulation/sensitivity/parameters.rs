@@ -2,24 +2,27 @@
 //!
 //! Numbers of a scene reach the equations through the reader of files. The derivatives of masses, frames, springs and starts by such a number come
 //! from eight models with other numbers, by differences of order eight: these functions are smooth and short, and the error is some 1e-13 of the
-//! derivative. A start on closed loops is assembled as often, because other joints follow.
+//! derivative. Four models are enough where two differences are the same, as those by masses and inertias are. A start on closed loops is assembled as often, because other joints follow.
 
 use crate::derivatives::equations::figures::Figures;
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws, WEIGHTS};
+use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::contact::Shape;
-use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz};
+use crate::mechanism::description::joint::{FreeRotation, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::DVector;
 
 /// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
 const WIDTH: f64 = 4e-3;
+/// Or by these parts of it, if they cannot vary as much.
+const NARROWER: [f64; 2] = [1e-2, 1e-4];
 
 impl Simulation {
     /// The parameters of a key, with their names.
@@ -96,37 +99,103 @@ impl Simulation {
         let exact = params.iter().find(|(name, _)| name == key);
         let (_, value) = exact.or_else(|| found.next()).ok_or_else(|| SensitivityError::Unknown { key: own() })?;
         let value = value.filter(|value| value.is_finite()).ok_or_else(|| SensitivityError::NoValue { key: own() })?;
-        let width = if value == 0.0 { WIDTH } else { WIDTH * value.abs() };
-        let mechanism = &self.model.description().mechanism;
-        let here = listed(&self.model);
-        let mut parameter = Parameter { figures: vec![0.0; here.len()], ..Parameter::none(start.velocity.len()) };
-        for (index, weight) in WEIGHTS.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                let other = value + sign * (index + 1) as f64 * width;
+        // Some numbers are close to one that they cannot be.
+        let mut tried = self.by_differences(key, value, start, WIDTH);
+        for narrower in NARROWER {
+            if let Err(Error::Sensitivity(SensitivityError::Edge { .. })) = tried {
+                tried = self.by_differences(key, value, start, narrower * WIDTH).or(tried);
+            }
+        }
+        tried
+    }
+
+    /// The same from models whose numbers differ by this part of the value, and by up to four times of it.
+    fn by_differences(&self, key: &str, value: f64, start: &State, width: f64) -> Result<Parameter, Error> {
+        let width = if value == 0.0 { width } else { width * value.abs() };
+        let here = Seen { figures: listed(&self.model), ..Seen::of(&self.model, start, start) };
+        let at = |count: f64| self.seen(key, value, value + count * width, start, &here.figures);
+        let mut pairs = vec![(2, [at(2.0)?, at(-2.0)?]), (4, [at(4.0)?, at(-4.0)?])];
+        let slopes = |(count, [plus, minus]): &(usize, [Seen; 2])| {
+            let per = 0.5 / (*count as f64 * width);
+            plus.numbers().zip(minus.numbers()).map(move |(plus, minus)| per * (plus - minus)).collect::<Vec<f64>>()
+        };
+        let rounding = |(number, (one, other)): (f64, (f64, f64))| {
+            (one - other).abs() <= 4.0 * f64::EPSILON * number.abs().max(one.abs() * width) / width
+        };
+        let (near, far) = (slopes(&pairs[0]), slopes(&pairs[1]));
+        let is_straight = here.numbers().zip(near.into_iter().zip(far)).all(rounding);
+        let is_timeless = pairs.iter().flat_map(|(_, pair)| pair).all(|seen| seen.laws == here.laws);
+        // The wider pair of numbers that go along straight lines or parabolas has the smaller rounding error.
+        let weights: &[(usize, f64)] = if is_straight && is_timeless {
+            &[(4, 0.125)]
+        } else {
+            pairs.extend([(1, [at(1.0)?, at(-1.0)?]), (3, [at(3.0)?, at(-3.0)?])]);
+            &[(1, WEIGHTS[0]), (2, WEIGHTS[1]), (3, WEIGHTS[2]), (4, WEIGHTS[3])]
+        };
+        let mut parameter =
+            Parameter { figures: vec![0.0; here.figures.len()], ..Parameter::none(start.velocity.len()) };
+        for &(count, weight) in weights {
+            let Some((_, pair)) = pairs.iter().find(|(known, _)| *known == count) else { continue };
+            for (sign, seen) in [1.0, -1.0].into_iter().zip(pair) {
                 let weight = sign * weight / width;
-                let edge = |reason: String| SensitivityError::Edge { key: own(), value, other, reason };
-                let model = self.model.with_params([(key, other)]).map_err(|error| edge(error.to_string()))?;
-                let begun = model
-                    .loaded()
-                    .assembled(&self.positions, &self.velocities, None)
-                    .map_err(|error| edge(error.to_string()))?;
-                let mut state = begun.state;
-                state.time = start.time;
-                let other = &model.description().mechanism;
-                let figures = listed(&model);
-                let is_like = figures.len() == here.len()
-                    && state.position.len() == start.position.len()
-                    && given_shapes(other).eq(given_shapes(mechanism));
-                if !is_like {
-                    return Err(SensitivityError::Structure { key: own(), value }.into());
+                parameter.figures.iter_mut().zip(&seen.figures).for_each(|(slope, figure)| *slope += weight * figure);
+                parameter.position += weight * &seen.position;
+                parameter.velocity += weight * &seen.velocity;
+                if !is_timeless {
+                    parameter.others.push((weight, seen.laws.clone()));
                 }
-                parameter.figures.iter_mut().zip(&figures).for_each(|(slope, figure)| *slope += weight * figure);
-                parameter.position += weight * motion_between(mechanism, start, &state);
-                parameter.velocity += weight * DVector::from_column_slice(&state.velocity);
-                parameter.others.push((weight, TimeLaws::new(&Elements::new(other).motors, &other.forces)));
             }
         }
         Ok(parameter)
+    }
+
+    /// The model with another number.
+    fn seen(&self, key: &str, value: f64, other: f64, start: &State, here: &[f64]) -> Result<Seen, Error> {
+        let own = || key.to_string();
+        let edge = |reason: String| SensitivityError::Edge { key: own(), value, other, reason };
+        let model = self.model.with_params([(key, other)]).map_err(|error| edge(error.to_string()))?;
+        let begun = model
+            .loaded()
+            .assembled(&self.positions, &self.velocities, None)
+            .map_err(|error| edge(error.to_string()))?;
+        let mut state = begun.state;
+        state.time = start.time;
+        let (mechanism, other) = (&self.model.description().mechanism, &model.description().mechanism);
+        let figures = listed(&model);
+        let is_like = figures.len() == here.len()
+            && state.position.len() == start.position.len()
+            && given_shapes(other).eq(given_shapes(mechanism));
+        if !is_like {
+            return Err(SensitivityError::Structure { key: own(), value }.into());
+        }
+        Ok(Seen { figures, ..Seen::of(&model, start, &state) })
+    }
+}
+
+/// What a number of a model decides.
+struct Seen {
+    /// All figures.
+    figures: Vec<f64>,
+    /// The start, as a motion from that of the model itself, and its velocities.
+    position: DVector<f64>,
+    velocity: DVector<f64>,
+    laws: TimeLaws,
+}
+
+impl Seen {
+    /// A model and its start, without its figures.
+    fn of(model: &Model, from: &State, start: &State) -> Self {
+        let mechanism = &model.description().mechanism;
+        Seen {
+            figures: Vec::new(),
+            position: motion_between(mechanism, from, start),
+            velocity: DVector::from_column_slice(&start.velocity),
+            laws: TimeLaws::new(&Elements::new(mechanism).motors, &mechanism.forces),
+        }
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        self.figures.iter().chain(self.position.iter()).chain(self.velocity.iter()).copied()
     }
 }
 
@@ -162,35 +231,4 @@ fn given_shapes(mechanism: &Mechanism) -> impl Iterator<Item = &Shape> {
             Shape::Cylinder { .. } | Shape::Ellipsoid { .. } | Shape::Hollow { .. } | Shape::Hull(_) | Shape::Mesh(_)
         )
     })
-}
-
-/// The motion from one state to another (n): turns of ball joints as rotation vectors about the axes of the child.
-fn motion_between(mechanism: &Mechanism, from: &State, to: &State) -> DVector<f64> {
-    let mut motion = DVector::zeros(mechanism.velocity_count);
-    for body in &mechanism.bodies {
-        let joint = &body.joint;
-        let slides = joint.kind.translation_axes().len();
-        let is_ball = joint.kind.rotation() == FreeRotation::Ball;
-        let scalars = if is_ball { slides } else { joint.kind.velocity_count() };
-        for offset in 0..scalars {
-            let slot = joint.position_index + offset;
-            motion[joint.velocity_index + offset] =
-                (to.position[slot] - from.position[slot]) + (to.compensation[slot] - from.compensation[slot]);
-        }
-        if is_ball {
-            let slot = joint.position_index + slides;
-            let [from, to] = [from, to].map(|state| rotation_from_wxyz(&state.position[slot..slot + 4]));
-            let turn = rotation_vector(&(from.transpose() * to));
-            motion.rows_mut(joint.velocity_index + slides, 3).copy_from(&turn);
-        }
-    }
-    motion
-}
-
-/// The rotation vector of a rotation by less than half a turn: `s (angle/|s|)` with `s = ½ vee(R − Rᵀ)`, zero for no rotation.
-fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    let skew = rotation - rotation.transpose();
-    let half = 0.5 * Vector3::new(skew[(2, 1)], skew[(0, 2)], skew[(1, 0)]);
-    let sine = half.norm();
-    if sine == 0.0 { half } else { half * (sine.atan2(0.5 * (rotation.trace() - 1.0)) / sine) }
 }

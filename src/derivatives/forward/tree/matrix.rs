@@ -1,0 +1,363 @@
+//! The matrix of the equations of a step of a tree, block by block, and its factors.
+//!
+//! ```text
+//!     ∂(row k)/∂δ_i = β_ki C_ki + [k = i] (K_k + U)        ∂(row s)/∂v̄ = C_ss          β_ki = B_ki, or −ω_i/h in the last rows
+//!     C_ki   s_r(k) · ∫ (forces of the points that s_j(i) moves)       from  S_ki = ∫ q_k q_iᵀ dm
+//!     K_k    the forces of stage k stay, their points and the axes move
+//!     U      of the end alone: q̇(v̄) changes with the places
+//! ```
+//!
+//! All integrals are over the bodies behind both freedoms; each matrix is a sum over such bodies of nine numbers, gathered from leaves to root. The
+//! velocities at the end are in the last rows alone, so that the factors are those of a block triangle.
+
+use crate::derivatives::forward::tree::family::Freedom;
+use crate::derivatives::forward::tree::spatial::{Forces, Twist, inner, shifted, sum, trace, transposed};
+use crate::derivatives::forward::tree::step::TreeStep;
+use crate::derivatives::forward::twelve::Twelve;
+use crate::derivatives::numbers::vector::{Matrix, Vector};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+/// The matrix of a step: that of the stages, and the last rows.
+pub(in crate::derivatives::forward) struct TreeMatrix {
+    /// Rows k = 1..s−1 by the displacements of the stages i = 2..s.
+    stages: DMatrix<f64>,
+    /// Rows of the end by the same displacements, and by v̄.
+    end: DMatrix<f64>,
+    masses: DMatrix<f64>,
+}
+
+/// Its factors.
+pub struct TreeFactors {
+    stages: Scaled,
+    end: DMatrix<f64>,
+    masses: Scaled,
+}
+
+/// Factors of a matrix whose rows are divided by powers of two near their largest entries: light joints keep their digits beside heavy ones.
+struct Scaled {
+    factors: LU<f64, Dyn, Dyn>,
+    scales: DVector<f64>,
+}
+
+impl Scaled {
+    /// `None` if the matrix is singular.
+    fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
+        let scale = |largest: f64| if largest > 0.0 { (-largest.log2().round()).exp2() } else { 1.0 };
+        let scales = DVector::from_iterator(matrix.nrows(), matrix.row_iter().map(|row| scale(row.amax())));
+        for mut column in matrix.column_iter_mut() {
+            column.component_mul_assign(&scales);
+        }
+        let factors = matrix.lu();
+        factors.is_invertible().then_some(Scaled { factors, scales })
+    }
+
+    /// A x = b.
+    fn solve(&self, right: &mut DMatrix<f64>) -> Option<()> {
+        for mut column in right.column_iter_mut() {
+            column.component_mul_assign(&self.scales);
+        }
+        self.factors.solve_mut(right).then_some(())
+    }
+
+    /// Aᵀ x = b, from P S A = L U: Uᵀ y = b, Lᵀ P S⁻¹ x = y.
+    fn solve_transposed(&self, mut right: DVector<f64>) -> Option<DVector<f64>> {
+        let is_solved = self.factors.u().tr_solve_upper_triangular_mut(&mut right)
+            && self.factors.l().tr_solve_lower_triangular_mut(&mut right);
+        self.factors.p().inv_permute_rows(&mut right);
+        right.component_mul_assign(&self.scales);
+        is_solved.then_some(right)
+    }
+}
+
+impl TreeFactors {
+    /// `R_u⁻ᵀ` times weights of the displacements at the end and of v̄ (n each).
+    pub fn solve_transposed(&self, displacements: &DVector<f64>, velocities: &DVector<f64>) -> Option<DVector<f64>> {
+        let (n, many) = self.end.shape();
+        let last = self.masses.solve_transposed(velocities.clone())?;
+        let mut right = -self.end.tr_mul(&last);
+        let mut of_end = right.rows_mut(many - n, n);
+        of_end += displacements;
+        let first = self.stages.solve_transposed(right)?;
+        let mut all = DVector::zeros(many + n);
+        all.rows_mut(0, many).copy_from(&first);
+        all.rows_mut(many, n).copy_from(&last);
+        Some(all)
+    }
+}
+
+/// S_ki of the bodies behind each body, with their masses and first moments `∫ q dm` at both stages.
+struct Pair {
+    second: Vec<Matrix<f64>>,
+    weight: f64,
+}
+
+/// What a matrix of two stages is made of, for a body and all behind it.
+struct Behind<'b> {
+    mass: f64,
+    at_row: Vector<f64>,
+    at_column: Vector<f64>,
+    second: &'b Matrix<f64>,
+}
+
+impl Behind<'_> {
+    /// `C s`: force and torque in the row's stage of a motion in the column's.
+    #[inline]
+    fn load(&self, motion: &Twist) -> [Vector<f64>; 2] {
+        let Twist { turn, shift } = *motion;
+        let force = shift.scaled(self.mass) + turn.cross(self.at_column);
+        let torque = self.at_row.cross(shift) + turn.scaled(trace(self.second)) - transposed(self.second, turn);
+        [force, torque]
+    }
+
+    /// `Cᵀ s`.
+    #[inline]
+    fn load_back(&self, motion: &Twist) -> [Vector<f64>; 2] {
+        let Twist { turn, shift } = *motion;
+        let force = shift.scaled(self.mass) + turn.cross(self.at_row);
+        let torque = self.at_column.cross(shift) + turn.scaled(trace(self.second)) - self.second.apply(turn);
+        [force, torque]
+    }
+}
+
+impl TreeMatrix {
+    /// Of a step.
+    pub fn new(step: &TreeStep) -> Self {
+        let (s, n) = (step.stages.len(), step.problem.mode.free.len());
+        let mut stages = DMatrix::zeros((s - 1) * n, (s - 1) * n);
+        let mut end = DMatrix::zeros(n, (s - 1) * n);
+        let mut masses = DMatrix::zeros(n, n);
+        let figures = &step.problem.figures.plain;
+        let mut mass: Vec<f64> = figures.bodies.iter().map(|body| body.mass).collect();
+        step.family.gather(&mut mass, |sum, own| *sum += own);
+        // ∫ q dm of each body at each stage, and of it with all behind it; and the inner parts of S.
+        let single: Vec<Vec<Vector<f64>>> = step
+            .stages
+            .iter()
+            .map(|stage| {
+                let bodies = figures.bodies.iter().zip(&stage.places);
+                bodies.map(|(body, at)| at.origin.scaled(body.mass) + at.axes.apply(body.moment)).collect()
+            })
+            .collect();
+        let first: Vec<Vec<Vector<f64>>> = single
+            .iter()
+            .map(|own| {
+                let mut behind = own.clone();
+                step.family.gather(&mut behind, |sum, own| *sum = *sum + *own);
+                behind
+            })
+            .collect();
+        let inside: Vec<Vec<Matrix<f64>>> = step
+            .stages
+            .iter()
+            .map(|stage| figures.bodies.iter().zip(&stage.places).map(|(body, at)| inner(body, at)).collect())
+            .collect();
+        let pair = |k: usize, i: usize, weight: f64| {
+            let mut second = Vec::with_capacity(figures.bodies.len());
+            for body in 0..figures.bodies.len() {
+                second.push(shifted(&step.stages[k].places[body], &inside[i][body], single[i][body]));
+            }
+            step.family.gather(&mut second, |of, own| *of = sum(of, own));
+            Pair { second, weight }
+        };
+        for k in 0..s {
+            let weights = step.weights(k);
+            let mut own = DMatrix::zeros(n, n);
+            for i in 1..s {
+                let mut block = DMatrix::zeros(n, n);
+                let of = pair(k, i, weights[i - 1]);
+                step.add_pair(&of, [k, i], &mass, [&first[k], &first[i]], &mut block);
+                if k + 1 == s && i == k {
+                    let of = Pair { weight: 1.0, ..of };
+                    step.add_pair(&of, [k, i], &mass, [&first[k], &first[i]], &mut masses);
+                    step.add_rates(&of, &mass, &first[k], &mut own);
+                }
+                step.add_scalars(k, i, weights[i - 1], &mut block);
+                if i == k {
+                    step.add_own(k, &mut own);
+                    block += &own;
+                }
+                let to = if k + 1 == s { (0, (i - 1) * n) } else { (k * n, (i - 1) * n) };
+                let target = if k + 1 == s { &mut end } else { &mut stages };
+                target.view_mut(to, (n, n)).copy_from(&block);
+            }
+        }
+        for (freedom, armature, _) in step.rotors() {
+            if let Some(row) = step.row(freedom) {
+                masses[(row, row)] += armature;
+            }
+        }
+        TreeMatrix { stages, end, masses }
+    }
+
+    /// Its factors; `None` if it is singular.
+    pub fn factors(self) -> Option<TreeFactors> {
+        let TreeMatrix { stages, end, masses } = self;
+        Some(TreeFactors { stages: Scaled::new(stages)?, end, masses: Scaled::new(masses)? })
+    }
+
+    /// The whole matrix: displacements, then v̄.
+    #[cfg(test)]
+    pub fn whole(&self) -> DMatrix<f64> {
+        let (many, n) = (self.stages.nrows(), self.masses.nrows());
+        let mut whole = DMatrix::zeros(many + n, many + n);
+        whole.view_mut((0, 0), (many, many)).copy_from(&self.stages);
+        whole.view_mut((many, 0), (n, many)).copy_from(&self.end);
+        whole.view_mut((many, many), (n, n)).copy_from(&self.masses);
+        whole
+    }
+}
+
+impl TreeFactors {
+    /// Displacements and v̄ for right-hand sides.
+    pub fn solve(&self, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let (n, many) = self.end.shape();
+        let mut found = right.clone();
+        let mut stages = right.rows(0, many).into_owned();
+        self.stages.solve(&mut stages)?;
+        let mut end = right.rows(many, n) - &self.end * &stages;
+        self.masses.solve(&mut end)?;
+        found.rows_mut(0, many).copy_from(&stages);
+        found.rows_mut(many, n).copy_from(&end);
+        Some(found)
+    }
+}
+
+impl TreeStep<'_> {
+    /// Adds `weight · C` of two stages: row and column.
+    fn add_pair(
+        &self,
+        of: &Pair,
+        [k, i]: [usize; 2],
+        mass: &[f64],
+        first: [&[Vector<f64>]; 2],
+        block: &mut DMatrix<f64>,
+    ) {
+        let (rows, columns) = (&self.stages[k].motions, &self.stages[i].motions);
+        for body in 0..self.family.own.len() {
+            let (own, before) = (&self.family.own[body], &self.family.before[body]);
+            let behind = Behind {
+                mass: mass[body],
+                at_row: first[0][body],
+                at_column: first[1][body],
+                second: &of.second[body],
+            };
+            for freedom in own {
+                let Some(own_row) = freedom.row else { continue };
+                let [force, torque] = behind.load(&columns[freedom.index].scaled(of.weight));
+                let mut add = |other: &Freedom| {
+                    let Some(row) = other.row else { return };
+                    block[(row, own_row)] += rows[other.index].power(force, torque);
+                };
+                before.iter().for_each(&mut add);
+                own.iter().for_each(&mut add);
+                let [force, torque] = behind.load_back(&rows[freedom.index].scaled(of.weight));
+                for other in before {
+                    let Some(column) = other.row else { continue };
+                    block[(own_row, column)] += columns[other.index].power(force, torque);
+                }
+            }
+        }
+    }
+
+    /// Adds K: what changes in a stage where its forces stay.
+    fn add_own(&self, k: usize, block: &mut DMatrix<f64>) {
+        let motions = &self.stages[k].motions;
+        for body in 0..self.family.own.len() {
+            let (own, before) = (&self.family.own[body], &self.family.before[body]);
+            let forces: &Forces = &self.behind[k][body];
+            let torque = forces.about();
+            for freedom in own {
+                let Some(own_row) = freedom.row else { continue };
+                let motion = &motions[freedom.index];
+                let turned = forces.carried(motion);
+                for other in before.iter().chain(own) {
+                    let Some(row) = other.row else { continue };
+                    block[(row, own_row)] += motions[other.index].turn.dot(turned);
+                }
+                for other in own.iter().filter(|other| other.is_rotation) {
+                    let Some(row) = other.row else { continue };
+                    block[(row, own_row)] += motion.carries(&motions[other.index]).power(forces.force, torque);
+                }
+                for other in before {
+                    let Some(column) = other.row else { continue };
+                    let by = &motions[other.index];
+                    block[(own_row, column)] +=
+                        by.carries(motion).power(forces.force, torque) + motion.turn.dot(forces.carried(by));
+                }
+            }
+        }
+    }
+
+    /// Adds U: how q̇(v̄) changes where the places at the end do.
+    fn add_rates(&self, of: &Pair, mass: &[f64], first: &[Vector<f64>], block: &mut DMatrix<f64>) {
+        let end = self.stages.len() - 1;
+        let (figures, stage) = (&self.problem.figures.plain, &self.stages[end]);
+        let bodies = figures.bodies.iter().zip(&stage.places).zip(&self.rates[1]);
+        let mut momenta: Vec<Forces> =
+            bodies.map(|((body, at), rate): (_, &Twelve<f64>)| Forces::on(body, at, rate)).collect();
+        self.family.gather(&mut momenta, |sum, own| *sum = sum.plus(own));
+        // What carries each freedom: the body before its joint, and for rotations the slides of the joint.
+        let mut carriers = vec![Twist::NONE; stage.motions.len()];
+        for (parent, own) in self.family.parents.iter().zip(&self.family.own) {
+            let mut carrier = parent.map_or(Twist::NONE, |parent| self.speeds[1][parent]);
+            for freedom in own.iter().filter(|freedom| !freedom.is_rotation) {
+                carriers[freedom.index] = carrier;
+            }
+            for freedom in own.iter().filter(|freedom| !freedom.is_rotation) {
+                carrier = carrier.plus(&stage.motions[freedom.index].scaled(self.velocities[freedom.index]));
+            }
+            for freedom in own.iter().filter(|freedom| freedom.is_rotation) {
+                carriers[freedom.index] = carrier;
+            }
+        }
+        for body in 0..self.family.own.len() {
+            let (own, before) = (&self.family.own[body], &self.family.before[body]);
+            let behind =
+                Behind { mass: mass[body], at_row: first[body], at_column: first[body], second: &of.second[body] };
+            let rate = &momenta[body];
+            let load = |freedom: &Freedom| {
+                let motion = &stage.motions[freedom.index];
+                let [force, torque] = behind.load(&carriers[freedom.index].carries(motion));
+                let turn = motion.turn;
+                let turned = turn.scaled(trace(&rate.moments)) - transposed(&rate.moments, turn);
+                [force + turn.cross(rate.force), torque + turned]
+            };
+            for freedom in own {
+                let Some(own_row) = freedom.row else { continue };
+                let [force, torque] = load(freedom);
+                for other in before.iter().chain(own) {
+                    let Some(row) = other.row else { continue };
+                    block[(row, own_row)] += stage.motions[other.index].power(force, torque);
+                }
+            }
+            for other in before {
+                let Some(column) = other.row else { continue };
+                let [force, torque] = load(other);
+                for freedom in own {
+                    let Some(row) = freedom.row else { continue };
+                    block[(row, column)] += stage.motions[freedom.index].power(force, torque);
+                }
+            }
+        }
+    }
+
+    /// Adds rotors, springs, dampers and motors.
+    fn add_scalars(&self, k: usize, i: usize, weight: f64, block: &mut DMatrix<f64>) {
+        let (s, factor) = (self.stages.len(), self.factor(k));
+        for (freedom, armature, _) in self.rotors() {
+            let Some(row) = self.row(freedom) else { continue };
+            block[(row, row)] += armature * weight;
+        }
+        let of_rate = self.problem.tableau.velocity[k * (s - 1) + i - 1] / self.problem.step;
+        for (freedom, coefficient) in self.dampers() {
+            let Some(row) = self.row(freedom) else { continue };
+            block[(row, row)] += factor * coefficient * of_rate;
+        }
+        if k == i {
+            for (freedom, coefficient) in self.springs() {
+                let Some(row) = self.row(freedom) else { continue };
+                block[(row, row)] += factor * coefficient;
+            }
+        }
+    }
+}

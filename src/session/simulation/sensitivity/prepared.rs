@@ -1,0 +1,234 @@
+//! A run that is made once for its steps, and then again with its trace.
+//!
+//! The steps of the run are repeated to the instants at which they ended, and at instants that are asked for. A step much shorter than the one after it
+//! is made together with that one.
+
+use crate::derivatives::events::parameter::{Parameter, TimeLaws};
+use crate::derivatives::events::walk::Subject;
+use crate::derivatives::forward::failure::SensitivityError;
+use crate::events::trace::{TraceError, Traced, TracedRun};
+use crate::instant::holding::elements::Elements;
+use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::joint::{FreeRotation, Pose};
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::state::State;
+use crate::session::error::Error;
+use crate::session::linear::freedom_name;
+use crate::session::model::Model;
+use crate::session::simulation::Simulation;
+use crate::session::simulation::sensitivity::parameters::frames;
+use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
+use nalgebra::Vector3;
+use std::sync::{Arc, Mutex};
+
+/// The repeated steps end this close to the run, in multiples of its tolerance and of its displacements.
+const SAME: f64 = 1e-6;
+/// A step shorter than this part of the way to the next instant is made together with the next one: derivatives over a step have roundings of 1e-16
+/// over its length.
+const SHORT: f64 = 0.1;
+
+/// The times of the steps of a run, and of its events (s).
+#[derive(Clone, Default)]
+struct Steps(Arc<Mutex<[Vec<f64>; 2]>>);
+
+impl Observer for Steps {
+    fn sample(&mut self, _sample: &Sample) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn begin_again(
+        &mut self,
+        _method: &crate::mechanism::motion::integrator::MethodDescription,
+    ) -> Result<(), ObserverError> {
+        self.with(|times| times.iter_mut().for_each(Vec::clear));
+        Ok(())
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.with(|[steps, _]| steps.push(end.time));
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.with(|[_, events]| events.push(event.time));
+    }
+
+    fn skips_samples(&self) -> bool {
+        true
+    }
+}
+
+impl Steps {
+    fn with<R>(&self, work: impl FnOnce(&mut [Vec<f64>; 2]) -> R) -> R {
+        work(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+
+    /// The ends of steps that are no events, and the end of the run (s).
+    fn instants(&self, start: f64, end: f64) -> Vec<f64> {
+        let [steps, events] = self.with(std::mem::take);
+        let given = steps.into_iter().filter(|time| *time > start && *time < end && !events.contains(time));
+        given.chain([end]).collect()
+    }
+}
+
+/// A run before it is differentiated.
+pub(super) struct Prepared {
+    pub model: Model,
+    pub start: State,
+    /// The degrees of freedom (n), and the parameters (p) by their names.
+    pub names: Vec<String>,
+    pub told: Vec<String>,
+    pub parameters: Vec<Parameter>,
+    elements: Elements,
+    frames: Vec<Pose>,
+    laws: TimeLaws,
+    tableau: &'static Tableau,
+    end: State,
+    /// Ends of steps (s), and whether each was asked for.
+    instants: Vec<(f64, bool)>,
+}
+
+impl Prepared {
+    /// Makes a run to its end; its steps are to end at some times as well (s).
+    pub fn new(mut simulation: Simulation, keys: &[&str], times: &[f64]) -> Result<Self, Error> {
+        let start = simulation.look(State::clone)?;
+        let model = simulation.model.clone();
+        let mechanism = &model.description().mechanism;
+        refuse(mechanism)?;
+        let names: Vec<String> =
+            (0..mechanism.velocity_count).map(|freedom| freedom_name(mechanism, freedom)).collect();
+        let (mut parameters, mut told) = (Vec::new(), Vec::new());
+        for key in keys {
+            for (name, parameter) in simulation.parameters(key, &names, &start)? {
+                told.push(name);
+                parameters.push(parameter);
+            }
+        }
+        // The times of steps are figures.
+        simulation.figures = true;
+        let steps = Steps::default();
+        simulation.observers.push(Box::new(steps.clone()));
+        simulation.run()?;
+        let end = simulation.look(State::clone)?;
+        let stages = simulation.finish()?.method.stages;
+        if let Some(&time) = times.iter().find(|time| !(**time > start.time && **time <= end.time)) {
+            return Err(SensitivityError::Sample { time, start: start.time, end: end.time }.into());
+        }
+        let given = steps.instants(start.time, end.time).into_iter().filter(|time| !times.contains(time));
+        let mut instants: Vec<(f64, bool)> = given.map(|time| (time, false)).collect();
+        instants.extend(times.iter().map(|&time| (time, true)));
+        instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
+        Ok(Prepared {
+            elements: Elements::new(mechanism),
+            frames: frames(&model),
+            laws: TimeLaws::new(&Elements::new(mechanism).motors, &mechanism.forces),
+            tableau,
+            end,
+            instants,
+            start,
+            names,
+            told,
+            parameters,
+            model,
+        })
+    }
+
+    /// What is differentiated, by some parameters.
+    pub fn subject<'p>(&'p self, parameters: &'p [Parameter]) -> Subject<'p> {
+        Subject {
+            mechanism: &self.model.description().mechanism,
+            elements: &self.elements,
+            frames: &self.frames,
+            tableau: self.tableau,
+            laws: &self.laws,
+            parameters,
+        }
+    }
+
+    /// The same run with its trace.
+    pub fn traced(&self) -> Result<TracedRun, SensitivityError> {
+        let longest = 2.0 * (self.end.time - self.start.time).max(1.0);
+        TracedRun::new(&self.model.description().mechanism, self.tableau.stages, longest)
+            .map_err(|_| SensitivityError::Step { time: self.start.time })
+    }
+
+    /// The instant to which the next step goes (s); `None` at the end.
+    pub fn until(&self, time: f64) -> Option<f64> {
+        if time >= self.end.time {
+            return None;
+        }
+        let mut ahead = self.instants.iter().filter(|(instant, _)| *instant > time);
+        let (next, is_asked) = *ahead.next()?;
+        let short = |&(other, _): &(f64, bool)| next - time < SHORT * (other - time);
+        let together = ahead.next().filter(|after| !is_asked && short(after));
+        Some(together.map_or(next, |(after, _)| *after))
+    }
+
+    /// Makes a step of the traced run towards an instant.
+    pub fn step(&self, run: &mut TracedRun, state: &mut State, until: f64) -> Result<Vec<Traced>, SensitivityError> {
+        let time = state.time;
+        run.step(state, until).map_err(|error| match error {
+            TraceError::FirstOrder { time } => SensitivityError::FirstOrder { time },
+            TraceError::Step(_) | TraceError::Method(_) => SensitivityError::Step { time },
+        })
+    }
+
+    /// How far the repeated steps end from the run (rad or m).
+    ///
+    /// # Errors
+    /// [`SensitivityError::Apart`] if that is more than their errors.
+    pub fn check(&self, last: &State) -> Result<f64, SensitivityError> {
+        let pairs = last.position.iter().zip(&self.end.position);
+        let apart = pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+        let size = self.end.position.iter().fold(1.0, |size: f64, position| size.max(position.abs()));
+        if apart.is_nan() || apart > SAME * size {
+            return Err(SensitivityError::Apart { apart });
+        }
+        Ok(apart)
+    }
+}
+
+/// Refuses parts of mechanisms that the equations do not know.
+fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
+    let refuse = |part, advice| Err(SensitivityError::Unsupported { part, advice });
+    const INSTEAD: &str = "leave them out, or compare runs with other numbers";
+    let forces = &mechanism.forces;
+    if !(forces.link_loads.is_empty() && forces.drags.is_empty() && forces.joint_courses.is_empty()) {
+        return refuse("drag and loads over time", INSTEAD);
+    }
+    if !forces.gravity_compensations.is_empty() {
+        return refuse("motors that hold weights", INSTEAD);
+    }
+    if mechanism.moves_joints() {
+        return refuse("joints that are moved in time", INSTEAD);
+    }
+    let colliders = &mechanism.nonsmooth.colliders;
+    if colliders.iter().any(|collider| collider.surface_velocity != Vector3::zeros()) {
+        return refuse("surfaces that move over what carries them", INSTEAD);
+    }
+    if colliders.iter().any(|collider| matches!(collider.shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. })) {
+        return refuse("ellipsoids and ropes", INSTEAD);
+    }
+    if mechanism.nonsmooth.pairs.iter().any(|pair| !pair.moments.are_zero()) {
+        return refuse("rolling and spinning friction", INSTEAD);
+    }
+    if !mechanism.forces.gravity_compensations.is_empty() {
+        return refuse("gravity compensation", "leave it out, or compare runs with other numbers");
+    }
+    if mechanism.moves_joints() {
+        return refuse("joints that are moved in time", "drive these joints with motors");
+    }
+    let balls = |freedom: usize| {
+        let body = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body].joint);
+        body.is_some_and(|joint| {
+            joint.kind.rotation() == FreeRotation::Ball
+                && freedom >= joint.velocity_index + joint.kind.translation_axes().len()
+        })
+    };
+    if mechanism.forces.joint_dampers.iter().any(|damper| balls(damper.freedom)) {
+        return refuse("dampers in ball joints", "leave damping out with --without damping");
+    }
+    Ok(())
+}
