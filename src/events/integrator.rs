@@ -155,9 +155,9 @@ impl Eventful {
         self.model.leave_of_impacts(part, least);
     }
 
-    /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
-    pub(crate) fn left_of_impacts(&self) -> f64 {
-        self.tally.left_of_impacts
+    /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints up to an instant (s) (m or rad).
+    pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {
+        self.tally.error_of_impacts(time)
     }
 
     /// Takes a state that no step has left.
@@ -276,6 +276,7 @@ impl Eventful {
         let (rebounds, energy) = done.cut;
         self.tally.leave_out(rebounds, energy, &self.model.whole, state);
         self.tally.left_of_impacts += done.left;
+        self.tally.doubt(done.speed_in_doubt, state.time);
         (self.trial.fresh_joints, self.trial.fresh_motors, self.trial.fresh_pairs) =
             (done.joints, done.motors, done.pairs);
         self.enter(state);

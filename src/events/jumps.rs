@@ -8,6 +8,9 @@
 //! which a slip of u m/s is accelerated by much more than u/h have more than one solution. Spurious solutions have λ < 0: the contact pulls and its
 //! friction accelerates the slip (observed: 1e-3 to 0.08 m/s in 75 µs). The measure by which steps are chosen sees places, and finds them no worse
 //! than others. A force that has a root is located; one that changes its sign and has none has jumped from one solution to another.
+//!
+//! The gap of a joint at its limit is smooth, and its root is located to roundings. Near gimbal lock a step of given length may be too long to show
+//! it: lengths next to each other end at places far from each other. Such a step is made again, shorter, too.
 
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
@@ -23,8 +26,8 @@ pub(super) const JUMP: f64 = 1e4;
 pub(crate) enum Located {
     /// The functions that are zero at the end of the step.
     At(Vec<Watched>),
-    /// A force that jumps inside the step.
-    Jumps,
+    /// A force that jumps inside the step, or the gap of a joint in a step that is too long for it.
+    Jumps(Rejected),
     /// A slip that passes near its stop, after this time (s).
     Passes { length: f64 },
 }
@@ -45,9 +48,9 @@ impl Eventful {
         while let Some(found) = bracket {
             let why = match self.locate(inputs, found, outcome)? {
                 Located::At(all) => return Ok(all),
-                Located::Jumps => {
+                Located::Jumps(why) => {
                     length *= SHORTER;
-                    Rejected::ForceJump
+                    why
                 }
                 Located::Passes { length: before } => {
                     length = before;

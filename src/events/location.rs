@@ -23,12 +23,14 @@ use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
 use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 
 /// Attempts at the length of a step that ends at an event.
 const ATTEMPTS: usize = 12;
 
+/// The gap of a joint at the end of a step that ends at its limit is a root up to this part of its scale. Roots are located to 1e-15.
+const NOT_LOCATED: f64 = 1e-9;
 /// Overlaps of this part of the size of a pair are not missed between samples.
 const RESOLUTION: f64 = 2e-3;
 /// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
@@ -283,7 +285,8 @@ impl Eventful {
                 return Ok(Located::At(self.overlaps_at_start(bracket.watched)));
             }
             if !self.end_at(inputs, since, bracket, outcome)? {
-                return Ok(Located::Jumps);
+                let force = self.trial.watched[bracket.watched].is_force();
+                return Ok(Located::Jumps(if force { Rejected::ForceJump } else { Rejected::NotSmooth }));
             }
             let end = self.workspaces.active().small.time;
             match self.detect(inputs, since, Some(bracket)) {
@@ -338,7 +341,7 @@ impl Eventful {
         all.map(|index| self.trial.watched[index]).collect()
     }
 
-    /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps.
+    /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps, or the step does not show it.
     fn end_at(
         &mut self,
         inputs: Inputs,
@@ -362,13 +365,16 @@ impl Eventful {
         let mut before: Option<(f64, f64)> = None;
         // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
         let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
+        // The gap of a joint at the end of the last attempt (m or rad).
+        let is_limit = matches!(self.trial.watched[bracket.watched], Watched::Gap(..));
+        let mut gap = 0.0;
         // For forces: whether an end before the root is known.
         let (forces, mut preceded) = (self.trial.watched[bracket.watched].is_force(), false);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
             if length <= self.shortest(since) {
                 self.workspaces.active_mut().go_back(since, &self.model.recipe);
-                break;
+                return Ok(true);
             }
             let piece = self.workspaces.active_mut();
             let done = match piece.again(&self.model.whole, inputs, since, length) {
@@ -390,6 +396,7 @@ impl Eventful {
             let end = self.workspaces.active().small.time;
             self.evaluate(inputs, since, Inside::at(end), &which, &mut value);
             let [value] = value;
+            gap = if is_limit { value } else { 0.0 };
             if let Some((other, there)) = before
                 && other != length
                 && value != there
@@ -457,6 +464,6 @@ impl Eventful {
                 break;
             };
         }
-        Ok(true)
+        Ok(gap.abs() <= NOT_LOCATED * scale)
     }
 }

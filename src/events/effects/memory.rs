@@ -26,6 +26,8 @@ pub(crate) struct ImpactMemory {
     in_a_row: usize,
     /// When they end.
     ends: Option<Ends>,
+    /// The end of the last of the flights that were left out (s).
+    pub in_flight_until: Option<f64>,
 }
 
 /// Predicted end of an infinite sequence of weakening impacts (s).
@@ -71,6 +73,8 @@ pub(crate) struct Done {
     pub cut: (usize, f64),
     /// The distance by which that can move bodies or joints if impacts accumulate (m or rad).
     pub left: f64,
+    /// The velocity that a blow may have changed otherwise, because elements would still bounce in flights that were left out [m/s].
+    pub speed_in_doubt: f64,
     /// Which joints, motors and pairs have changed or begin from zero.
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,
@@ -114,6 +118,18 @@ impl Memory {
         known.in_a_row = if weaker { known.in_a_row + 1 } else { 0 };
         known.ends = known.predicted(time, rate).filter(|_| weaker);
         known.last = Some((side, time, rate));
+        known.in_flight_until = None;
+    }
+
+    /// Elements whose flights from now on are left out, each with the end of the last one (s). A contact is named by its pair.
+    pub(crate) fn omit_flights(&mut self, flights: &[(Of, f64)]) {
+        for &(of, until) in flights {
+            let known = match of {
+                Of::Joint(joint) => &mut self.joints[joint],
+                Of::Contact(pair) | Of::Moment { contact: pair, .. } => &mut self.pairs[pair],
+            };
+            known.in_flight_until = Some(until);
+        }
     }
 }
 

@@ -9,6 +9,7 @@ pub(crate) mod immobile;
 pub(crate) mod impact;
 pub(crate) mod memory;
 pub(crate) mod noted;
+pub(crate) mod omitted_flights;
 pub(crate) mod planar_rims;
 pub(crate) mod resting;
 mod rim_points;

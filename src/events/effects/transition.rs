@@ -18,6 +18,7 @@ use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs};
+use crate::events::effects::omitted_flights::speed_in_doubt;
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
@@ -92,12 +93,19 @@ pub(crate) fn transit(
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
+    let struck = State { velocity, ..state.clone() };
+    done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &struck, &state.velocity);
+    let mut flights = ends.clone();
     for _ in 0..CALMING {
         let known = efforts(mode, state);
-        let (low, left) = too_low(scene, state, &meetings, &rates, &known, found.height);
+        let Low { stopped: low, until, left } = too_low(scene, state, &meetings, &rates, &known, found.height);
         if low.is_empty() {
             break;
         }
+        flights.extend(low.iter().zip(until).map(|(&index, until)| {
+            let of = meetings[index].block.of;
+            (contacts.pair_of(of).map_or(of, Of::Contact), until)
+        }));
         done.left += left;
         done.lost += stop(scene, state, &meetings, &low);
         let plastic: Vec<Meeting> =
@@ -111,6 +119,7 @@ pub(crate) fn transit(
     let met =
         Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
     note_impacts(scene, memory, state.time, &contacts, &met, &mut done);
+    memory.omit_flights(&flights);
     stop_slow_joints(elements, state, &rests, true);
     if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
         jump_to_bounds(elements, mode, state, &mut done);
@@ -176,7 +185,18 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
     }
 }
 
-/// Meetings that leave too slowly to matter, with the sum of their heights (m or rad): `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
+/// Meetings that leave too slowly to matter.
+#[derive(Default)]
+struct Low {
+    /// Their numbers.
+    stopped: Vec<usize>,
+    /// When the last flight of each would end (s): `t + 2 γ/(a (1 − e))`.
+    until: Vec<f64>,
+    /// The sum of their heights (m or rad).
+    left: f64,
+}
+
+/// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
 /// while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that; any other leaves as well from
 /// rest. Elements that kick each other open without end come to rest in this way. An element that parted before the impacts, by its rate `before`
 /// [m/s or rad/s], is no rebound: a corner that slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
@@ -187,7 +207,7 @@ fn too_low(
     before: &[f64],
     efforts: &[f64],
     height: f64,
-) -> (Vec<usize>, f64) {
+) -> Low {
     let is_rebound = |index: usize| {
         let meeting = &meetings[index];
         before[index] <= meeting.rest || (meeting.rate(&state.velocity) - before[index]).abs() > meeting.rest
@@ -195,7 +215,7 @@ fn too_low(
     let leaves =
         |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
     if !meetings.iter().enumerate().any(leaves) {
-        return (Vec::new(), 0.0);
+        return Low::default();
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
@@ -206,15 +226,16 @@ fn too_low(
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
         rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
     }
-    let (mut low, mut left) = (Vec::new(), 0.0);
+    let mut low = Low::default();
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
         if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height {
-            low.push(index);
-            left += rate * rate / (2.0 * pull);
+            low.stopped.push(index);
+            low.until.push(state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution)));
+            low.left += rate * rate / (2.0 * pull);
         }
     }
-    (low, left)
+    low
 }
 
 /// Stops these along their first rows, and keeps those that rest; returns the kinetic energy that this takes (J).

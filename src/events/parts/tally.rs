@@ -36,9 +36,23 @@ pub(crate) struct Tally {
     pub cut: (usize, f64),
     /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
     pub left_of_impacts: f64,
+    /// `Σ δv` [m/s] and `Σ δv t` (m) of blows that came while elements would still bounce
+    /// ([`omitted_flights`](crate::events::effects::omitted_flights)).
+    pub in_doubt: [f64; 2],
 }
 
 impl Tally {
+    /// Notes that a blow at an instant (s) may have changed velocities otherwise [m/s].
+    pub fn doubt(&mut self, speed: f64, time: f64) {
+        self.in_doubt = [self.in_doubt[0] + speed, self.in_doubt[1] + speed * time];
+    }
+
+    /// The distance by which the ends of accumulating impacts can have moved bodies or joints up to an instant (s), and by which blows in flights that
+    /// are left out can have (m or rad).
+    pub fn error_of_impacts(&self, time: f64) -> f64 {
+        self.left_of_impacts + (self.in_doubt[0] * time - self.in_doubt[1]).max(0.0)
+    }
+
     /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic
     /// energy.
     pub fn leave_out(&mut self, rebounds: usize, energy: f64, whole: &Mechanism, state: &State) {

@@ -133,10 +133,10 @@ impl RunIntegrator {
     }
 
     /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
-    pub(crate) fn left_of_impacts(&self) -> f64 {
+    pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {
         match self {
-            RunIntegrator::Eventful(eventful) => eventful.left_of_impacts(),
-            RunIntegrator::WithoutLocked(run) => run.0.inside.left_of_impacts(),
+            RunIntegrator::Eventful(eventful) => eventful.error_of_impacts(time),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.error_of_impacts(time),
             RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
         }
     }

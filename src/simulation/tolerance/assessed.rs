@@ -248,7 +248,7 @@ impl<'a> Assessed<'a> {
         // Samples inside steps that are too long for a damper may be off where the ends are right.
         let ringing = self.run.ringing_inside();
         // The ends of accumulating impacts are errors of the run and of its companion alike.
-        let estimate = error.max(ringing) + self.run.left_of_impacts();
+        let estimate = error.max(ringing) + self.run.error_of_impacts(state.time);
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
