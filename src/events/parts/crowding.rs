@@ -26,8 +26,6 @@ const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
 pub(crate) const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
-/// Decisions of modes with many contacts are dear and seldom: their work is counted within this time (s).
-const DECIDED_WITHIN: f64 = 1.0;
 /// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length.
 pub(crate) const JAM_STEP: f64 = 1e-6;
 /// A jam that follows within [`SOON`] times the last length takes a step that is longer by this factor, up to the length of steps of crowds.
@@ -48,8 +46,8 @@ pub(crate) struct Crowding {
     counts: [(usize, f64); CROWDS.len()],
     /// Work of iterations, and events, since a time (s).
     labour: (f64, usize, f64),
-    /// Work of decisions of modes since a time (s), as iterations.
-    decided: (f64, f64),
+    /// Work of decisions of modes since then, as iterations.
+    decided: f64,
     /// Steps still to be made for the last crowd, steps that it had, both in the least length, and its end (s).
     left: usize,
     made: usize,
@@ -68,7 +66,7 @@ impl Crowding {
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
         labour: (0.0, 0, f64::NEG_INFINITY),
-        decided: (0.0, f64::NEG_INFINITY),
+        decided: 0.0,
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -87,18 +85,15 @@ impl Crowding {
     pub fn labour(&mut self, time: f64, iterations: usize, unknowns: usize, decided: Option<f64>) {
         let (work, events, since) = &mut self.labour;
         if time - *since > LABOUR_WITHIN {
-            (*work, *events, *since) = (0.0, 0, time);
+            (*work, *events, *since, self.decided) = (0.0, 0, time, 0.0);
         }
         *work += iterations as f64 * (unknowns as f64).powi(2);
         *events += usize::from(decided.is_some());
-        if time - self.decided.1 > DECIDED_WITHIN {
-            self.decided = (0.0, time);
-        }
-        self.decided.0 += decided.unwrap_or(0.0);
+        self.decided += decided.unwrap_or(0.0);
     }
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
-    /// that are accurate enough take the place of exact ones with a labour, or decisions at that pace, beyond `bearable`.
+    /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included.
     pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -114,8 +109,8 @@ impl Crowding {
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let dear = |bearable| self.decided.0 > bearable * DECIDED_WITHIN / LABOUR_WITHIN;
-            let laboured = work > most && events >= LABOUR_EVENTS || bearable.is_some_and(dear);
+            let dearer = bearable.is_some_and(|bearable| work + self.decided > bearable);
+            let laboured = (work > most || dearer) && events >= LABOUR_EVENTS;
             if !crowded && !laboured {
                 return false;
             }
@@ -178,8 +173,7 @@ impl Crowding {
         self.spell.1 = time;
         self.left = 0;
         self.jams = false;
-        (self.counts, self.labour, self.decided) =
-            (Crowding::CALM.counts, Crowding::CALM.labour, Crowding::CALM.decided);
+        (self.counts, self.labour, self.decided) = (Crowding::CALM.counts, Crowding::CALM.labour, 0.0);
     }
 
     fn longer(&self) -> usize {
@@ -201,8 +195,7 @@ impl Crowding {
     fn make(&mut self, time: f64) {
         self.left = self.left.saturating_sub(self.longer());
         self.ended = time + self.longer() as f64 * STEP;
-        (self.counts, self.labour, self.decided) =
-            (Crowding::CALM.counts, Crowding::CALM.labour, Crowding::CALM.decided);
+        (self.counts, self.labour, self.decided) = (Crowding::CALM.counts, Crowding::CALM.labour, 0.0);
     }
 }
 
