@@ -15,8 +15,9 @@ use crate::events::modes::tolerances::BALLISTIC_GAP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::instant::holding::touching::TOUCHED;
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::kinematics::{body_states, place_bodies};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 /// Attempts at the length of the way.
@@ -33,7 +34,8 @@ impl Eventful {
             gap > watched.nearly(TOUCHED, &this.model.elements, &this.model.touching, &this.mode)
         };
         let origin = self.trial.origin.clone();
-        let opens = triggers.iter().any(|watched| is_gap(*watched) && open(watched, self.gap(*watched, &origin), self));
+        let placed = (body_states(&self.model.whole, &origin), origin.clone());
+        let opens = triggers.iter().any(|watched| is_gap(*watched) && open(watched, self.gap(*watched, &placed), self));
         let found = if opens { self.first_gap(inputs, longest, &origin) } else { None };
         let Some((end, first)) = found else { return false };
         if !triggers.contains(&first) {
@@ -53,12 +55,14 @@ impl Eventful {
         let moves: Vec<f64> = accelerations.into_iter().map(|(acceleration, _)| acceleration).collect();
         let (mut until, mut first) = (longest, None);
         let gaps: Vec<Watched> = self.trial.watched.iter().copied().filter(|watched| is_gap(*watched)).collect();
+        let placed = |state: State| (body_states(&self.model.whole, &state), state);
+        let origin_placed = placed(origin.clone());
+        let mut end = placed(self.after(origin, &moves, until));
         for watched in gaps {
-            let end = self.after(origin, &moves, until);
-            if self.is_apart(watched, &end) {
+            if self.is_apart(watched, &end.0) {
                 continue;
             }
-            let start = self.gap(watched, origin);
+            let start = self.gap(watched, &origin_placed);
             let closed = watched.nearly(BALLISTIC_GAP, &self.model.elements, &self.model.touching, &self.mode);
             let after = self.gap(watched, &end);
             if start <= closed || after > 0.0 {
@@ -69,7 +73,7 @@ impl Eventful {
             let mut last = 0;
             for _ in 0..ATTEMPTS {
                 let at = low + (high - low) * (above / (above - below));
-                let gap = self.gap(watched, &self.after(origin, &moves, at));
+                let gap = self.gap(watched, &placed(self.after(origin, &moves, at)));
                 if gap > 0.0 {
                     (low, above) = (at, gap);
                     below *= if last == 1 { 0.5 } else { 1.0 };
@@ -85,9 +89,9 @@ impl Eventful {
                 }
             }
             (until, first) = (high, Some(watched));
+            end = placed(self.after(origin, &moves, until));
         }
-        let first = first?;
-        Some((self.after(origin, &moves, until), first))
+        Some((end.1, first?))
     }
 
     /// The state after this time (s) under constant accelerations.
@@ -100,17 +104,15 @@ impl Eventful {
         state
     }
 
-    /// Whether little work tells that a pair without a closed contact is open in a state.
-    fn is_apart(&self, watched: Watched, state: &State) -> bool {
+    /// Whether little work tells that a pair without a closed contact is open with these bodies.
+    fn is_apart(&self, watched: Watched, bodies: &[BodyState]) -> bool {
         let Watched::Approach(pair) = watched else { return false };
         let is_closed = self.mode.contacts.iter().any(|closed| closed.contact.pair == pair);
-        !is_closed && self.model.touching.least_distance(pair, &body_states(&self.model.whole, state), 0.0) > 0.0
+        !is_closed && self.model.touching.least_distance(pair, bodies, 0.0) > 0.0
     }
 
-    /// A gap in a state (m or rad).
-    fn gap(&self, watched: Watched, state: &State) -> f64 {
-        let mut bodies = self.trial.bodies.clone();
-        place_bodies(&self.model.whole, state, &mut bodies);
+    /// A gap in a state with its bodies (m or rad).
+    fn gap(&self, watched: Watched, (bodies, state): &(Vec<BodyState>, State)) -> f64 {
         let Eventful {
             model: HybridModel { elements, touching, .. },
             trial: StepTrial { holding, slips, turns, .. },
@@ -118,7 +120,7 @@ impl Eventful {
             ..
         } = self;
         let [since, time] = [state.time; 2];
-        watched.value(&Seen { elements, touching, mode, holding, since, time, state, bodies: &bodies, slips, turns })
+        watched.value(&Seen { elements, touching, mode, holding, since, time, state, bodies, slips, turns })
     }
 }
 

@@ -11,7 +11,6 @@ use crate::events::effects::noted::{note_bound, side_of_bound};
 use crate::events::finding::detection::ONE_INSTANT;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
-use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
@@ -45,7 +44,7 @@ impl Eventful {
             return false;
         }
         self.trial.sample.copy_from(state);
-        self.trial.evaluated = Evaluated::default();
+        self.trial.forget_looks();
         let time = state.time;
         (Watched::after_gaps(&self.trial.watched)..self.trial.watched.len()).all(|index| {
             let mut value = [0.0];

@@ -37,7 +37,7 @@ impl Eventful {
         if commands == Commands::Known {
             return;
         }
-        self.trial.evaluated = Default::default();
+        self.trial.forget_looks();
         let mut changed = commands == Commands::Begun;
         if changed {
             self.workspaces.pieces.clear();

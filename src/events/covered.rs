@@ -8,13 +8,12 @@ use crate::events::finding::approach::Approaching;
 use crate::events::finding::cover::{Cover, are_checked};
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
 use crate::events::finding::speeds::speed_at;
-use crate::events::finding::watched::Watched;
+use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
-use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
@@ -25,9 +24,8 @@ const SELDOM: usize = 16;
 const ASKED: usize = 48;
 
 /// The gap of a pair inside the last step.
-pub(super) struct GapInside<'e, 'i> {
+pub(super) struct GapInside<'e> {
     pub eventful: &'e mut Eventful,
-    pub inputs: Inputs<'i>,
     /// Start of the step (s).
     pub since: f64,
     /// Whether the dense output is used as interpolated.
@@ -40,20 +38,29 @@ pub(super) struct GapInside<'e, 'i> {
     pub at_end: Option<f64>,
 }
 
-impl Approaching for GapInside<'_, '_> {
+impl Approaching for GapInside<'_> {
     fn gap(&mut self, time: f64) -> f64 {
-        let mut value = [0.0];
-        let instant = Inside { time, roughly: self.roughly };
-        self.eventful.evaluate(self.inputs, self.since, instant, &[self.watched], &mut value);
+        let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
+        let Eventful {
+            model: HybridModel { elements, touching, .. },
+            trial: StepTrial { holding, sample, watched, inside, slips, turns, .. },
+            mode,
+            ..
+        } = &*self.eventful;
+        let (since, state, bodies) = (self.since, sample, inside.bodies(number));
+        // The value for a pair does not ask for the state.
+        let seen = Seen { elements, touching, mode, holding, since, time, state, bodies, slips, turns };
+        let value = watched[self.watched].value(&seen);
         if time == self.end {
-            self.at_end = Some(value[0]);
+            self.at_end = Some(value);
         }
-        value[0]
+        value
     }
 
     fn least_gap(&mut self, time: f64, enough: f64) -> f64 {
-        self.eventful.place(Inside { time, roughly: self.roughly });
-        let least = self.eventful.model.touching.least_distance(self.pair, &self.eventful.trial.bodies, enough);
+        let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
+        let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { inside, .. }, .. } = &*self.eventful;
+        let least = touching.least_distance(self.pair, inside.bodies(number), enough);
         if time == self.end {
             self.at_end = Some(least);
         }
@@ -61,8 +68,9 @@ impl Approaching for GapInside<'_, '_> {
     }
 
     fn bodies(&mut self, time: f64) -> [BodyState; 2] {
-        self.eventful.place(Inside { time, roughly: self.roughly });
-        let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { bodies, .. }, .. } = &*self.eventful;
+        let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
+        let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { inside, .. }, .. } = &*self.eventful;
+        let bodies = inside.bodies(number);
         touching.pairs[self.pair].bodies.map(|body| body.map_or(WORLD, |body| bodies[body]))
     }
 
@@ -124,7 +132,7 @@ impl Eventful {
     ///
     /// # Panics
     /// If it is not: in tests and in debug builds alone.
-    pub(super) fn check_covers(&mut self, inputs: Inputs, since: f64) {
+    pub(super) fn check_covers(&mut self, since: f64) {
         if !(are_checked() || cfg!(debug_assertions)) {
             return;
         }
@@ -144,7 +152,7 @@ impl Eventful {
             let asked = if looked_at.is_some() { ASKED } else { 2 };
             for part in 0..=asked {
                 let time = since + (cover.until.min(end) - since) * part as f64 / asked as f64;
-                let mut inside = GapInside { eventful: self, inputs, since, roughly, watched, pair, end, at_end: None };
+                let mut inside = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
                 let (gap, bodies, reach) = (inside.gap(time), inside.bodies(time), inside.reach());
                 let speed = speed_at(bodies, reach);
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);

@@ -22,6 +22,17 @@ impl Eventful {
         }
     }
 
+    /// The number of an instant of the last step among those whose bodies are known. The sample stays where it is, if they were known before.
+    pub(crate) fn look_at(&mut self, instant: Inside) -> usize {
+        let current = self.workspaces.current;
+        let of = (current, self.workspaces.pieces[current].instants.makings());
+        if let Some(known) = self.trial.inside.find(of, instant) {
+            return known;
+        }
+        self.place(instant);
+        self.trial.inside.keep(of, instant, &self.trial.bodies)
+    }
+
     /// Puts the sample there.
     fn go_to(&mut self, instant: Inside) {
         let Eventful {

@@ -18,7 +18,7 @@ use crate::events::finding::speeds::Speeds;
 use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
-use crate::events::modes::instants::{Evaluated, Inside};
+use crate::events::modes::instants::Inside;
 use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
 use crate::instant::holding::touching::Pair;
@@ -84,7 +84,7 @@ impl Eventful {
         if found.is_some_and(|found| found.at_start) {
             return found;
         }
-        let contact = self.look_for_contacts(inputs, since, known);
+        let contact = self.look_for_contacts(since, known);
         match (found, contact) {
             (Some(found), Some(contact)) => Some(if contact.root < found.root { contact } else { found }),
             (found, contact) => found.or(contact),
@@ -138,7 +138,7 @@ impl Eventful {
     }
 
     /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
-    fn look_for_contacts(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
+    fn look_for_contacts(&mut self, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         self.trial.covers.clear();
         if !self.trial.watched.first().is_some_and(|first| matches!(first, Watched::Approach(_))) {
             return None;
@@ -178,7 +178,7 @@ impl Eventful {
                 changing: speeds.changing(*bodies, *reach, end - since),
             };
             let roughly = self.is_known_roughly(pair);
-            let mut gap = GapInside { eventful: self, inputs, since, roughly, watched, pair, end, at_end: None };
+            let mut gap = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
             let mut until = first.map_or(end, |known| known.high);
             let mut cover = Cover::from(since);
             // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
@@ -325,7 +325,7 @@ impl Eventful {
     /// The function that is negative from the start on, and all pairs that overlap and contacts that have left their features there.
     fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
         place_bodies(&self.model.whole, &self.trial.origin, &mut self.trial.bodies);
-        self.trial.evaluated = Evaluated::default();
+        self.trial.forget_looks();
         let overlaps = |index: usize| match self.trial.watched[index] {
             Watched::Approach(pair) => {
                 self.model.touching.overlaps(pair, &self.trial.bodies, self.model.touching.pairs[pair].within(AT_EVENT))

@@ -11,7 +11,6 @@ use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::displacement;
-use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::piece::Piece;
 use crate::events::next_step::{Ending, NextStep};
@@ -96,7 +95,7 @@ impl Eventful {
         let since = state.time;
         self.trial.origin.copy_from(state);
         self.workspaces.last = self.workspaces.current;
-        self.trial.evaluated = Evaluated::default();
+        self.trial.forget_looks();
         inputs.write_constant(&mut self.trial.efforts);
         self.mode.add_constant_efforts(&self.model.elements, &mut self.trial.efforts);
         self.note_slips(state);
@@ -223,7 +222,7 @@ impl Eventful {
         self.trace_step(state, &ending);
         if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
-            self.check_covers(inputs, since);
+            self.check_covers(since);
         }
         outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         self.remember(state);

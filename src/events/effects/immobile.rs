@@ -135,20 +135,54 @@ fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bo
     answer - taken <= IMMOBILE * answer
 }
 
-/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows.
+/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows: part by part of those that zeros keep apart, as of bodies
+/// that stand beside each other.
 fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
     let count = square.nrows();
     let inverse: Vec<f64> =
         (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
-    let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * inverse[row] * inverse[column]);
-    let eigen = scaled.symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let mut sum = DMatrix::zeros(count, count);
-    for (index, &value) in eigen.eigenvalues.iter().enumerate() {
-        if value > IMMOBILE * largest {
-            let vector = eigen.eigenvectors.column(index);
-            sum += vector * vector.transpose() / value;
+    let parts = parts(square);
+    let scaled = |part: &[usize]| {
+        let entry = |row: usize, column: usize| square[(row, column)] * inverse[row] * inverse[column];
+        DMatrix::from_fn(part.len(), part.len(), |row, column| entry(part[row], part[column])).symmetric_eigen()
+    };
+    let eigen: Vec<_> = parts.iter().map(|part| scaled(part)).collect();
+    let largest = eigen.iter().map(|own| own.eigenvalues.max()).fold(0.0, f64::max);
+    let mut found = DMatrix::zeros(count, count);
+    for (part, own) in parts.iter().zip(&eigen) {
+        let mut sum = DMatrix::zeros(part.len(), part.len());
+        for (index, &value) in own.eigenvalues.iter().enumerate() {
+            if value > IMMOBILE * largest {
+                let vector = own.eigenvectors.column(index);
+                sum += vector * vector.transpose() / value;
+            }
+        }
+        for (one, &row) in part.iter().enumerate() {
+            for (other, &column) in part.iter().enumerate() {
+                found[(row, column)] = sum[(one, other)] * inverse[row] * inverse[column];
+            }
         }
     }
-    DMatrix::from_fn(count, count, |row, column| sum[(row, column)] * inverse[row] * inverse[column])
+    found
+}
+
+/// The rows of a symmetric matrix that are joined by entries other than zero, in the order of their first.
+fn parts(square: &DMatrix<f64>) -> Vec<Vec<usize>> {
+    let mut left: Vec<usize> = (0..square.nrows()).collect();
+    let mut parts = Vec::new();
+    while let Some(&first) = left.first() {
+        let mut part = vec![first];
+        left.remove(0);
+        let mut place = 0;
+        while place < part.len() {
+            let own = part[place];
+            let (joined, others) = left.into_iter().partition(|&other| square[(own, other)] != 0.0);
+            part.extend::<Vec<usize>>(joined);
+            left = others;
+            place += 1;
+        }
+        part.sort_unstable();
+        parts.push(part);
+    }
+    parts
 }

@@ -1,6 +1,7 @@
 //! The states of joints, motors and contacts between two events, and the reduced mechanism that moves in them.
 
 pub(crate) mod drives;
+pub(crate) mod inside_bodies;
 pub(crate) mod instants;
 pub(crate) mod mode;
 pub(crate) mod narrowed;

@@ -9,6 +9,7 @@ use crate::events::finding::reserves::Reserves;
 use crate::events::finding::speeds::Speeds;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::holding::Holding;
+use crate::events::modes::inside_bodies::InsideBodies;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::placed::PlacedBodies;
 use crate::events::parts::model::HybridModel;
@@ -24,6 +25,8 @@ pub(crate) struct StepTrial {
     /// A state inside, and the evaluated functions there.
     pub sample: State,
     pub evaluated: Evaluated,
+    /// The bodies at instants of the last step.
+    pub inside: InsideBodies,
     /// The functions whose sign is watched.
     pub watched: Vec<Watched>,
     /// Functions whose zero at the start of the step is no event.
@@ -61,6 +64,7 @@ impl StepTrial {
             origin: state.clone(),
             sample: state,
             evaluated: Evaluated::default(),
+            inside: InsideBodies::default(),
             watched: Vec::new(),
             fresh_joints: vec![false; elements.joints.len()],
             fresh_motors: vec![false; elements.motors.len()],
@@ -90,5 +94,11 @@ impl StepTrial {
         self.fresh_joints.fill(false);
         self.fresh_motors.fill(false);
         self.fresh_pairs.fill(false);
+    }
+
+    /// Forgets the looks at the last step: it is another, or bodies that are held in it have moved.
+    pub fn forget_looks(&mut self) {
+        self.evaluated = Evaluated::default();
+        self.inside.forget();
     }
 }
