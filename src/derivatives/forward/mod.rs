@@ -2,9 +2,12 @@
 
 pub(crate) mod between;
 pub mod failure;
+mod figure_slopes;
+mod spatial;
 pub mod stage_equations;
 pub mod step;
 pub mod tangent;
 mod touching;
 pub mod tree;
+mod tree_factors;
 pub mod twelve;

@@ -13,7 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
-use crate::derivatives::forward::tree::{TreeFactors, is_tree, solve_tree};
+use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::derivatives::numbers::dual::Dual;
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
@@ -154,18 +154,8 @@ pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
 }
 
 impl StepProblem<'_> {
-    /// Solves it; `None` if the iteration does not converge.
-    pub fn solve(&self) -> Option<SolvedStep> {
-        if self.is_tree() { solve_tree(self) } else { self.solve_whole() }
-    }
-
-    /// Whether all of its equations are those of a tree.
-    pub fn is_tree(&self) -> bool {
-        is_tree(&self.figures.plain) && self.mode.row_count == 0
-    }
-
-    /// The same by the equations of all mechanisms.
-    fn solve_whole(&self) -> Option<SolvedStep> {
+    /// Solves it by the equations of all mechanisms; `None` if the iteration does not converge.
+    pub(super) fn solve_whole(&self) -> Option<SolvedStep> {
         let (s, StepMode { free, rows, row_count, .. }) = (self.tableau.stages, self.mode);
         let (n, m) = (free.len(), rows.len());
         let all = self.start.velocity.len();

@@ -15,9 +15,9 @@
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::Figures;
 use crate::derivatives::equations::laws::Laws;
+use crate::derivatives::forward::figure_slopes::FigureSlopes;
 use crate::derivatives::forward::stage_equations::{BothFigures, InMode, StepMotion};
-use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepProblem, WIDTH, constant};
-use crate::derivatives::forward::tree::{FigureSlopes, TreeColumns};
+use crate::derivatives::forward::step::{Part, SolvedStep, StepProblem, WIDTH, constant};
 use crate::derivatives::numbers::number::Number;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz};
@@ -112,7 +112,7 @@ struct Starts<'s> {
 
 impl Tangent {
     /// Goes on over a solved step whose length varies by δh (p); the time at the end varies by δt₀ + δh.
-    pub fn carry(
+    pub(super) fn carry_whole(
         &mut self,
         problem: &StepProblem,
         solved: &SolvedStep,
@@ -123,21 +123,6 @@ impl Tangent {
         let StepProblem { mechanism, tableau, start, mode, .. } = problem;
         let n = start.velocity.len();
         let end = solved.stages.last()?;
-        if let Factors::Tree(factors) = &solved.factors {
-            let columns = TreeColumns { tangent: self, longer, efforts: slopes.efforts, rates: slopes.rates };
-            let [positions, velocities] = columns.carried(problem, solved, factors, &varied.slopes)?;
-            for column in 0..self.positions.ncols() {
-                let mut moved = carried(mechanism, start, end, &self.positions.column(column).into_owned());
-                self.velocities.column_mut(column).fill(0.0);
-                for (row, &freedom) in mode.free.iter().enumerate() {
-                    moved[freedom] = positions[(row, column)];
-                    self.velocities[(freedom, column)] = velocities[(row, column)];
-                }
-                self.positions.set_column(column, &moved);
-            }
-            self.times += longer;
-            return Some(());
-        }
         for (chunk, figures) in varied.chunks().iter().enumerate() {
             let first = chunk * WIDTH;
             let width = WIDTH.min(self.positions.ncols() - first);
@@ -181,26 +166,13 @@ impl Tangent {
 }
 
 /// ∂q̄/∂h and ∂v̄/∂h of a solved step (n each), for efforts that change at these rates at its stages; `None` if the factors are singular.
-pub fn by_length(
+pub(super) fn by_length_whole(
     problem: &StepProblem,
     solved: &SolvedStep,
     rates: &[DVector<f64>],
 ) -> Option<(DVector<f64>, DVector<f64>)> {
     let StepProblem { tableau, start, mode, .. } = problem;
     let n = start.velocity.len();
-    if let Factors::Tree(factors) = &solved.factors {
-        let tangent =
-            Tangent { positions: DMatrix::zeros(n, 1), velocities: DMatrix::zeros(n, 1), times: DVector::zeros(1) };
-        let (longer, still) = (DVector::from_element(1, 1.0), vec![DMatrix::zeros(n, 1); tableau.stages]);
-        let columns = TreeColumns { tangent: &tangent, longer: &longer, efforts: &still, rates };
-        let [positions, velocities] = columns.carried(problem, solved, factors, &[None])?;
-        let spread = |of: &DMatrix<f64>| {
-            let mut all = DVector::zeros(n);
-            mode.free.iter().enumerate().for_each(|(row, &freedom)| all[freedom] = of[(row, 0)]);
-            all
-        };
-        return Some((spread(&positions), spread(&velocities)));
-    }
     let efforts: Vec<Vec<Part>> = (0..tableau.stages)
         .map(|stage| {
             let row = |row: usize| {
@@ -257,7 +229,7 @@ fn columns(
 }
 
 /// A slight motion at the start of a step, in the coordinates of its end: turns of ball joints are about the axes of the child.
-fn carried(mechanism: &Mechanism, start: &State, end: &State, motion: &DVector<f64>) -> DVector<f64> {
+pub(super) fn carried(mechanism: &Mechanism, start: &State, end: &State, motion: &DVector<f64>) -> DVector<f64> {
     let mut carried = motion.clone();
     for body in mechanism.bodies.iter().filter(|body| body.joint.kind.rotation() == FreeRotation::Ball) {
         let slides = body.joint.kind.translation_axes().len();

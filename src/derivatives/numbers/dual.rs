@@ -64,6 +64,8 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    // The derivative of a product is a sum.
+    #[expect(clippy::suspicious_arithmetic_impl)]
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.with(other, self.value * other.value, |own, others| other.value * own + self.value * others)

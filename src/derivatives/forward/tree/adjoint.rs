@@ -11,8 +11,8 @@
 //! computed.
 
 use crate::derivatives::equations::figures::BodyFigures;
-use crate::derivatives::forward::tree::column::FigureSlopes;
-use crate::derivatives::forward::tree::spatial::{Forces, NOUGHT, Twist, trace, transposed};
+use crate::derivatives::forward::figure_slopes::FigureSlopes;
+use crate::derivatives::forward::spatial::{Forces, NOUGHT, Twist, trace, transposed};
 use crate::derivatives::forward::tree::step::TreeStep;
 use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::{Matrix, Vector};

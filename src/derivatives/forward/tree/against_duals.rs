@@ -2,11 +2,12 @@
 
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepMode, StepProblem};
-use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied, by_length};
+use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
 use crate::derivatives::forward::tree::adjoint::FigureCotangents;
 use crate::derivatives::forward::tree::column::Column;
 use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
+use crate::derivatives::forward::tree::over_step::by_length;
 use crate::derivatives::forward::tree::step::{TreeStep, efforts};
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;

@@ -9,23 +9,12 @@
 //! the parent moves the joint and the child, as a freedom before the joint does; one on the child moves the child alone. Unknowns are whole
 //! displacements, those of the start included.
 
-use crate::derivatives::equations::figures::{BodyFigures, Figures, Frame};
-use crate::derivatives::equations::laws::Laws;
-use crate::derivatives::forward::tree::spatial::{Forces, Twist};
+use crate::derivatives::forward::figure_slopes::FigureSlopes;
+use crate::derivatives::forward::spatial::{Forces, Twist};
 use crate::derivatives::forward::tree::step::TreeStep;
 use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
 use nalgebra::{DMatrix, DVector};
-
-/// The derivatives of all figures by a parameter, in their places.
-pub(in crate::derivatives) struct FigureSlopes {
-    pub plain: Figures<f64>,
-    pub laws: Laws<f64>,
-    /// Those of inertial numbers, and the motions of the frames of joints on the parent and on the child, where they are not zero.
-    bodies: Vec<Option<BodyFigures<f64>>>,
-    frames: Option<Vec<[Twist; 2]>>,
-    changes_laws: bool,
-}
 
 /// What a parameter changes in a step.
 pub(super) struct Column<'c> {
@@ -44,55 +33,6 @@ struct Displaced {
     /// Each body, and what carries the slides and the rotations of its joint.
     bodies: Vec<Twist>,
     carriers: Vec<[Twist; 2]>,
-}
-
-impl FigureSlopes {
-    /// From all figures and their derivatives.
-    pub fn new(of: &Figures<f64>, plain: Figures<f64>, laws: Laws<f64>) -> Self {
-        let is_zero = |vector: &Vector<f64>| vector.0.iter().all(|entry| *entry == 0.0);
-        let bodies = plain.bodies.iter().map(|body| {
-            let rests = body.mass == 0.0 && is_zero(&body.moment) && body.second_moments.0.iter().all(is_zero);
-            (!rests).then(|| body.clone())
-        });
-        let frames: Vec<[Twist; 2]> = of
-            .bodies
-            .iter()
-            .zip(&plain.bodies)
-            .map(|(body, slope)| {
-                [frame_motion(&body.on_parent, &slope.on_parent), frame_motion(&body.on_child, &slope.on_child)]
-            })
-            .collect();
-        let rest = |twist: &Twist| is_zero(&twist.turn) && is_zero(&twist.shift);
-        let bodies = bodies.collect();
-        let frames = (!frames.iter().flatten().all(rest)).then_some(frames);
-        let springs = plain.springs.iter().flat_map(|spring| [spring.stiffness, spring.rest]);
-        let joints = plain.dampers.iter().chain(&plain.loads).chain(&plain.rotors).map(|(_, slope)| *slope);
-        let motors = laws.motors.iter().flat_map(|motor| [motor.kp, motor.kd]);
-        let changes_laws = springs.chain(joints).chain(motors).any(|slope| slope != 0.0);
-        FigureSlopes { plain, laws, bodies, frames, changes_laws }
-    }
-
-    /// Those of inertial numbers, for each body that has any.
-    pub(super) fn inertial(&self) -> &[Option<BodyFigures<f64>>] {
-        &self.bodies
-    }
-
-    /// The motions of the frames of all joints, if any move.
-    pub(super) fn frames(&self) -> Option<&[[Twist; 2]]> {
-        self.frames.as_deref()
-    }
-
-    /// Whether springs, dampers, motors, loads or rotors change.
-    pub fn changes_laws(&self) -> bool {
-        self.changes_laws
-    }
-}
-
-/// The motion of a frame in the frame that it is fixed in, about its own origin.
-fn frame_motion(frame: &Frame<f64>, slope: &Frame<f64>) -> Twist {
-    let axes = frame.axes.0.iter().zip(&slope.axes.0);
-    let turn = axes.fold(Vector([0.0; 3]), |sum, (axis, change)| sum + axis.cross(*change).scaled(0.5));
-    Twist { turn, shift: slope.origin }
 }
 
 /// A motion about a point of a body, in the world: the turn and the velocity of the point, both in the body.
@@ -118,7 +58,7 @@ impl TreeStep<'_> {
         let figures = &self.problem.figures.plain;
         let free = self.problem.mode.free.len();
         let (start, longer) = (&self.problem.start.velocity, column.longer);
-        let frames = column.figures.and_then(|slopes| slopes.frames.as_deref());
+        let frames = column.figures.and_then(|slopes| slopes.frames());
         let moves = frames.is_some() || column.positions.iter().chain(column.velocities).any(|part| *part != 0.0);
         let is_held = |freedom: usize| self.row(freedom).is_none();
         let held: Vec<f64> = column
@@ -159,7 +99,7 @@ impl TreeStep<'_> {
             let factor_rate = if is_end { tableau.weights[s - 1] } else { 2.0 * h };
             let mut loads: Vec<[Vector<f64>; 2]> = Vec::with_capacity(figures.bodies.len());
             for body in 0..figures.bodies.len() {
-                let own = column.figures.and_then(|slopes| slopes.bodies[body].as_ref());
+                let own = column.figures.and_then(|slopes| slopes.inertial()[body].as_ref());
                 let mut w = start_rates[body].scaled(-h * gone);
                 w = w.plus(&self.rates[0][body].scaled(-longer * gone));
                 if is_end {
@@ -257,7 +197,7 @@ impl TreeStep<'_> {
                 add(freedom, -coefficient * column.positions[freedom]);
             }
         }
-        if let Some(slopes) = column.figures.filter(|slopes| slopes.changes_laws) {
+        if let Some(slopes) = column.figures.filter(|slopes| slopes.changes_laws()) {
             self.add_law_changes(stage, slopes, weights, change);
         }
     }

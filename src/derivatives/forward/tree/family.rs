@@ -5,7 +5,7 @@
 
 use crate::derivatives::equations::figures::Figures;
 use crate::derivatives::equations::placed::Placed;
-use crate::derivatives::forward::tree::spatial::{NOUGHT, Twist};
+use crate::derivatives::forward::spatial::{NOUGHT, Twist};
 use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::Vector;
 

@@ -7,13 +7,15 @@
 //! ```
 
 use crate::derivatives::forward::between::motion_between;
+use crate::derivatives::forward::figure_slopes::FigureSlopes;
 use crate::derivatives::forward::step::{Factors, ITERATIONS, ROUNDING, SLOW, SolvedStep, StepProblem};
 use crate::derivatives::forward::tangent::Tangent;
 use crate::derivatives::forward::tree::adjoint::{Cotangents, FigureCotangents};
-use crate::derivatives::forward::tree::column::{Column, FigureSlopes};
+use crate::derivatives::forward::tree::column::Column;
 use crate::derivatives::forward::tree::family::Family;
-use crate::derivatives::forward::tree::matrix::{TreeFactors, TreeMatrix};
+use crate::derivatives::forward::tree::matrix::TreeMatrix;
 use crate::derivatives::forward::tree::step::{TreeStep, efforts};
+use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,7 @@
 //! The equations of a step of a tree, joint by joint, and what is off in them.
 //!
 //! The equations are those of [`crate::derivatives::forward::stage_equations`] without closures and springs between points. Forces on bodies act at
-//! their points ([`crate::derivatives::forward::tree::spatial`]). With the motions s of the freedoms they become
+//! their points ([`crate::derivatives::forward::spatial`]). With the motions s of the freedoms they become
 //!
 //! ```text
 //!     s_r(k) · Σ_(bodies behind r) M W_k − h² τ_k = 0         W_k = Σ_i B_ki w_i − h² g                        k = 1..s−1
@@ -10,9 +10,9 @@
 
 use crate::derivatives::equations::figures::Figures;
 use crate::derivatives::equations::placed::{Offsets, place};
+use crate::derivatives::forward::spatial::{Forces, Twist};
 use crate::derivatives::forward::step::StepProblem;
 use crate::derivatives::forward::tree::family::{Family, TreeStage};
-use crate::derivatives::forward::tree::spatial::{Forces, Twist};
 use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::Vector;
 use crate::mechanism::motion::state::State;

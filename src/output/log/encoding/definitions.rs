@@ -4,6 +4,9 @@
 //! equals signs and a line that names it. A reader with the schema decodes messages of any package. Source: MCAP format registry
 //! (mcap.dev/spec/registry), "ros2msg"; the packages `common_interfaces`, `geometry2` and `rcl_interfaces` of ROS 2.
 
+/// The beginning of the topics of derivatives.
+pub(crate) const SENSITIVITIES: &str = "/sensitivities";
+
 /// The definition of a message.
 pub(crate) struct Definition {
     /// Package and name, as in `std_msgs/msg/Header`.

@@ -6,16 +6,13 @@
 //!
 //! Ends of steps whose instants move with a parameter, as those at events, have no message: derivatives are at fixed times.
 
-use crate::output::log::encoding::definitions::JOINT_STATE;
+use crate::output::log::encoding::definitions::{JOINT_STATE, SENSITIVITIES};
 use crate::output::log::encoding::durability::Durability;
 use crate::output::log::encoding::template::Template;
 use crate::output::log::messages::topics::Topics;
 use crate::output::log::storage::error::LogError;
 use crate::output::log::storage::file::MessageSink;
 use std::sync::Arc;
-
-/// The beginning of the topics.
-pub(crate) const TOPIC: &str = "/sensitivities";
 
 /// The derivatives of a run, which its log has besides.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,7 +48,7 @@ impl SensitivityMessages {
         derivatives: Option<&Arc<Derivatives>>,
         wanted: &Topics,
     ) -> Result<Option<Self>, LogError> {
-        let Some(derivatives) = derivatives.filter(|_| wanted.has(TOPIC)) else { return Ok(None) };
+        let Some(derivatives) = derivatives.filter(|_| wanted.has(SENSITIVITIES)) else { return Ok(None) };
         let mut names: Vec<String> = Vec::new();
         let mut topics = Vec::new();
         for key in &derivatives.keys {
@@ -88,7 +85,7 @@ fn topic(key: &str) -> String {
         if kept.chars().next().is_none_or(|first| first.is_ascii_digit()) { format!("_{kept}") } else { kept }
     };
     let tokens: Vec<String> = key.split('.').map(token).collect();
-    format!("{TOPIC}/{}", tokens.join("/"))
+    format!("{SENSITIVITIES}/{}", tokens.join("/"))
 }
 
 #[cfg(test)]

@@ -4,10 +4,10 @@
 //! it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a whole one has a message of every topic
 //! of [`TOPICS`] that the log has.
 
+use crate::output::log::encoding::definitions::SENSITIVITIES;
 use crate::output::log::encoding::line;
 use crate::output::log::encoding::names::LIBRARY;
 use crate::output::log::encoding::time::seconds;
-use crate::output::log::messages::sensitivities::TOPIC as SENSITIVITIES;
 use crate::output::log::reading::decode;
 use crate::output::log::reading::decode::{JointStates, LinkPose, LogLine, LoggedContact, LoggedEvent, MultiDofStates};
 use crate::output::log::reading::reader::{Item, LogChannel, read_log};

@@ -3,12 +3,12 @@
 //! A thread reads the log. Messages that do not depend on the run (descriptions, lines of text) are passed over on both sides.
 
 use crate::output::log::encoding::definitions::Definition;
+use crate::output::log::encoding::definitions::SENSITIVITIES;
 use crate::output::log::encoding::durability::Durability;
 use crate::output::log::encoding::line::TOPIC as LINES;
 use crate::output::log::encoding::markers::TOPIC as MARKERS;
 use crate::output::log::encoding::time::seconds;
 use crate::output::log::messages::collision_shapes::TOPIC as SHAPES;
-use crate::output::log::messages::sensitivities::TOPIC as SENSITIVITIES;
 use crate::output::log::reading::decode;
 use crate::output::log::reading::reader::{Item, read_log};
 use crate::output::log::storage::batch::Batch;
