@@ -7,8 +7,9 @@ use crate::cli::tables::table::{Table, number};
 use crate::cli::terminal::printing::{Failure, print, print_json};
 use anyhow::Context as _;
 use catena::drawing::comma_separated::field;
+use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
-use catena::session::{Model, Sensitivity, Simulation};
+use catena::session::{Error, Model, Sensitivity, Simulation};
 use clap::value_parser;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -86,28 +87,64 @@ pub fn run(args: &SensitivityArgs) -> Result<(), Failure> {
     let loaded = args.input.load().map_err(Failure::input)?;
     args.input.refuse_warnings(&loaded.model).map_err(Failure::input)?;
     let model = Model::of_loaded(loaded, args.input.input.clone(), args.input.world.world());
-    let mut run = Simulation::new(&model);
-    for rule in &args.input.keep {
-        run = run.keep(*rule);
-    }
-    if let Some(duration) = args.duration {
-        run = run.duration(duration);
-    }
-    if let Some(tolerance) = args.tolerance {
-        run = run.tolerance(tolerance);
-    }
-    if let Some((stages, step)) = args.stages.zip(args.step) {
-        run = run.fixed(stages.into(), step);
-    }
-    let run = run.start(pairs(&args.position))?.velocities(pairs(&args.velocity))?;
-    let keys: Vec<&str> = args.by.iter().map(|by| by.key.as_str()).collect();
-    let found = run.sensitivity(&keys)?;
+    let settings = RunSettings {
+        keep: &args.input.keep,
+        duration: args.duration,
+        tolerance: args.tolerance,
+        fixed: args.stages.zip(args.step),
+        start: [&args.position, &args.velocity],
+    };
+    let found = differentiate(settings.run(&model)?, &args.by)?;
     if let Some(output) = &args.output {
         let written = std::fs::write(output, as_csv(&found));
         written.with_context(|| format!("{} cannot be written", output.display())).map_err(Failure::run)?;
     }
     let deviations = deviations(&args.by, &found);
     if args.json { print_json(&as_json(args, &found, &deviations)) } else { print(as_text(&found, &deviations)) }
+}
+
+/// The settings of a run that command lines with derivatives share.
+pub struct RunSettings<'a> {
+    /// Rules that are switched off.
+    pub keep: &'a [Rule],
+    /// s.
+    pub duration: Option<f64>,
+    /// m.
+    pub tolerance: Option<f64>,
+    /// Stages, and the step (s).
+    pub fixed: Option<(u8, f64)>,
+    /// Positions and velocities.
+    pub start: [&'a [Assignment]; 2],
+}
+
+impl RunSettings<'_> {
+    /// A run of a model with them.
+    ///
+    /// # Errors
+    /// Unknown joints at the start.
+    pub fn run(&self, model: &Model) -> Result<Simulation, Error> {
+        let mut run = self.keep.iter().fold(Simulation::new(model), |run, rule| run.keep(*rule));
+        if let Some(duration) = self.duration {
+            run = run.duration(duration);
+        }
+        if let Some(tolerance) = self.tolerance {
+            run = run.tolerance(tolerance);
+        }
+        if let Some((stages, step)) = self.fixed {
+            run = run.fixed(stages.into(), step);
+        }
+        let [positions, velocities] = self.start.map(pairs);
+        run.start(positions)?.velocities(velocities)
+    }
+}
+
+/// The derivatives of a run by parameters.
+///
+/// # Errors
+/// Unknown parameters, and runs without derivatives.
+pub fn differentiate(run: Simulation, by: &[By]) -> Result<Sensitivity, Error> {
+    let keys: Vec<&str> = by.iter().map(|by| by.key.as_str()).collect();
+    run.sensitivity(&keys)
 }
 
 /// The standard deviations of all parameters.

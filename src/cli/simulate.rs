@@ -10,7 +10,7 @@ use crate::cli::check::end_with_half_the_step;
 use crate::cli::logged_state::{LogInstant, start_of};
 use crate::cli::origin;
 use crate::cli::page_files::{check_page, is_same};
-use crate::cli::sensitivity::{By, as_text, deviations, end_as_json};
+use crate::cli::sensitivity::{By, RunSettings, as_text, deviations, differentiate, end_as_json};
 use crate::cli::terminal::printing::{Failure, print, print_json};
 use crate::cli::terminal::progress::Progress;
 use crate::cli::terminal::special_output::open_special;
@@ -282,25 +282,16 @@ fn derivatives(arguments: &Arguments, loaded: &Loaded) -> Result<Option<Sensitiv
     }
     let path = arguments.input.input.clone();
     let model = session::Model::of_loaded(loaded.clone(), path, arguments.input.world.world());
-    let mut run = session::Simulation::new(&model);
-    for rule in &arguments.input.keep {
-        run = run.keep(*rule);
-    }
-    if let Some(duration) = arguments.duration {
-        run = run.duration(duration);
-    }
-    if let Some(tolerance) = arguments.tolerance {
-        run = run.tolerance(tolerance);
-    }
-    if let Some((stages, step)) = arguments.stages.zip(arguments.step) {
-        run = run.fixed(stages.into(), step);
-    }
-    if arguments.no_estimate {
-        run = run.without_estimate();
-    }
-    let run = run.start(pairs(&arguments.position))?.velocities(pairs(&arguments.velocity))?;
-    let keys: Vec<&str> = arguments.sensitivity.iter().map(|by| by.key.as_str()).collect();
-    Ok(Some(run.sensitivity(&keys)?))
+    let settings = RunSettings {
+        keep: &arguments.input.keep,
+        duration: arguments.duration,
+        tolerance: arguments.tolerance,
+        fixed: arguments.stages.zip(arguments.step),
+        start: [&arguments.position, &arguments.velocity],
+    };
+    let run = settings.run(&model)?;
+    let run = if arguments.no_estimate { run.without_estimate() } else { run };
+    Ok(Some(differentiate(run, &arguments.sensitivity)?))
 }
 
 /// Derivatives as a log has them.

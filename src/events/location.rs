@@ -341,7 +341,8 @@ impl Eventful {
         all.map(|index| self.trial.watched[index]).collect()
     }
 
-    /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps, or the step does not show it.
+    /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps, or the step does not
+    /// show it.
     fn end_at(
         &mut self,
         inputs: Inputs,

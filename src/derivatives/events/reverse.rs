@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Steps of trees to given instants go back by their transpose, at a cost that does not depend on the number of parameters. Other pieces of a run, as
-//! events with their jumps, have the matrices A and B of their forward derivatives. The tape keeps the trace of the run and a state in so many pieces;
-//! the states between are computed again, from the same numbers by the same arithmetic, so that a gradient does not depend on what is kept.
+//! events with their jumps, have the matrices A and B of their forward derivatives. The tape keeps the trace of the run and one state every few
+//! pieces. The states between are computed again, from the same numbers by the same arithmetic: a gradient does not depend on the states that are kept.
 //!
 //! Source: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 12.
 
@@ -22,22 +22,17 @@ use crate::events::trace::{Closed, MotorMode, Traced, TracedStep};
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// A piece of a run: what happened until the integrator came back.
-pub(crate) struct Piece {
-    pub trace: Vec<Traced>,
-}
-
 /// The derivatives of a loss by the state at an instant.
 #[derive(Clone, Debug)]
 pub(crate) struct Adjoint {
-    /// By q and v (n each); turns of ball joints are about the axes of the child.
+    /// The derivatives by q and v (n each); turns of ball joints are about the axes of the child.
     pub positions: DVector<f64>,
     pub velocities: DVector<f64>,
-    /// By the time at which the state is reached.
+    /// The derivative by the time at which the state is reached.
     pub time: f64,
 }
 
-/// Where a walk without parameters is.
+/// The place of a walk without parameters.
 #[derive(Clone)]
 struct Place {
     state: State,
@@ -61,14 +56,15 @@ impl Place {
 pub(crate) struct Tape<'t> {
     subject: &'t Subject<'t>,
     walk: Walk<'t>,
-    pieces: Vec<Piece>,
+    /// The trace of each piece of the run, up to where the integrator came back.
+    pieces: Vec<Vec<Traced>>,
     /// The first place, and one for every so many pieces.
     kept: Vec<Place>,
     every: usize,
 }
 
 impl<'t> Tape<'t> {
-    /// From a start on; `subject` has no parameters, and one of so many states is kept.
+    /// The empty tape of a run from a start on; `subject` has no parameters, and the state is kept once in `every` pieces.
     pub fn new(subject: &'t Subject<'t>, start: &State, every: usize) -> Self {
         let walk = Walk::new(subject, start);
         Tape { subject, walk, pieces: Vec::new(), kept: Vec::new(), every: every.max(1) }
@@ -82,7 +78,7 @@ impl<'t> Tape<'t> {
     /// Adds a piece, and goes along it.
     ///
     /// # Errors
-    /// [`SensitivityError`] where it has no derivative, or none that goes back.
+    /// [`SensitivityError`] for a piece without a derivative, or without one against time.
     pub fn add(&mut self, trace: Vec<Traced>) -> Result<(), SensitivityError> {
         if self.pieces.len().is_multiple_of(self.every) {
             self.kept.push(Place::of(&self.walk));
@@ -98,7 +94,7 @@ impl<'t> Tape<'t> {
             return Err(SensitivityError::Unsupported { part, advice });
         }
         self.walk.along(&trace, &mut |_, _| {})?;
-        self.pieces.push(Piece { trace });
+        self.pieces.push(trace);
         Ok(())
     }
 
@@ -132,7 +128,7 @@ impl<'t> Tape<'t> {
             for (index, piece) in pieces.iter().enumerate() {
                 places.push(Place::of(&self.walk));
                 if index + 1 < pieces.len() {
-                    self.walk.along(&piece.trace, &mut |_, _| {})?;
+                    self.walk.along(piece, &mut |_, _| {})?;
                 }
             }
             for (index, (piece, place)) in pieces.iter().zip(&places).enumerate().rev() {
@@ -193,9 +189,9 @@ struct Back<'b> {
 }
 
 impl Back<'_> {
-    fn over(&mut self, piece: &Piece, place: &Place) -> Result<(), SensitivityError> {
+    fn over(&mut self, piece: &[Traced], place: &Place) -> Result<(), SensitivityError> {
         place.restore(&mut self.walk);
-        match &piece.trace[..] {
+        match piece {
             [Traced::Step(step)] if step.triggers.is_empty() && step.mode.contacts.is_empty() => {
                 match self.over_step(step)? {
                     true => Ok(()),
@@ -207,7 +203,7 @@ impl Back<'_> {
     }
 
     /// Over a piece by its forward derivatives.
-    fn over_matrices(&mut self, piece: &Piece) -> Result<(), SensitivityError> {
+    fn over_matrices(&mut self, piece: &[Traced]) -> Result<(), SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
         let all = 2 * n + 1 + p;
         let mut tangent = Tangent {
@@ -223,7 +219,7 @@ impl Back<'_> {
         self.walk.tangent = tangent;
         self.walk.validity = Validity::new(all);
         self.walk.events.clear();
-        self.walk.along(&piece.trace, &mut |_, _| {})?;
+        self.walk.along(piece, &mut |_, _| {})?;
         let Tangent { positions, velocities, times } = &self.walk.tangent;
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
         let pulled = positions.tr_mul(of_q) + velocities.tr_mul(of_v) + times * *time;

@@ -1,4 +1,4 @@
-//! The derivatives of the figures of a mechanism by one parameter: those of inertial numbers, of the frames of joints, and of laws.
+//! The derivatives of the figures of a mechanism by one parameter: of inertial numbers, of the frames of joints, and of laws.
 //!
 //! ```text
 //!     frame: axes E, origin o        motion: turn ½ Σ_c e_c × δe_c  (rad per unit),  shift δo  (m per unit)
@@ -13,14 +13,14 @@ use crate::derivatives::numbers::vector::Vector;
 pub(in crate::derivatives) struct FigureSlopes {
     pub plain: Figures<f64>,
     pub laws: Laws<f64>,
-    /// Those of inertial numbers, and the motions of the frames of joints on the parent and on the child, where they are not zero.
+    /// The derivatives of inertial numbers, and the motions of the frames of joints on the parent and on the child, if they are not zero.
     bodies: Vec<Option<BodyFigures<f64>>>,
     frames: Option<Vec<[Twist; 2]>>,
     changes_laws: bool,
 }
 
 impl FigureSlopes {
-    /// From all figures and their derivatives.
+    /// The derivatives of figures, from all figures and their changes.
     pub fn new(of: &Figures<f64>, plain: Figures<f64>, laws: Laws<f64>) -> Self {
         let is_zero = |vector: &Vector<f64>| vector.0.iter().all(|entry| *entry == 0.0);
         let bodies = plain.bodies.iter().map(|body| {
@@ -45,7 +45,7 @@ impl FigureSlopes {
         FigureSlopes { plain, laws, bodies, frames, changes_laws }
     }
 
-    /// Those of inertial numbers, for each body that has any.
+    /// The derivatives of inertial numbers, for each body that has any.
     pub(super) fn inertial(&self) -> &[Option<BodyFigures<f64>>] {
         &self.bodies
     }

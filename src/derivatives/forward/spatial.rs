@@ -80,7 +80,7 @@ impl Twist {
 }
 
 impl Forces {
-    /// Of a body at a place, from (w, Ω).
+    /// The forces on a body at a place, from (w, Ω).
     #[inline]
     pub fn on(body: &BodyFigures<f64>, at: &Twelve<f64>, of: &Twelve<f64>) -> Forces {
         let force = of.origin.scaled(body.mass) + of.axes.apply(body.moment);

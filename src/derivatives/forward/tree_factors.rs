@@ -14,7 +14,7 @@ pub struct TreeFactors {
     masses: Scaled,
 }
 
-/// Factors of a matrix whose rows are divided by powers of two near their largest entries: light joints keep their digits beside heavy ones.
+/// Factors of a matrix whose rows are divided by powers of two near their largest entries, so that pivots compare light joints with heavy ones.
 struct Scaled {
     factors: LU<f64, Dyn, Dyn>,
     scales: DVector<f64>,
@@ -51,7 +51,7 @@ impl Scaled {
 }
 
 impl TreeFactors {
-    /// Those of S, E and M; `None` if one of S and M is singular.
+    /// The factors of S, E and M; `None` if S or M is singular.
     pub fn new(stages: DMatrix<f64>, end: DMatrix<f64>, masses: DMatrix<f64>) -> Option<TreeFactors> {
         Some(TreeFactors { stages: Scaled::new(stages)?, end, masses: Scaled::new(masses)? })
     }

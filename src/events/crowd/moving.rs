@@ -7,9 +7,9 @@
 //!
 //! Rounds that do not bring the gaps nearer, as where a body would turn far in a step, end with the best round before; the overlap that is left is lifted.
 //!
-//! H is at the start, and after each round at q̄: corners that close in the step are in the plane of the other shape there, so that they can stick together,
-//! and at the start they are not. φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law exact for positions. It is first taken
-//! from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
+//! H is at the start, and after each round at q̄: corners that close in the step are in the plane of the other shape there, so that they can stick
+//! together, and at the start they are not. φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law
+//! exact for positions. It is first taken from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
 use crate::crowd::convex::{COARSE, TOLERANCE, solve};
 use crate::crowd::islands::{Island, islands};

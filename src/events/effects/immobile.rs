@@ -11,6 +11,7 @@
 
 use crate::events::effects::decision::{Candidate, Scene};
 use crate::events::modes::mode::{Closed, JointMode, Mode};
+use crate::instant::cone::apart::parts_joined;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, row_of_torque, rows_of_contact};
 use crate::instant::holding::elements::Elements;
@@ -135,13 +136,13 @@ fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bo
     answer - taken <= IMMOBILE * answer
 }
 
-/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows: part by part of those that zeros keep apart, as of bodies
-/// that stand beside each other.
+/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows: part by part of those that zeros keep apart, as of
+/// bodies that stand beside each other.
 fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
     let count = square.nrows();
     let inverse: Vec<f64> =
         (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
-    let parts = parts(square);
+    let parts = parts_joined(count, |row, column| square[(row, column)] != 0.0);
     let scaled = |part: &[usize]| {
         let entry = |row: usize, column: usize| square[(row, column)] * inverse[row] * inverse[column];
         DMatrix::from_fn(part.len(), part.len(), |row, column| entry(part[row], part[column])).symmetric_eigen()
@@ -164,25 +165,4 @@ fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
         }
     }
     found
-}
-
-/// The rows of a symmetric matrix that are joined by entries other than zero, in the order of their first.
-fn parts(square: &DMatrix<f64>) -> Vec<Vec<usize>> {
-    let mut left: Vec<usize> = (0..square.nrows()).collect();
-    let mut parts = Vec::new();
-    while let Some(&first) = left.first() {
-        let mut part = vec![first];
-        left.remove(0);
-        let mut place = 0;
-        while place < part.len() {
-            let own = part[place];
-            let (joined, others) = left.into_iter().partition(|&other| square[(own, other)] != 0.0);
-            part.extend::<Vec<usize>>(joined);
-            left = others;
-            place += 1;
-        }
-        part.sort_unstable();
-        parts.push(part);
-    }
-    parts
 }

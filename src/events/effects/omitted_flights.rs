@@ -24,41 +24,39 @@ use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
 /// The numbers of the meetings at rest that would be in a flight which is left out.
-fn in_flight(memory: &Memory, contacts: &Contacts, meetings: &[Meeting], state: &State) -> Vec<usize> {
+fn in_flight(memory: &Memory, contacts: &Contacts, meetings: &[Meeting], velocity: &[f64], time: f64) -> Vec<usize> {
     let until = |of: Of| match (of, contacts.pair_of(of)) {
         (Of::Joint(joint), _) => memory.joints[joint].in_flight_until,
         (_, Some(pair)) => memory.pairs[pair].in_flight_until,
         (Of::Contact(_) | Of::Moment { .. }, None) => None,
     };
-    let rests = |meeting: &Meeting| meeting.rate(&state.velocity).abs() <= meeting.rest;
-    let flies = |meeting: &Meeting| rests(meeting) && until(meeting.block.of).is_some_and(|until| state.time < until);
+    let rests = |meeting: &Meeting| meeting.rate(velocity).abs() <= meeting.rest;
+    let flies = |meeting: &Meeting| until(meeting.block.of).is_some_and(|until| time < until) && rests(meeting);
     (0..meetings.len()).filter(|&index| flies(&meetings[index])).collect()
 }
 
-/// The largest difference that such elements make to the velocity of any body [m/s]: `before` is the state before the impact on all these meetings,
-/// and `after` the velocity after it.
+/// The largest difference that such elements make to the velocity of any body [m/s]: `before` is the velocity before the impact on all these meetings,
+/// and `after` the state after it.
 pub(crate) fn speed_in_doubt(
     scene: &mut Scene,
     memory: &Memory,
     contacts: &Contacts,
     meetings: &[Meeting],
-    before: &State,
-    after: &[f64],
+    before: &[f64],
+    after: &State,
 ) -> f64 {
-    let flying = in_flight(memory, contacts, meetings, before);
-    if flying.is_empty() || before.velocity == after {
+    let flying = in_flight(memory, contacts, meetings, before, after.time);
+    if flying.is_empty() || before == after.velocity {
         return 0.0;
     }
     let others = meetings.iter().enumerate().filter(|(index, _)| !flying.contains(index));
     let others: Vec<Meeting> = others.map(|(_, meeting)| meeting.clone()).collect();
-    let mut state = before.clone();
+    let mut state = State { velocity: before.to_vec(), ..after.clone() };
     let solved = collide(scene, &mut state, &others).and_then(|_| collide(scene, &mut state, meetings));
     if solved.is_err() {
         return 0.0;
     }
-    let one_by_one = probe_velocities(scene.whole, &state);
-    state.velocity.copy_from_slice(after);
-    distance(&one_by_one, &probe_velocities(scene.whole, &state))
+    distance(&probe_velocities(scene.whole, &state), &probe_velocities(scene.whole, after))
 }
 
 /// The velocities of the probes of all bodies [m/s]: a probe `x + ρ R e` has the velocity `v + ρ [ω]× R e`.

@@ -93,8 +93,7 @@ pub(crate) fn transit(
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
-    let struck = State { velocity, ..state.clone() };
-    done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &struck, &state.velocity);
+    done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &velocity, state);
     let mut flights = ends.clone();
     for _ in 0..CALMING {
         let known = efforts(mode, state);
@@ -196,10 +195,10 @@ struct Low {
     left: f64,
 }
 
-/// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has
-/// while the limits and contacts at rest push. An element that is pulled back returns before it is higher than that; any other leaves as well from
-/// rest. Elements that kick each other open without end come to rest in this way. An element that parted before the impacts, by its rate `before`
-/// [m/s or rad/s], is no rebound: a corner that slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
+/// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest
+/// push. An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
+/// without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
+/// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
 fn too_low(
     scene: &mut Scene,
     state: &State,

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! Where steps over events keep to the tolerance, their cost takes the place of 1.2e7, and given instants to which few stages are not enough count as
-//! events: many stages gain nothing where efforts jump every millisecond. Given steps count 1 each. The first-order steps have 1e-4 s, and a sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the
-//! work for a time of the motion is bounded: if crowds follow without end, 52 ms take 400 steps without contacts and 52 steps of first order.
+//! events: many stages gain nothing where efforts jump every millisecond. Given steps count 1 each. The first-order steps have 1e-4 s, and a
+//! sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the work for a time of the motion is bounded: if crowds follow without
+//! end, 52 ms take 400 steps without contacts and 52 steps of first order.
 //!
 //! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed
 //! in one step of first order of 1e-6 s. Jams that follow each other soon take 4, 16 and 64 times that length, and then count as crowds.

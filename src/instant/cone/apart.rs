@@ -36,11 +36,14 @@ pub(crate) fn forces_apart(problem: &Problem, forces_of: impl Fn(&Problem) -> Ve
 
 /// The blocks that feel each other, in the order of their first.
 fn parts(problem: &Problem, firsts: &[usize]) -> Vec<Vec<usize>> {
-    let count = firsts.len();
     let rows = |block: usize| firsts[block]..firsts[block] + problem.laws[block].rows();
-    let feels = |one: usize, other: usize| {
+    parts_joined(firsts.len(), |one, other| {
         rows(one).any(|row| rows(other).any(|column| problem.mobility[(row, column)] != 0.0))
-    };
+    })
+}
+
+/// The numbers below a count in parts that are joined, directly or by others; each part in order, and the parts in the order of their first.
+pub(crate) fn parts_joined(count: usize, joins: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut left: Vec<usize> = (0..count).collect();
     let mut parts = Vec::new();
     while let Some(&first) = left.first() {
@@ -50,11 +53,11 @@ fn parts(problem: &Problem, firsts: &[usize]) -> Vec<Vec<usize>> {
         while place < part.len() {
             let own = part[place];
             left.retain(|&other| {
-                let joins = feels(own, other);
-                if joins {
+                let joined = joins(own, other);
+                if joined {
                     part.push(other);
                 }
-                !joins
+                !joined
             });
             place += 1;
         }

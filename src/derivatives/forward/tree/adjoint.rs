@@ -90,14 +90,14 @@ fn dot(one: &Twelve<f64>, other: &Twelve<f64>) -> f64 {
     one.origin.dot(other.origin) + product(&one.axes, &other.axes)
 }
 
-/// What the displacements of a stage are multiplied by.
+/// The cotangents of the displacements of a stage.
 struct Displacing {
     bodies: Vec<Twist>,
     carriers: Vec<[Twist; 2]>,
 }
 
 impl TreeStep<'_> {
-    /// The cotangents of `−Σ μ_r R_r`, with those of figures added; `efforts` are all efforts at the stages.
+    /// The cotangents of `−Σ μ_r R_r`; the cotangents of figures are added to `figures`; `efforts` are all efforts at the stages.
     pub fn pull_back(
         &self,
         efforts: &[Vec<f64>],
@@ -292,7 +292,7 @@ impl TreeStep<'_> {
     }
 }
 
-/// The cotangent of a motion about a point of a body, in the body, from that in the world.
+/// The cotangent of a motion about a point of a body, in the body, from the cotangent in the world.
 fn in_frame(place: &Twelve<f64>, at: Vector<f64>, whole: &Twist) -> Twist {
     let point = place.origin + place.axes.apply(at);
     let turn = whole.turn + whole.shift.cross(point);

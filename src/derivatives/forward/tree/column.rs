@@ -5,7 +5,7 @@
 //!     δ(row r) = s_r · (M δW + δM W)  +  K_k of places that are displaced  −  δ(h² τ)
 //! ```
 //!
-//! What is displaced at a stage besides the unknowns: at the start everything, later the joints that are held, and frames of joints that vary. A frame on
+//! Besides the unknowns, all joints are displaced at the start, later the joints that are held, and frames of joints that vary. A frame on
 //! the parent moves the joint and the child, as a freedom before the joint does; one on the child moves the child alone. Unknowns are whole
 //! displacements, those of the start included.
 
@@ -16,7 +16,7 @@ use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// What a parameter changes in a step.
+/// The changes of a step by a parameter.
 pub(super) struct Column<'c> {
     /// Of the start (n each).
     pub positions: &'c [f64],

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! All integrals are over the bodies behind both freedoms; each matrix is a sum over such bodies of nine numbers, gathered from leaves to root. The
-//! velocities at the end are in the last rows alone, so that the factors are those of a block triangle.
+//! velocities at the end are in the last rows alone, so that the matrix is a block triangle.
 
 use crate::derivatives::forward::spatial::{Forces, Twist, inner, shifted, sum, trace, transposed};
 use crate::derivatives::forward::tree::family::Freedom;
@@ -18,7 +18,7 @@ use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
 use nalgebra::DMatrix;
 
-/// The matrix of a step: that of the stages, and the last rows.
+/// The matrix of a step: the rows of the stages, and the last rows.
 pub(in crate::derivatives::forward) struct TreeMatrix {
     /// Rows k = 1..s−1 by the displacements of the stages i = 2..s.
     stages: DMatrix<f64>,
@@ -33,7 +33,7 @@ struct Pair {
     weight: f64,
 }
 
-/// What a matrix of two stages is made of, for a body and all behind it.
+/// The parts of a matrix of two stages, for a body and all behind it.
 struct Behind<'b> {
     mass: f64,
     at_row: Vector<f64>,
@@ -223,7 +223,7 @@ impl TreeStep<'_> {
         let mut momenta: Vec<Forces> =
             bodies.map(|((body, at), rate): (_, &Twelve<f64>)| Forces::on(body, at, rate)).collect();
         self.family.gather(&mut momenta, |sum, own| *sum = sum.plus(own));
-        // What carries each freedom: the body before its joint, and for rotations the slides of the joint.
+        // The carriers of each freedom: the body before its joint, and for rotations the slides of the joint.
         let mut carriers = vec![Twist::NONE; stage.motions.len()];
         for (parent, own) in self.family.parents.iter().zip(&self.family.own) {
             let mut carrier = parent.map_or(Twist::NONE, |parent| self.speeds[1][parent]);

@@ -1,4 +1,5 @@
-//! Steps of trees: the equations of [`crate::derivatives::forward::stage_equations`] and their derivatives written out, without numbers with derivatives.
+//! Steps of trees: the equations of [`crate::derivatives::forward::stage_equations`] and their derivatives written out, without numbers with
+//! derivatives.
 //!
 //! | file | contents |
 //! |---|---|
@@ -8,7 +9,7 @@
 //! | `column` | their derivatives by all that is given |
 //! | `adjoint` | the transpose of that, for gradients |
 //! | `solve` | steps solved, and derivatives carried over them |
-//! | `over_step` | the choice between these equations and those of all mechanisms |
+//! | `over_step` | the choice between these equations and the equations of all mechanisms |
 
 mod adjoint;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Steps and derivatives over them: by the equations of trees where all equations are theirs, otherwise by those of all mechanisms.
+//! Steps and derivatives over them: by the equations of trees if these are all, otherwise by the equations of all mechanisms.
 
 use crate::derivatives::forward::step::{Factors, SolvedStep, StepProblem};
 use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied, by_length_whole, carried};
@@ -12,7 +12,7 @@ impl StepProblem<'_> {
         if self.is_tree() { solve_tree(self) } else { self.solve_whole() }
     }
 
-    /// Whether all of its equations are those of a tree.
+    /// Whether it has the equations of a tree alone.
     pub fn is_tree(&self) -> bool {
         is_tree(&self.figures.plain) && self.mode.row_count == 0
     }

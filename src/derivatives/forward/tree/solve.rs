@@ -92,7 +92,7 @@ fn first_stages(problem: &StepProblem) -> Vec<State> {
     (1..tableau.stages).map(at).collect()
 }
 
-/// What the derivatives of a loss by the end of a step become.
+/// The derivatives of a loss, taken back over a step.
 pub(in crate::derivatives) struct PulledBack {
     /// By what is given in the step.
     pub given: Cotangents,

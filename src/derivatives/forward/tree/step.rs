@@ -151,7 +151,7 @@ impl<'s> TreeStep<'s> {
         self.behind.push(behind);
     }
 
-    /// What the equations are off by: those of the stages k = 1..s−1, then of the end.
+    /// The residuals of the equations: of the stages k = 1..s−1, then of the end.
     pub fn residual(&self, efforts: &[Vec<f64>]) -> DVector<f64> {
         let free = self.problem.mode.free.len();
         let mut rows = DVector::zeros(self.stages.len() * free);

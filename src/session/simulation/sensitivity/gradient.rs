@@ -4,7 +4,7 @@
 //!     run ─▶ tape ─▶ q, v at the given times ─▶ the loss: its value, ∂/∂q, ∂/∂v ─▶ back to the start: ∂/∂θ
 //! ```
 //!
-//! It is that of the same run whose steps also end at the samples: no interpolation has a part in it.
+//! The steps of the run also end at the samples, so that no interpolation has a part in it.
 
 use crate::derivatives::events::reverse::{Adjoint, Tape};
 use crate::session::error::Error;
@@ -12,7 +12,7 @@ use crate::session::simulation::Simulation;
 use crate::session::simulation::sensitivity::prepared::Prepared;
 use nalgebra::DVector;
 
-/// What a gradient is by, and of.
+/// The parameters and the samples of a gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct Backward<'b> {
     /// Parameters, as [`Simulation::sensitivity`] takes them.

@@ -2,7 +2,8 @@
 //!
 //! Numbers of a scene reach the equations through the reader of files. The derivatives of masses, frames, springs and starts by such a number come
 //! from eight models with other numbers, by differences of order eight: these functions are smooth and short, and the error is some 1e-13 of the
-//! derivative. Four models are enough where two differences are the same, as those by masses and inertias are. A start on closed loops is assembled as often, because other joints follow.
+//! derivative. Four models are enough where two differences are the same, as those by masses and inertias are. A start on closed loops is assembled
+//! as often, because other joints follow.
 
 use crate::derivatives::equations::figures::Figures;
 use crate::derivatives::equations::laws::Laws;

@@ -85,7 +85,7 @@ pub(super) struct Prepared {
     laws: TimeLaws,
     tableau: &'static Tableau,
     end: State,
-    /// Ends of steps (s), and whether each was asked for.
+    /// Ends of steps in order of time (s), and whether each was asked for.
     instants: Vec<(f64, bool)>,
 }
 
@@ -120,10 +120,11 @@ impl Prepared {
         instants.extend(times.iter().map(|&time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
+        let elements = Elements::new(mechanism);
         Ok(Prepared {
-            elements: Elements::new(mechanism),
             frames: frames(&model),
-            laws: TimeLaws::new(&Elements::new(mechanism).motors, &mechanism.forces),
+            laws: TimeLaws::new(&elements.motors, &mechanism.forces),
+            elements,
             tableau,
             end,
             instants,
@@ -135,7 +136,7 @@ impl Prepared {
         })
     }
 
-    /// What is differentiated, by some parameters.
+    /// The subject of the derivatives, by some parameters.
     pub fn subject<'p>(&'p self, parameters: &'p [Parameter]) -> Subject<'p> {
         Subject {
             mechanism: &self.model.description().mechanism,
@@ -159,11 +160,11 @@ impl Prepared {
         if time >= self.end.time {
             return None;
         }
-        let mut ahead = self.instants.iter().filter(|(instant, _)| *instant > time);
-        let (next, is_asked) = *ahead.next()?;
-        let short = |&(other, _): &(f64, bool)| next - time < SHORT * (other - time);
-        let together = ahead.next().filter(|after| !is_asked && short(after));
-        Some(together.map_or(next, |(after, _)| *after))
+        let ahead = &self.instants[self.instants.partition_point(|(instant, _)| *instant <= time)..];
+        let &(next, is_asked) = ahead.first()?;
+        let is_short = |after: f64| next - time < SHORT * (after - time);
+        let together = ahead.get(1).map(|(after, _)| *after).filter(|&after| !is_asked && is_short(after));
+        Some(together.unwrap_or(next))
     }
 
     /// Makes a step of the traced run towards an instant.
@@ -213,12 +214,6 @@ fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
     }
     if mechanism.nonsmooth.pairs.iter().any(|pair| !pair.moments.are_zero()) {
         return refuse("rolling and spinning friction", INSTEAD);
-    }
-    if !mechanism.forces.gravity_compensations.is_empty() {
-        return refuse("gravity compensation", "leave it out, or compare runs with other numbers");
-    }
-    if mechanism.moves_joints() {
-        return refuse("joints that are moved in time", "drive these joints with motors");
     }
     let balls = |freedom: usize| {
         let body = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body].joint);
