@@ -1,4 +1,4 @@
-//! Actuators of MJCF on joints, as motors.
+//! Actuators of MJCF on joints and on fixed tendons, as motors.
 //!
 //! The force of an actuator with the gear G, the gain g, the biases b and the control u is
 //!
@@ -7,12 +7,13 @@
 //! ```
 //!
 //! in a joint at q [rad or m] with the velocity q̇, τ in N m or N. A `motor` has g = 1, a `position` g = kp, b₁ = −kp, b₂ = −kv, a `velocity` g = kv,
-//! b₂ = −kv.
+//! b₂ = −kv. On a fixed tendon of the length `Σ c_i q_i` it drives each of its joints with the gear `c_i G`.
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::parts::Motor;
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
+use crate::scene::robot::UrdfJointKind;
 
 impl Reader<'_> {
     /// All actuators of an `<actuator>`.
@@ -26,13 +27,13 @@ impl Reader<'_> {
             }
             let number = self.controls;
             self.controls += 1;
-            let motor = self.actuator(&actuator)?;
-            self.motors.push((number, motor));
+            let motors = self.actuator(&actuator)?;
+            self.motors.extend(motors.into_iter().map(|motor| (number, motor)));
         }
         Ok(())
     }
 
-    fn actuator(&mut self, actuator: &Element) -> Result<Option<Motor>, SceneError> {
+    fn actuator(&mut self, actuator: &Element) -> Result<Vec<Motor>, SceneError> {
         let number = |name: &str, otherwise: f64| Ok::<f64, SceneError>(actuator.number(name)?.unwrap_or(otherwise));
         let first = |name: &str, count: usize, otherwise: [f64; 3]| -> Result<[f64; 3], SceneError> {
             let given = actuator.list(name, 1, 10)?.unwrap_or_default();
@@ -59,7 +60,7 @@ impl Reader<'_> {
                     || !plain("biastype", &["none", "affine"])
                 {
                     self.not_simulated(actuator, "actuators with dynamics of their own are not simulated".to_string());
-                    return Ok(None);
+                    return Ok(Vec::new());
                 }
                 let is_affine = actuator.text("biastype") == Some("affine");
                 let bias = if is_affine { first("biasprm", 3, [0.0; 3])? } else { [0.0; 3] };
@@ -67,33 +68,10 @@ impl Reader<'_> {
             }
             other => {
                 self.not_simulated(actuator, format!("actuators <{other}> are not simulated"));
-                return Ok(None);
+                return Ok(Vec::new());
             }
         };
-        let Some(joint) = actuator.text("joint").or_else(|| actuator.text("jointinparent")).map(str::to_string) else {
-            self.not_simulated(actuator, "actuators that drive no joint are not simulated".to_string());
-            return Ok(None);
-        };
-        let Some(&(tree, reference)) = self.references.get(&joint) else {
-            if self.free_names.contains(&joint) {
-                self.not_simulated(actuator, "actuators on free joints are not simulated".to_string());
-                return Ok(None);
-            }
-            return Err(actuator.error("joint", "there is no such joint".to_string()));
-        };
-        let is_ball = self.trees[tree]
-            .joints
-            .iter()
-            .filter_map(|(_, joint)| joint.as_ref())
-            .any(|own| own.name == joint && own.kind == crate::scene::robot::UrdfJointKind::Spherical);
-        if is_ball {
-            self.not_simulated(actuator, "actuators on ball joints are not simulated".to_string());
-            return Ok(None);
-        }
-        if self.motors.iter().any(|(_, motor)| motor.as_ref().is_some_and(|motor| motor.joint == joint)) {
-            self.not_simulated(actuator, format!("a second actuator on joint {joint:?} is not simulated"));
-            return Ok(None);
-        }
+        let driven = self.driven(actuator, bias[1] != 0.0 || bias[2] != 0.0)?;
         let gear = actuator.list("gear", 1, 6)?.map_or(1.0, |gear| gear[0]);
         let bounded = |range: &str, flag: &str| -> Result<Option<(f64, f64)>, SceneError> {
             let given = actuator.list(range, 2, 2)?;
@@ -110,18 +88,63 @@ impl Reader<'_> {
         let [constant, per_position, per_rate] = bias;
         if per_position > 0.0 || per_rate > 0.0 {
             self.not_simulated(actuator, "actuators that push away from rest are not simulated".to_string());
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        Ok(Some(Motor {
-            joint,
-            kp: -per_position * gear * gear,
-            kd: -per_rate * gear * gear,
-            // Positions are counted from the reference of the joint here.
-            constant: gear * (constant + per_position * gear * reference),
-            per_control: gear * gain,
-            control: 0.0,
-            control_range,
-            max_effort: forces.map(|(lower, upper)| gear.abs() * lower.abs().max(upper.abs())),
-        }))
+        let motor = |(joint, reference, coefficient): (String, f64, f64)| {
+            let gear = gear * coefficient;
+            Motor {
+                joint,
+                kp: -per_position * gear * gear,
+                kd: -per_rate * gear * gear,
+                // Positions are counted from the reference of the joint here.
+                constant: gear * (constant + per_position * gear * reference),
+                per_control: gear * gain,
+                control: 0.0,
+                control_range,
+                max_effort: forces.map(|(lower, upper)| gear.abs() * lower.abs().max(upper.abs())),
+            }
+        };
+        Ok(driven.into_iter().map(motor).collect())
+    }
+
+    /// The joints that an actuator drives, with their references and their coefficients in its length; none, with a warning, if it cannot be simulated.
+    fn driven(&mut self, actuator: &Element, is_sprung: bool) -> Result<Vec<(String, f64, f64)>, SceneError> {
+        let joints = match (actuator.text("joint").or_else(|| actuator.text("jointinparent")), actuator.text("tendon"))
+        {
+            (Some(joint), _) => vec![(joint.to_string(), 1.0)],
+            (None, Some(tendon)) => self.fixed_tendons.get(tendon).cloned().unwrap_or_default(),
+            (None, None) => Vec::new(),
+        };
+        let problem = match joints.len() {
+            0 => "actuators that drive neither a joint nor a fixed tendon are not simulated",
+            1 => "",
+            _ if is_sprung => "actuators of fixed tendons that depend on their length are not simulated",
+            _ => "",
+        };
+        if !problem.is_empty() {
+            self.not_simulated(actuator, problem.to_string());
+            return Ok(Vec::new());
+        }
+        let mut driven = Vec::with_capacity(joints.len());
+        for (joint, coefficient) in joints {
+            let Some(&(tree, reference)) = self.references.get(&joint) else {
+                if self.free_names.contains(&joint) {
+                    self.not_simulated(actuator, "actuators on free joints are not simulated".to_string());
+                    return Ok(Vec::new());
+                }
+                return Err(actuator.error("joint", "there is no such joint".to_string()));
+            };
+            let joints = self.trees[tree].joints.iter().filter_map(|(_, joint)| joint.as_ref());
+            if joints.into_iter().any(|own| own.name == joint && own.kind == UrdfJointKind::Spherical) {
+                self.not_simulated(actuator, "actuators on ball joints are not simulated".to_string());
+                return Ok(Vec::new());
+            }
+            if self.motors.iter().any(|(_, motor)| motor.joint == joint) {
+                self.not_simulated(actuator, format!("a second actuator on joint {joint:?} is not simulated"));
+                return Ok(Vec::new());
+            }
+            driven.push((joint, reference, coefficient));
+        }
+        Ok(driven)
     }
 }

@@ -142,6 +142,7 @@ impl Reader<'_> {
             (Some(true), _) | (None, None) => composed(&parts),
             (_, given) => given,
         };
+        self.rounded(body, &mut link);
         self.trees[tree].links.push(link);
         for (child, pose, class) in bodies {
             let inner = self.body_name(&child);
@@ -208,7 +209,9 @@ impl Reader<'_> {
         let (mut geom, mass) = self.geom(given, class)?;
         geom.pose = at * geom.pose;
         self.fixed_mass += mass.map_or(0.0, |of| of.mass);
-        if geom.touches && !matches!(geom.form, Form::Other) {
+        if geom.is_ellipsoid() {
+            self.not_simulated(given, "an ellipsoid that does not move touches nothing".to_string());
+        } else if geom.touches && !matches!(geom.form, Form::Other) {
             self.obstacles.push(geom);
         }
         Ok(())
@@ -222,6 +225,20 @@ impl Reader<'_> {
             self.sites.insert(name, (body.map(str::to_string), pose));
         }
         Ok(())
+    }
+
+    /// Ellipsoids touch planes alone, and only where all shapes of their body that touch are ellipsoids.
+    fn rounded(&mut self, body: &Element, link: &mut Link) {
+        let ellipsoids = link.geoms.iter().filter(|geom| geom.can_touch() && geom.is_ellipsoid()).count();
+        if ellipsoids == 0 {
+            return;
+        }
+        if ellipsoids == link.geoms.iter().filter(|geom| geom.can_touch()).count() {
+            self.not_simulated(body, "a body of ellipsoids touches planes, and no other shapes".to_string());
+            return;
+        }
+        link.geoms.iter_mut().filter(|geom| geom.is_ellipsoid()).for_each(|geom| geom.touches = false);
+        self.not_simulated(body, "ellipsoids beside other shapes of one body touch nothing".to_string());
     }
 
     /// The name of a body, or a number.

@@ -1,10 +1,10 @@
-//! Equality constraints of MJCF: points and frames of two bodies that stay together, and joints that follow joints.
+//! Equality constraints of MJCF: points and frames of two bodies that stay together, joints that follow joints, and tendons.
 
 use crate::scene::error::SceneError;
-use crate::scene::mjcf_reading::parts::Closing;
+use crate::scene::mjcf_reading::parts::{Closing, End};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 impl Reader<'_> {
     /// All constraints of an `<equality>`.
@@ -24,6 +24,7 @@ impl Reader<'_> {
                     self.closing(&one, "fixed")?;
                 }
                 "joint" => self.following(&one)?,
+                "tendon" => self.tied(&one)?,
                 other => self.not_simulated(&one, format!("constraints <{other}> are not simulated")),
             }
         }
@@ -59,12 +60,7 @@ impl Reader<'_> {
     }
 
     /// A point of the world as one of a body, at the start.
-    fn end(
-        &self,
-        one: &Element,
-        body: Option<&str>,
-        point: &Point3<f64>,
-    ) -> Result<(Option<String>, Vector3<f64>), SceneError> {
+    pub fn end(&self, one: &Element, body: Option<&str>, point: &Point3<f64>) -> Result<End, SceneError> {
         match body {
             Some(body) if body != "world" => {
                 let moving = self.placed.get(body).is_some_and(|placed| placed.tree.is_some());

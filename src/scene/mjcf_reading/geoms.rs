@@ -4,6 +4,7 @@ use crate::meshes::collision_surface;
 use crate::scene::body::{SceneBody, Weight};
 use crate::scene::bounded::read_bounded;
 use crate::scene::error::SceneError;
+use crate::scene::mjcf_reading::grips::Grip;
 use crate::scene::mjcf_reading::mass::{Inside, MassOf, Solid, of_triangles};
 use crate::scene::mjcf_reading::parts::{Form, Geom};
 use crate::scene::mjcf_reading::reader::Reader;
@@ -15,9 +16,6 @@ use std::path::Path;
 
 /// Density of a geom that says none [kg/m³].
 const DENSITY: f64 = 1000.0;
-
-/// Sliding friction of a geom that says none.
-const FRICTION: f64 = 1.0;
 
 /// Groups above this one are not shown.
 const LAST_SHOWN: f64 = 2.0;
@@ -79,9 +77,9 @@ impl Reader<'_> {
                 }
             },
             "ellipsoid" => {
-                ellipsoid = Some(across(&sizes)?);
-                self.not_simulated(&geom, "an ellipsoid touches nothing and is not shown; its mass counts".to_string());
-                Form::Other
+                let radii = across(&sizes)?;
+                ellipsoid = Some(radii);
+                Form::Solid(Geometry::Ellipsoid { radii })
             }
             other => {
                 self.not_simulated(&geom, format!("a geom of the type {other:?} touches nothing and has no mass"));
@@ -93,7 +91,6 @@ impl Reader<'_> {
         if [own, others].iter().any(|mask| *mask > 1.0) {
             self.masks = true;
         }
-        let friction = geom.list("friction", 1, 3)?.map_or(FRICTION, |list| list[0]);
         let material = geom.text("material").and_then(|name| self.colors.get(name).copied());
         let color = match geom.list("rgba", 4, 4)? {
             Some(rgba) => Some([rgba[0], rgba[1], rgba[2], rgba[3]]),
@@ -108,7 +105,7 @@ impl Reader<'_> {
             masks: [own as u32, others as u32],
             is_shown: integer("group", 0.0)? <= LAST_SHOWN,
             color,
-            friction,
+            grip: Grip::of(&geom)?,
         };
         Ok((read, mass))
     }

@@ -62,7 +62,7 @@ impl Reader<'_> {
         }
         if let Some(controls) = key.list("ctrl", self.controls, self.controls)? {
             for (number, motor) in &mut self.motors {
-                if let (Some(motor), Some(control)) = (motor, controls.get(*number)) {
+                if let Some(control) = controls.get(*number) {
                     motor.control = *control;
                 }
             }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     text → tree.rs (elements with lines, includes) → defaults.rs (classes) → bodies.rs, geoms.rs, joints.rs (trees of links)
-//!          → equality.rs, actuators.rs, keyframes.rs → written.rs (TOML and URDF) → scene_reading → Scene
+//!          → tendons.rs, equality.rs, actuators.rs, keyframes.rs → written.rs (TOML and URDF) → scene_reading → Scene
 //! ```
 //!
 //! Each child of the world with a joint in it is a robot, each without is an obstacle. What has no counterpart is a warning with its line. A log
@@ -13,6 +13,7 @@ pub(crate) mod bodies;
 pub(crate) mod defaults;
 pub(crate) mod equality;
 pub(crate) mod geoms;
+pub(crate) mod grips;
 pub(crate) mod joints;
 pub(crate) mod keyframes;
 pub(crate) mod mass;
@@ -20,5 +21,6 @@ pub(crate) mod mjcf;
 pub(crate) mod orientation;
 pub(crate) mod parts;
 pub(crate) mod reader;
+pub(crate) mod tendons;
 pub(crate) mod tree;
 pub(crate) mod written;

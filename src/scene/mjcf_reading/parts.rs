@@ -1,5 +1,6 @@
 //! The parts of an MJCF file, read: trees of links, geoms, joints, and what couples and drives them.
 
+use crate::scene::mjcf_reading::grips::Grip;
 use crate::scene::mjcf_reading::mass::MassOf;
 use crate::scene::robot::{Geometry, Pose, UrdfJointKind};
 use nalgebra::Vector3;
@@ -54,13 +55,25 @@ pub(crate) struct Geom {
     pub masks: [u32; 2],
     pub is_shown: bool,
     pub color: Option<[f64; 4]>,
-    pub friction: f64,
+    pub grip: Grip,
 }
 
 impl Geom {
     /// Whether it is a shape of a link that may touch.
     pub fn can_touch(&self) -> bool {
         self.touches && matches!(self.form, Form::Solid(_))
+    }
+
+    /// Whether it is an ellipsoid.
+    pub fn is_ellipsoid(&self) -> bool {
+        matches!(self.form, Form::Solid(Geometry::Ellipsoid { .. }))
+    }
+}
+
+impl Link {
+    /// Whether it touches as ellipsoids do.
+    pub fn is_round(&self) -> bool {
+        self.geoms.iter().any(|geom| geom.can_touch() && geom.is_ellipsoid())
     }
 }
 
@@ -96,14 +109,45 @@ pub(crate) struct Joint {
     pub line: usize,
 }
 
+/// A body, `None` for the world, and a point of it (m).
+pub(crate) type End = (Option<String>, Vector3<f64>);
+
 /// A loop that a constraint closes.
 #[derive(Debug)]
 pub(crate) struct Closing {
     pub name: Option<String>,
     /// `spherical` or `fixed`.
     pub kind: &'static str,
-    /// Both ends: a body, `None` for the world, and a point of it (m).
-    pub ends: [(Option<String>, Vector3<f64>); 2],
+    pub ends: [End; 2],
+}
+
+/// A tendon with a greatest length.
+#[derive(Debug)]
+pub(crate) struct Rope {
+    pub name: Option<String>,
+    pub ends: [End; 2],
+    /// m.
+    pub length: f64,
+}
+
+/// A tendon that pulls as a spring and a damper.
+#[derive(Debug)]
+pub(crate) struct Spring {
+    pub ends: [End; 2],
+    /// N/m.
+    pub stiffness: f64,
+    /// N s/m.
+    pub damping: f64,
+    /// Its length without force (m).
+    pub rest: f64,
+}
+
+/// `Σ coefficient · position = offset` over joints.
+#[derive(Debug)]
+pub(crate) struct Relation {
+    pub name: Option<String>,
+    pub joints: Vec<(String, f64)>,
+    pub offset: f64,
 }
 
 /// A motor.

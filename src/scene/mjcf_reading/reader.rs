@@ -4,7 +4,7 @@ use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::defaults::Defaults;
 use crate::scene::mjcf_reading::mass::Inside;
 use crate::scene::mjcf_reading::orientation::Angles;
-use crate::scene::mjcf_reading::parts::{Closing, Geom, Motor, Moving, Placed, Tree};
+use crate::scene::mjcf_reading::parts::{Closing, Geom, Motor, Moving, Placed, Relation, Rope, Spring, Tree};
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::{MeshFile, Pose};
 use crate::scene::warning::{Warning, WarningGroup};
@@ -41,8 +41,14 @@ pub(crate) struct Reader<'r> {
     pub free_names: HashSet<String>,
     pub order: Vec<Moving>,
     pub closings: Vec<Closing>,
+    pub ropes: Vec<Rope>,
+    pub springs: Vec<Spring>,
+    pub relations: Vec<Relation>,
+    /// The joints of fixed tendons with their coefficients.
+    pub fixed_tendons: HashMap<String, Vec<(String, f64)>>,
     pub locked: Vec<(String, f64)>,
-    pub motors: Vec<(usize, Option<Motor>)>,
+    /// Motors, each with the number of its control.
+    pub motors: Vec<(usize, Motor)>,
     /// How many actuators there are, with those that are not simulated.
     pub controls: usize,
     pub positions: Vec<(usize, String, Vec<f64>)>,
@@ -98,6 +104,10 @@ impl<'r> Reader<'r> {
             free_names: HashSet::new(),
             order: Vec::new(),
             closings: Vec::new(),
+            ropes: Vec::new(),
+            springs: Vec::new(),
+            relations: Vec::new(),
+            fixed_tendons: HashMap::new(),
             locked: Vec::new(),
             motors: Vec::new(),
             controls: 0,

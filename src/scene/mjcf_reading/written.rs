@@ -1,7 +1,8 @@
 //! An MJCF file that was read, written as a scene file and its URDFs. Numbers have all their digits.
 
+use crate::scene::mjcf_reading::grips::{Grip, grip_keys};
 use crate::scene::mjcf_reading::orientation::roll_pitch_yaw;
-use crate::scene::mjcf_reading::parts::{Between, Form, Geom, Joint, Link, Tree};
+use crate::scene::mjcf_reading::parts::{Between, Closing, End, Form, Geom, Joint, Link, Relation, Rope, Spring, Tree};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::robot::{Geometry, Pose, UrdfJointKind};
 use crate::scene::urdf_reading::element::escaped;
@@ -82,18 +83,39 @@ impl Reader<'_> {
             }
         }
         self.write_joints(&mut text);
-        for closing in &self.closings {
-            let _ = writeln!(text, "\n[[loop]]\ntype = \"{}\"", closing.kind);
-            closing.name.iter().for_each(|name| {
-                let _ = writeln!(text, "name = {}", quoted(name));
-            });
-            for (end, (body, point)) in ["a", "b"].iter().zip(&closing.ends) {
-                let link = body.as_ref().map_or_else(|| "world".to_string(), |body| self.link_name(body));
-                let _ = writeln!(text, "{end} = {{ link = {}, position = {} }}", quoted(&link), list(point));
-            }
-        }
+        self.write_couplings(&mut text);
         self.write_contact(&mut text);
         text
+    }
+
+    /// Loops, and what became of tendons.
+    fn write_couplings(&self, text: &mut String) {
+        let point = |(body, point): &End| {
+            let link = body.as_ref().map_or_else(|| "world".to_string(), |body| self.link_name(body));
+            format!("{{ link = {}, position = {} }}", quoted(&link), list(point))
+        };
+        let named =
+            |name: &Option<String>| name.as_ref().map_or(String::new(), |name| format!("name = {}\n", quoted(name)));
+        for Closing { name, kind, ends: [a, b] } in &self.closings {
+            let (name, a, b) = (named(name), point(a), point(b));
+            let _ = writeln!(text, "\n[[loop]]\n{name}type = \"{kind}\"\na = {a}\nb = {b}");
+        }
+        for Rope { name, ends: [a, b], length } in &self.ropes {
+            let (name, a, b) = (named(name), point(a), point(b));
+            let _ = writeln!(text, "\n[[rope]]\n{name}points = [{a}, {b}]\nlength = {length:?}");
+        }
+        for Spring { ends: [a, b], stiffness, damping, rest } in &self.springs {
+            let (a, b) = (point(a), point(b));
+            let _ = writeln!(text, "\n[[spring]]\na = {a}\nb = {b}\nstiffness = {stiffness:?}\ndamping = {damping:?}");
+            let _ = writeln!(text, "rest_length = {rest:?}");
+        }
+        for Relation { name, joints, offset } in &self.relations {
+            let tree = |joint: &String| self.references.get(joint).map_or(0, |(tree, _)| *tree);
+            let joints =
+                joints.iter().map(|(joint, own)| format!("{} = {own:?}", quoted(&self.called(tree(joint), joint))));
+            let joints = joints.collect::<Vec<_>>().join(", ");
+            let _ = writeln!(text, "\n[[coupling]]\n{}joints = {{ {joints} }}\noffset = {offset:?}", named(name));
+        }
     }
 
     /// Springs, locked joints and motors.
@@ -114,7 +136,7 @@ impl Reader<'_> {
                 }
             }
         }
-        for motor in self.motors.iter().filter_map(|(_, motor)| motor.as_ref()) {
+        for (_, motor) in &self.motors {
             let Some((tree, _)) = self.references.get(&motor.joint) else { continue };
             let (kind, target) = motor.kind();
             let name = quoted(&self.called(*tree, &motor.joint));
@@ -165,6 +187,7 @@ impl Reader<'_> {
             let _ = writeln!(text, "\n[[contact.pair]]\na = {}\nb = {}\nignore = true", quoted(a), quoted(b));
         }
         let mut names: Vec<String> = Vec::with_capacity(self.obstacles.len());
+        let mut surfaces: Vec<Surface> = Vec::new();
         for (number, geom) in self.obstacles.iter().enumerate() {
             let Some(shape) = shape_of(geom) else { continue };
             let name = geom.name.clone().unwrap_or_else(|| format!("geom{}", number + 1));
@@ -179,15 +202,59 @@ impl Reader<'_> {
                 quoted(&name),
                 pose(&geom.pose)
             );
-            let _ = writeln!(text, "friction = {:?}", geom.friction);
+            *text += &grip_keys(geom.grip.values(), false);
+            let roundness = if matches!(geom.form, Form::Plane) { Roundness::Plane } else { Roundness::Other };
+            surfaces.push(Surface { tree: None, name, grip: geom.grip, roundness });
         }
         for (index, tree) in self.trees.iter().enumerate() {
             for link in &tree.links {
-                let touching = link.geoms.iter().filter(|geom| geom.touches && shape_of(geom).is_some());
-                if let Some(most) = touching.map(|geom| geom.friction).reduce(f64::max) {
-                    let name = quoted(&self.called(index, &link.name));
-                    let _ = writeln!(text, "\n[[link]]\nname = {name}\nfriction = {most:?}");
+                let touching = link.geoms.iter().filter(|geom| geom.can_touch());
+                if let Some(grip) = touching.map(|geom| geom.grip).reduce(|one, other| one.with(&other)) {
+                    let name = self.called(index, &link.name);
+                    let _ = write!(text, "\n[[link]]\nname = {}\n{}", quoted(&name), grip_keys(grip.values(), false));
+                    let roundness = if link.is_round() { Roundness::Ellipsoid } else { Roundness::Other };
+                    surfaces.push(Surface { tree: Some(index), name, grip, roundness });
                 }
+            }
+        }
+        write_pairs(&surfaces, itself, text);
+    }
+}
+
+/// A link or an obstacle that may touch.
+struct Surface {
+    /// Of a link.
+    tree: Option<usize>,
+    name: String,
+    grip: Grip,
+    roundness: Roundness,
+}
+
+/// Which shapes touch it: ellipsoids touch planes alone.
+#[derive(PartialEq)]
+enum Roundness {
+    Plane,
+    Ellipsoid,
+    Other,
+}
+
+/// The pairs for which the larger of both values is not the friction of the file, and those of an ellipsoid that are left out; `itself` says whether
+/// links of one tree touch.
+fn write_pairs(surfaces: &[Surface], itself: bool, text: &mut String) {
+    for (place, one) in surfaces.iter().enumerate() {
+        for other in &surfaces[place + 1..] {
+            if one.tree == other.tree && (one.tree.is_none() || !itself) {
+                continue;
+            }
+            let (a, b) = (quoted(&one.name), quoted(&other.name));
+            let is = |roundness: &Roundness| [&one.roundness, &other.roundness].contains(&roundness);
+            if is(&Roundness::Ellipsoid) && !is(&Roundness::Plane) {
+                let _ = writeln!(text, "\n[[contact.pair]]\na = {a}\nb = {b}\nignore = true");
+                continue;
+            }
+            let (wanted, own, others) = (one.grip.with(&other.grip).values(), one.grip.values(), other.grip.values());
+            if [0, 1, 2].iter().any(|&way| own[way].max(others[way]) != wanted[way]) {
+                let _ = write!(text, "\n[[contact.pair]]\na = {a}\nb = {b}\n{}", grip_keys(wanted, true));
             }
         }
     }

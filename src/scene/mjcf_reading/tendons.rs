@@ -1,0 +1,161 @@
+//! Tendons of MJCF that have a counterpart.
+//!
+//! | tendon | as |
+//! |---|---|
+//! | `spatial` through two sites, its upper limit | a rope: `|p₂ − p₁| ≤ L` |
+//! | its stiffness, damping and `springlength` | a spring between the two points |
+//! | `fixed`, held by `<equality><tendon>` | a coupling: `Σ c_i q_i − k Σ d_j q_j = a`, with the positions q counted from the start |
+//! | `fixed`, pulled by a motor with the effort f | efforts `c_i f` of its joints ([`super::actuators`]) |
+//!
+//! The polynomial `a + k x` of the equality is of the first degree. Everything else of a tendon is a warning with its line. A tendon that pulls
+//! nothing and has no bound says nothing of the motion.
+
+use crate::scene::error::SceneError;
+use crate::scene::mjcf_reading::parts::{End, Relation, Rope, Spring};
+use crate::scene::mjcf_reading::reader::Reader;
+use crate::scene::mjcf_reading::tree::Element;
+use nalgebra::Point3;
+
+impl Reader<'_> {
+    /// All tendons of a `<tendon>`.
+    pub fn tendons(&mut self, tendons: &Element) -> Result<(), SceneError> {
+        for given in &tendons.children {
+            // Defaults of both kinds are those of `tendon`.
+            let common = Element { name: "tendon".to_string(), ..given.clone() };
+            let tendon = Element { attributes: self.defaults.applied(&common, None).attributes, ..given.clone() };
+            match tendon.name.as_str() {
+                "spatial" => self.spatial(&tendon)?,
+                "fixed" => self.fixed_tendon(&tendon)?,
+                _ => self.unknown(&tendon, "tendon"),
+            }
+        }
+        Ok(())
+    }
+
+    /// A tendon through points of bodies.
+    fn spatial(&mut self, tendon: &Element) -> Result<(), SceneError> {
+        let name = tendon.text("name").map(str::to_string);
+        let Some(range) = self.range_of(tendon)? else { return Ok(()) };
+        if tendon.children.iter().any(|child| child.name != "site") || tendon.children.len() != 2 {
+            let message = "tendons around geoms, over pulleys or through more than two sites are not simulated";
+            self.not_simulated(tendon, message.to_string());
+            return Ok(());
+        }
+        let mut points = Vec::with_capacity(2);
+        let mut ends: Vec<End> = Vec::with_capacity(2);
+        for child in &tendon.children {
+            let site = child.text("site").ok_or_else(|| child.missing("site"))?;
+            let unknown = || child.error("site", "there is no such site".to_string());
+            let (body, pose) = self.sites.get(site).cloned().ok_or_else(unknown)?;
+            let point = Point3::from(pose.translation.vector);
+            ends.push(self.end(child, body.as_deref(), &point)?);
+            points.push(point);
+        }
+        let Ok(ends) = <[End; 2]>::try_from(ends) else { return Ok(()) };
+        if let Some((lower, upper)) = range {
+            if lower > 0.0 {
+                self.not_simulated(tendon, "the least length of a tendon is not simulated".to_string());
+            }
+            self.ropes.push(Rope { name, ends: ends.clone(), length: upper });
+        }
+        let [stiffness, damping] = ["stiffness", "damping"].map(|key| tendon.number(key));
+        let (stiffness, damping) = (stiffness?.unwrap_or(0.0), damping?.unwrap_or(0.0));
+        if stiffness != 0.0 || damping != 0.0 {
+            let rest = match tendon.list("springlength", 1, 2)?.as_deref() {
+                Some([free]) if *free >= 0.0 => *free,
+                Some([shortest, longest]) if shortest == longest && *shortest >= 0.0 => *shortest,
+                Some([_, _]) => {
+                    let message =
+                        "a tendon with a range of lengths without force is not simulated; its spring is left out";
+                    self.not_simulated(tendon, message.to_string());
+                    return Ok(());
+                }
+                // As at the start.
+                _ => (points[1] - points[0]).norm(),
+            };
+            self.springs.push(Spring { ends, stiffness, damping, rest });
+        }
+        Ok(())
+    }
+
+    /// A tendon whose length is a sum of positions of joints.
+    fn fixed_tendon(&mut self, tendon: &Element) -> Result<(), SceneError> {
+        let mut terms = Vec::with_capacity(tendon.children.len());
+        for child in &tendon.children {
+            let joint = child.text("joint").ok_or_else(|| child.missing("joint"))?;
+            if !self.references.contains_key(joint) {
+                return Err(child.error("joint", "there is no such joint".to_string()));
+            }
+            let coefficient = child.number("coef")?.ok_or_else(|| child.missing("coef"))?;
+            terms.push((joint.to_string(), coefficient));
+        }
+        if let Some(name) = tendon.text("name") {
+            self.fixed_tendons.insert(name.to_string(), terms);
+        }
+        if self.range_of(tendon)?.is_some_and(|range| range.is_some()) {
+            self.not_simulated(tendon, "limits of fixed tendons are not simulated".to_string());
+        }
+        let pulls = |key: &str| tendon.number(key).map(|number| number.is_some_and(|number| number != 0.0));
+        if pulls("stiffness")? || pulls("damping")? {
+            self.not_simulated(tendon, "stiffness and damping of fixed tendons are not simulated".to_string());
+        }
+        Ok(())
+    }
+
+    /// The bounds of its length, if it has any; `None` if nothing of it means anything. Warns of what no tendon has here.
+    fn range_of(&mut self, tendon: &Element) -> Result<Option<Option<(f64, f64)>>, SceneError> {
+        let range = tendon.list("range", 2, 2)?;
+        let is_limited = tendon.flag("limited").unwrap_or(range.is_some() && self.auto_limits);
+        let range = range.filter(|_| is_limited).map(|range| (range[0], range[1]));
+        let mut pulls = false;
+        for key in ["stiffness", "damping", "frictionloss", "armature"] {
+            let is_set = tendon.number(key)?.is_some_and(|number| number != 0.0);
+            pulls |= is_set;
+            if is_set && matches!(key, "frictionloss" | "armature") {
+                self.not_simulated(tendon, format!("{key} of tendons is not simulated"));
+            }
+        }
+        Ok((range.is_some() || pulls).then_some(range))
+    }
+
+    /// Two fixed tendons that keep their relation, or one that keeps its length.
+    pub fn tied(&mut self, one: &Element) -> Result<(), SceneError> {
+        let coefficients = one.list("polycoef", 1, 5)?.unwrap_or_else(|| vec![0.0, 1.0]);
+        let coefficient = |power: usize| coefficients.get(power).copied().unwrap_or(if power == 1 { 1.0 } else { 0.0 });
+        let first = one.text("tendon1").ok_or_else(|| one.missing("tendon1"))?;
+        let second = one.text("tendon2");
+        let terms = |name: &str| self.fixed_tendons.get(name).cloned();
+        let (Some(mut joints), Some(others)) = (terms(first), second.map_or(Some(Vec::new()), terms)) else {
+            self.not_simulated(one, "only fixed tendons are held by constraints here".to_string());
+            return Ok(());
+        };
+        if second.is_some() && coefficients.iter().skip(2).any(|number| *number != 0.0) {
+            self.not_simulated(one, "relations of tendons of a higher degree than one are not simulated".to_string());
+            return Ok(());
+        }
+        joints.extend(others.into_iter().map(|(joint, own)| (joint, -coefficient(1) * own)));
+        let mut sums: Vec<(String, f64)> = Vec::with_capacity(joints.len());
+        for (joint, own) in joints {
+            match sums.iter_mut().find(|(name, _)| *name == joint) {
+                Some((_, sum)) => *sum += own,
+                None => sums.push((joint, own)),
+            }
+        }
+        sums.retain(|(_, sum)| *sum != 0.0);
+        let trees = sums.iter().map(|(joint, _)| self.references.get(joint).map(|(tree, _)| *tree));
+        let is_one_robot = trees.clone().all(|tree| tree == trees.clone().next().flatten());
+        match sums.as_slice() {
+            [] => self.not_simulated(one, "a relation without joints is left out".to_string()),
+            [(joint, own)] => self.locked.push((joint.clone(), coefficient(0) / own)),
+            _ if !is_one_robot => {
+                let message = "relations of joints of different children of the world are not simulated";
+                self.not_simulated(one, message.to_string());
+            }
+            _ => {
+                let name = one.text("name").map(str::to_string);
+                self.relations.push(Relation { name, joints: sums, offset: coefficient(0) });
+            }
+        }
+        Ok(())
+    }
+}
