@@ -1,6 +1,7 @@
 //! Rows as CSV (RFC 4180, lines end with `\n`): names in the first line; numbers with as many digits as tell them from all others. Lists are JSON, in
 //! which NaN and infinities are `null`. Unknown values are empty.
 
+use crate::drawing::comma_separated::field;
 use crate::study::sweep::rows::{Cell, Heading, Row};
 use std::io::{self, Write};
 
@@ -10,7 +11,7 @@ pub(super) fn heading(headings: &[Heading], out: &mut impl Write) -> io::Result<
         if index > 0 {
             out.write_all(b",")?;
         }
-        text(&heading.name, out)?;
+        out.write_all(field(&heading.name).as_bytes())?;
     }
     out.write_all(b"\n")
 }
@@ -36,19 +37,10 @@ pub(super) fn row(row: &Row, out: &mut impl Write) -> io::Result<()> {
                     "-inf"
                 }
             )?,
-            Cell::Text(said) => text(said, out)?,
-            Cell::Numbers(numbers) => text(&serde_json::to_string(numbers)?, out)?,
-            Cell::Texts(texts) => text(&serde_json::to_string(texts)?, out)?,
+            Cell::Text(said) => out.write_all(field(said).as_bytes())?,
+            Cell::Numbers(numbers) => out.write_all(field(&serde_json::to_string(numbers)?).as_bytes())?,
+            Cell::Texts(texts) => out.write_all(field(&serde_json::to_string(texts)?).as_bytes())?,
         }
     }
     out.write_all(b"\n")
-}
-
-/// Words, in quotes if they need them.
-fn text(said: &str, out: &mut impl Write) -> io::Result<()> {
-    if said.contains([',', '"', '\n', '\r']) {
-        write!(out, "\"{}\"", said.replace('"', "\"\""))
-    } else {
-        out.write_all(said.as_bytes())
-    }
 }
