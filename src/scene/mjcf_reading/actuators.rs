@@ -7,10 +7,11 @@
 //! ```
 //!
 //! in a joint at q [rad or m] with the velocity q̇, τ in N m or N. A `motor` has g = 1, a `position` g = kp, b₁ = −kp, b₂ = −kv, a `velocity` g = kv,
-//! b₂ = −kv. On a fixed tendon of the length `Σ c_i q_i` it drives each of its joints with the gear `c_i G`.
+//! b₂ = −kv. On a fixed tendon of the length `Σ c_i q_i` it drives each of its joints with the gear `c_i G`, or,
+//! where it depends on a length whose joints follow one of them, this one alone. The damping of a `dampratio` is in [`super::tuning`].
 
 use crate::scene::error::SceneError;
-use crate::scene::mjcf_reading::parts::Motor;
+use crate::scene::mjcf_reading::parts::{Joint, Motor};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::UrdfJointKind;
@@ -44,10 +45,12 @@ impl Reader<'_> {
             "motor" => (1.0, [0.0; 3]),
             "position" => {
                 let kp = number("kp", 1.0)?;
-                if actuator.text("dampratio").is_some() || actuator.text("timeconst").is_some() {
-                    self.odd(actuator, "its dampratio and timeconst are not read; give kv".to_string());
+                if number("timeconst", 0.0)? != 0.0 {
+                    self.not_simulated(actuator, "timeconst of actuators is not simulated".to_string());
                 }
-                (kp, [0.0, -kp, -number("kv", 0.0)?])
+                // A damping ratio stands where the damping stands, with the other sign.
+                let ratio = number("dampratio", 0.0)?;
+                (kp, [0.0, -kp, if ratio > 0.0 { ratio } else { -number("kv", 0.0)? }])
             }
             "velocity" => {
                 let kv = number("kv", 1.0)?;
@@ -71,26 +74,40 @@ impl Reader<'_> {
                 return Ok(Vec::new());
             }
         };
-        let driven = self.driven(actuator, bias[1] != 0.0 || bias[2] != 0.0)?;
         let gear = actuator.list("gear", 1, 6)?.map_or(1.0, |gear| gear[0]);
+        let pulled = self.pulled(actuator);
+        let [constant, per_position, mut per_rate] = bias;
+        if per_rate > 0.0 && per_position < 0.0 && gain == -per_position {
+            let joints: Vec<_> = pulled.iter().map(|(joint, own)| (joint.clone(), gear * own)).collect();
+            per_rate = -self.damping_of_ratio(actuator, gain, per_rate, &joints);
+        }
+        let driven = self.driven(actuator, pulled, per_position != 0.0 || per_rate != 0.0)?;
         let bounded = |range: &str, flag: &str| -> Result<Option<(f64, f64)>, SceneError> {
             let given = actuator.list(range, 2, 2)?;
             let holds = actuator.flag(flag).unwrap_or(given.is_some() && self.auto_limits);
             Ok(given.filter(|_| holds).map(|range| (range[0], range[1])))
         };
-        let (forces, control_range) = (bounded("forcerange", "forcelimited")?, bounded("ctrlrange", "ctrllimited")?);
+        let (forces, mut control_range) =
+            (bounded("forcerange", "forcelimited")?, bounded("ctrlrange", "ctrllimited")?);
+        if let (Some(inherited), [only]) =
+            (actuator.number("inheritrange")?.filter(|part| *part > 0.0), driven.as_slice())
+        {
+            control_range = self.range_of_joint(only).map(|(lower, upper)| {
+                let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+                (middle - inherited * half, middle + inherited * half)
+            });
+        }
         if let Some((lower, upper)) = forces.filter(|(lower, upper)| -lower != *upper) {
             self.odd(
                 actuator,
                 format!("its forcerange {lower} to {upper} is read as the larger one in both directions"),
             );
         }
-        let [constant, per_position, per_rate] = bias;
         if per_position > 0.0 || per_rate > 0.0 {
             self.not_simulated(actuator, "actuators that push away from rest are not simulated".to_string());
             return Ok(Vec::new());
         }
-        let motor = |(joint, reference, coefficient): (String, f64, f64)| {
+        let motor = |Driven { joint, reference, coefficient }: Driven| {
             let gear = gear * coefficient;
             Motor {
                 joint,
@@ -107,26 +124,25 @@ impl Reader<'_> {
         Ok(driven.into_iter().map(motor).collect())
     }
 
-    /// The joints that an actuator drives, with their references and their coefficients in its length; none, with a warning, if it cannot be simulated.
-    fn driven(&mut self, actuator: &Element, is_sprung: bool) -> Result<Vec<(String, f64, f64)>, SceneError> {
-        let joints = match (actuator.text("joint").or_else(|| actuator.text("jointinparent")), actuator.text("tendon"))
-        {
+    /// The joints in the length of an actuator with their coefficients: its own, or those of its fixed tendon.
+    fn pulled(&self, actuator: &Element) -> Vec<(String, f64)> {
+        match (actuator.text("joint").or_else(|| actuator.text("jointinparent")), actuator.text("tendon")) {
             (Some(joint), _) => vec![(joint.to_string(), 1.0)],
             (None, Some(tendon)) => self.fixed_tendons.get(tendon).cloned().unwrap_or_default(),
             (None, None) => Vec::new(),
-        };
-        let problem = match joints.len() {
-            0 => "actuators that drive neither a joint nor a fixed tendon are not simulated",
-            1 => "",
-            _ if is_sprung => "actuators of fixed tendons that depend on their length are not simulated",
-            _ => "",
-        };
-        if !problem.is_empty() {
-            self.not_simulated(actuator, problem.to_string());
-            return Ok(Vec::new());
         }
-        let mut driven = Vec::with_capacity(joints.len());
-        for (joint, coefficient) in joints {
+    }
+
+    /// What an actuator drives; nothing, with a warning, if it cannot be simulated. One that depends on its length drives one joint, which all others
+    /// in its length follow.
+    fn driven(
+        &mut self,
+        actuator: &Element,
+        pulled: Vec<(String, f64)>,
+        is_sprung: bool,
+    ) -> Result<Vec<Driven>, SceneError> {
+        let mut driven = Vec::with_capacity(pulled.len());
+        for (joint, coefficient) in pulled {
             let Some(&(tree, reference)) = self.references.get(&joint) else {
                 if self.free_names.contains(&joint) {
                     self.not_simulated(actuator, "actuators on free joints are not simulated".to_string());
@@ -134,17 +150,66 @@ impl Reader<'_> {
                 }
                 return Err(actuator.error("joint", "there is no such joint".to_string()));
             };
-            let joints = self.trees[tree].joints.iter().filter_map(|(_, joint)| joint.as_ref());
-            if joints.into_iter().any(|own| own.name == joint && own.kind == UrdfJointKind::Spherical) {
+            let mut joints = self.trees[tree].joints.iter().filter_map(|(_, joint)| joint.as_ref());
+            if joints.any(|own| own.name == joint && own.kind == UrdfJointKind::Spherical) {
                 self.not_simulated(actuator, "actuators on ball joints are not simulated".to_string());
                 return Ok(Vec::new());
             }
-            if self.motors.iter().any(|(_, motor)| motor.joint == joint) {
-                self.not_simulated(actuator, format!("a second actuator on joint {joint:?} is not simulated"));
-                return Ok(Vec::new());
+            driven.push(Driven { joint, reference, coefficient });
+        }
+        if driven.is_empty() {
+            let message = "actuators that drive neither a joint nor a fixed tendon are not simulated";
+            self.not_simulated(actuator, message.to_string());
+        }
+        if is_sprung && driven.len() > 1 {
+            driven = self.led(&driven).into_iter().collect();
+            if driven.is_empty() {
+                let message = "actuators that depend on the length of a tendon of independent joints are not simulated";
+                self.not_simulated(actuator, message.to_string());
             }
-            driven.push((joint, reference, coefficient));
+        }
+        let taken = |one: &Driven| self.motors.iter().any(|(_, motor)| motor.joint == one.joint);
+        if let Some(Driven { joint, .. }) = driven.iter().find(|one| taken(one)) {
+            self.not_simulated(actuator, format!("a second actuator on joint {joint:?} is not simulated"));
+            return Ok(Vec::new());
         }
         Ok(driven)
     }
+
+    /// The one joint that all joints of a length follow, with its coefficient in the length: `Σ c_i (m_i q + o_i + r_i) = C (q + r)`.
+    fn led(&self, driven: &[Driven]) -> Option<Driven> {
+        let (mut leader, mut sum, mut constant) = (None, 0.0, 0.0);
+        for Driven { joint, reference, coefficient } in driven {
+            let (own, multiplier, offset) = match &self.joint_of(joint)?.mimic {
+                Some((leader, multiplier, offset)) => (leader.clone(), *multiplier, *offset),
+                None => (joint.clone(), 1.0, 0.0),
+            };
+            if leader.get_or_insert(own.clone()) != &own {
+                return None;
+            }
+            sum += coefficient * multiplier;
+            constant += coefficient * (offset + reference);
+        }
+        let joint = leader.filter(|_| sum != 0.0)?;
+        Some(Driven { joint, reference: constant / sum, coefficient: sum })
+    }
+
+    /// The joint of a name.
+    fn joint_of(&self, name: &str) -> Option<&Joint> {
+        let (tree, _) = self.references.get(name)?;
+        self.trees[*tree].joints.iter().filter_map(|(_, joint)| joint.as_ref()).find(|joint| joint.name == name)
+    }
+
+    /// The range of a joint that is driven alone, counted as in the file.
+    fn range_of_joint(&self, driven: &Driven) -> Option<(f64, f64)> {
+        let (lower, upper) = self.joint_of(&driven.joint)?.limit?;
+        Some((lower + driven.reference, upper + driven.reference))
+    }
+}
+
+/// A joint that an actuator drives: the position at which it is counted as zero here, and its coefficient in the length of the actuator.
+struct Driven {
+    joint: String,
+    reference: f64,
+    coefficient: f64,
 }

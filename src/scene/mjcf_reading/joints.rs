@@ -8,9 +8,8 @@ use crate::scene::robot::UrdfJointKind;
 use nalgebra::Vector3;
 
 /// Attributes that are not simulated, and what they say.
-const UNSIMULATED: [(&str, &str); 4] = [
+const UNSIMULATED: [(&str, &str); 3] = [
     ("actuatorfrcrange", "the bound of its actuators together"),
-    ("springdamper", "its spring by time constant and damping ratio"),
     ("actuatorgravcomp", "its gravity compensation"),
     ("fluidcoef", "its drag"),
 ];
@@ -43,14 +42,19 @@ impl Reader<'_> {
             range.filter(|_| is_limited).map(|range| (unit * range[0] - reference, unit * range[1] - reference));
         let mut spring = None;
         let stiffness = number_of("stiffness", 0.0)?;
+        let rest = unit * number_of("springref", 0.0)? - reference;
         if stiffness > 0.0 {
-            spring = Some((stiffness, unit * number_of("springref", 0.0)? - reference));
+            spring = Some((stiffness, rest));
         }
+        let mut spring_damper = match joint.list("springdamper", 2, 2)?.as_deref() {
+            Some(&[time, ratio]) if time > 0.0 && ratio > 0.0 => Some([time, ratio, rest]),
+            _ => None,
+        };
         if kind == UrdfJointKind::Spherical {
             if limit.take().is_some() {
                 self.not_simulated(&joint, "limits of ball joints are not simulated".to_string());
             }
-            if spring.take().is_some() {
+            if spring.take().is_some() || spring_damper.take().is_some() {
                 self.not_simulated(&joint, "stiffness of ball joints is not simulated".to_string());
             }
         }
@@ -86,6 +90,7 @@ impl Reader<'_> {
             friction: number_of("frictionloss", 0.0)?,
             armature,
             spring,
+            spring_damper,
             mimic: None,
             line: joint.line,
         })

@@ -97,14 +97,15 @@ impl Reader<'_> {
             }
         }
         self.name_robots();
+        self.tune_joints();
         root.all("tendon").try_for_each(|tendons| self.tendons(tendons))?;
+        root.all("equality").try_for_each(|equality| self.equality(equality))?;
         for section in &root.children {
             match section.name.as_str() {
                 "worldbody" | "option" | "compiler" => {}
-                "equality" => self.equality(section)?,
                 "actuator" => self.actuators(section)?,
                 "contact" => self.contact(section),
-                "keyframe" | "tendon" => {}
+                "keyframe" | "tendon" | "equality" => {}
                 "deformable" => {
                     for one in &section.children {
                         self.not_simulated(one, format!("<{}> of <{}> is not simulated", one.name, section.name));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     text → tree.rs (elements with lines, includes) → defaults.rs (classes) → bodies.rs, geoms.rs, joints.rs (trees of links)
-//!          → tendons.rs, equality.rs, actuators.rs, keyframes.rs → written.rs (TOML and URDF) → scene_reading → Scene
+//!          → tuning.rs, tendons.rs, equality.rs, actuators.rs, keyframes.rs → written.rs (TOML and URDF) → scene_reading → Scene
 //! ```
 //!
 //! Each child of the world with a joint in it is a robot, each without is an obstacle. What has no counterpart is a warning with its line. A log
@@ -23,4 +23,5 @@ pub(crate) mod parts;
 pub(crate) mod reader;
 pub(crate) mod tendons;
 pub(crate) mod tree;
+pub(crate) mod tuning;
 pub(crate) mod written;

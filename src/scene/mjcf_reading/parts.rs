@@ -104,6 +104,8 @@ pub(crate) struct Joint {
     pub armature: f64,
     /// Stiffness, and the position at which its spring is free, counted as here.
     pub spring: Option<(f64, f64)>,
+    /// Time constant (s) and damping ratio, from which stiffness and damping follow, and where the spring is free.
+    pub spring_damper: Option<[f64; 3]>,
     /// Whom it follows: the leader, the multiplier and the offset.
     pub mimic: Option<(String, f64, f64)>,
     pub line: usize,

@@ -2,6 +2,7 @@
 
 mod pairs;
 mod tendons;
+mod tuning;
 
 use crate::common::command;
 use catena::mechanism::description::nonsmooth::MotorLaw;
