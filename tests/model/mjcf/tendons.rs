@@ -61,6 +61,12 @@ fn a_held_fixed_tendon_is_a_coupling_and_its_motor_drives_all_its_joints() {
     let scene = read("mjcf_locked_tendon", &locked).expect("a scene");
     assert!(scene.couplings.is_empty());
     assert!(matches!(scene.joints[0].limit, Some(LimitChoice::Range(0.2, 0.2))), "{:?}", scene.joints[0].limit);
+    // Two tendons keep their relation: (a + 2 b) − 2 · b/2 = 0.1.
+    let tied = TENDONS.replace("tendon1='sum' polycoef='0.1'", "tendon1='sum' tendon2='one' polycoef='0.1 2'");
+    let scene = read("mjcf_tied_tendons", &tied).expect("a scene");
+    let terms: Vec<(&str, f64)> =
+        scene.couplings[0].terms.iter().map(|(joint, own)| (joint.joint.as_str(), *own)).collect();
+    assert_eq!((terms, scene.couplings[0].offset), (vec![("a", 1.0), ("b", 1.0)], 0.1));
     // An actuator that depends on the length of a tendon of several joints is not simulated.
     let sprung = TENDONS.replace("<motor tendon='sum' gear='3'/>", "<position tendon='sum' kp='3'/>");
     let scene = read("mjcf_sprung_tendon", &sprung).expect("a scene");
