@@ -95,6 +95,31 @@ fn gradients_of_dry_friction_and_closed_loops_are_their_forward_derivatives() {
 }
 
 #[test]
+fn derivatives_that_are_zero_by_symmetry_stay_zero_to_rounding_forward_and_backward() {
+    // Under gravity alone the motion does not depend on the angle of the first joint, which turns about the vertical.
+    let model = Model::load(robot("arm7.urdf")).expect("a model");
+    let run = || Simulation::new(&model).fixed(5, 0.01).duration(0.3).without_figures();
+    let forward = run().sensitivity(&["start.q"]).expect("derivatives");
+    assert_eq!(forward.freedoms[0], "joint1");
+    for (step, (dq, dv)) in forward.dq.iter().zip(&forward.dv).enumerate() {
+        let size = dq.amax().max(dv.amax());
+        assert!((dq[(0, 0)] - 1.0).abs() < 1e-13 * size, "step {step}: the angle itself moves along");
+        let most = dq.column(0).rows_range(1..).amax().max(dv.column(0).amax());
+        // Some hundred roundings of 1e-16, which 30 steps enlarge ten times.
+        assert!(most < 1e-13 * size, "step {step}: {most:.1e} of {size:.1e}");
+    }
+    // All of the end but that angle.
+    let loss = |samples: &Samples| {
+        let mut lost = weighted(samples);
+        lost.by_q.iter_mut().for_each(|by| by[0] = 0.0);
+        lost
+    };
+    let backward = run().gradient(&Backward { keys: &["start.q"], times: &[0.3], every: 1 }, loss).expect("a gradient");
+    let size = backward.by.iter().fold(0.0, |size: f64, by| size.max(by.abs()));
+    assert!(backward.by[0].abs() < 1e-13 * size, "{:.1e} of {size:.1e}", backward.by[0]);
+}
+
+#[test]
 fn samples_outside_a_run_and_losses_of_another_size_are_refused() {
     let model = Model::load(robot("double_pendulum.urdf")).expect("a model");
     let run = || Simulation::new(&model).fixed(3, 0.05).duration(0.5);

@@ -271,12 +271,8 @@ impl Back<'_> {
             let all = 2 * n + 1 + column;
             self.gradient[column] += pulled.laws[all] + later[all] * (*time + longer);
         }
-        let mut positions = DVector::from_vec(pulled.given.positions);
-        let mut velocities = DVector::from_vec(pulled.given.velocities);
-        for freedom in (0..n).filter(|freedom| mode.free.binary_search(freedom).is_err()) {
-            positions[freedom] += of_q[freedom];
-            velocities[freedom] = 0.0;
-        }
+        let positions = DVector::from_vec(pulled.given.positions);
+        let velocities = DVector::from_vec(pulled.given.velocities);
         self.adjoint = Adjoint { positions, velocities, time: of_time - longer };
         Ok(true)
     }
