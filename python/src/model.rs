@@ -410,7 +410,7 @@ fn told<'py>(py: Python<'py>, linear: &Linear) -> PyResult<Bound<'py, PyDict>> {
     Ok(out)
 }
 
-/// What a loss says of samples: its value, the derivatives by q and v, and number, time, q and v of events that it depends on.
+/// The answer of a loss: its value, its derivatives by q and v of the samples, and its derivatives by events with their numbers.
 fn lost(loss: &Py<PyAny>, samples: &Samples) -> PyResult<Lost> {
     type Rows<'py> = PyReadonlyArray2<'py, f64>;
     type OfEvent<'py> = (usize, f64, Option<Given<'py>>, Option<Given<'py>>);
