@@ -67,7 +67,7 @@ def by_events(run, weights):
 
 
 def test_gradients_against_time_are_the_forward_derivatives(arm):
-    # With an impact on a limit at 0.687 s; the samples are ends of steps of both.
+    # The arm meets a limit at 0.687 s; the samples are ends of steps of both.
     fixed = dict(stages=5, step=0.01)
     keys = ["start.q", "start.v", "link.forearm.mass", "link.wrist.inertia.ixx", "gravity.z"]
     forward = arm.sensitivity(keys, duration=0.8, **fixed)
