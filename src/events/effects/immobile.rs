@@ -132,7 +132,11 @@ fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<us
 
 /// Whether an answer Y_ii vanishes beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.
 fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bool {
-    let taken = (row * inverse * row.transpose())[(0, 0)];
+    let felt: Vec<(usize, f64)> = row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+    let along = |&(one, entry): &(usize, f64)| {
+        entry * felt.iter().map(|&(other, entry)| inverse[(one, other)] * entry).sum::<f64>()
+    };
+    let taken: f64 = felt.iter().map(along).sum();
     answer - taken <= IMMOBILE * answer
 }
 

@@ -13,7 +13,7 @@
 
 use crate::events::forces::closed_forces::implied;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
-use crate::instant::cone::solve_counted;
+use crate::instant::cone::solve_apart;
 use crate::instant::holding::blocks::{Block, Of};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use nalgebra::{DMatrix, DVector};
@@ -27,13 +27,13 @@ pub(crate) fn solve_as_steps_share(
     problem: &Problem,
     solvers: &mut ContactSolvers,
 ) -> Result<Answer, Unsolved> {
-    let solved = solve_counted(problem, None, solvers)?;
+    let solved = solve_apart(problem, solvers)?;
     let begins = |(law, state): (&Law, &BlockState)| matches!(law, Law::Contact { .. }) && *state == BlockState::Slips;
     if !problem.laws.iter().zip(&solved.states).any(begins) {
         return Ok(solved);
     }
     let again = with_shared_pressures(blocks, problem.mobility)
-        .and_then(|shared| solve_counted(&Problem { mobility: &shared, ..*problem }, None, solvers).ok());
+        .and_then(|shared| solve_apart(&Problem { mobility: &shared, ..*problem }, solvers).ok());
     Ok(again.unwrap_or(solved))
 }
 

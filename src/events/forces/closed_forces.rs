@@ -15,7 +15,8 @@
 
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::present::Present;
-use crate::instant::cone::least_norm::least_norm;
+use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
+use crate::instant::cone::least_norm::{least_norm, spread};
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::dynamics::response::Response;
@@ -409,27 +410,28 @@ impl Chosen {
         DMatrix::from_fn(square.nrows(), square.ncols(), entry)
     }
 
-    /// The combinations z of scaled rows that vanish, and `C z` for the same compliance of all contacts, both in columns of length one.
-    fn spread(&self, mobility: &DMatrix<f64>, scales: &[f64]) -> Option<[DMatrix<f64>; 2]> {
-        let count = self.equations.len();
-        let columns = implied(self.scaled(mobility, false, scales))?;
-        let (mut sum, mut contacts) = (0.0, 0);
-        for index in (0..count).filter(|&index| self.touches[index]) {
-            let row = self.equations[index].0;
-            (sum, contacts) = (sum + mobility[(row, row)], contacts + 1);
-        }
-        let even = sum / f64::from(contacts.max(1));
+    /// The compliance that all contacts share: the mean of those of their normals.
+    fn even(&self, mobility: &DMatrix<f64>) -> f64 {
+        let of_contacts = self.equations.iter().zip(&self.touches).filter(|(_, touches)| **touches);
+        let (sum, contacts) =
+            of_contacts.fold((0.0, 0), |(sum, count), ((row, _), _)| (sum + mobility[(*row, *row)], count + 1));
+        sum / f64::from(contacts.max(1))
+    }
+
+    /// The combinations z of scaled rows of a part that vanish, and `C z` for the same compliance of all contacts, both in columns of length one.
+    fn spread(&self, part: &[usize], plain: DMatrix<f64>, scales: &[f64], even: f64) -> Option<[DMatrix<f64>; 2]> {
+        let columns = implied(plain)?;
         let weighed = columns.iter().map(|column| {
             let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
-            DVector::from_fn(count, |row, _| column[row] * weight(row)).normalize()
+            DVector::from_fn(part.len(), |place, _| column[place] * weight(part[place])).normalize()
         });
         let weighed: Vec<DVector<f64>> = weighed.collect();
         let matrix =
-            |columns: &[DVector<f64>]| DMatrix::from_fn(count, columns.len(), |row, index| columns[index][row]);
+            |columns: &[DVector<f64>]| DMatrix::from_fn(part.len(), columns.len(), |row, index| columns[index][row]);
         Some([matrix(&columns), matrix(&weighed)])
     }
 
-    /// λ of all rows.
+    /// λ of all rows: part by part of those that do not feel each other.
     pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
         let count = self.equations.len();
         if count == 0 {
@@ -437,22 +439,33 @@ impl Chosen {
         }
         let scales = self.scales(mobility);
         let scaled = self.scaled(mobility, true, &scales);
-        let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scales[row]);
-        let slides = self.equations.iter().any(|(_, pushes)| !pushes.is_empty());
-        let direct = if unique {
-            scaled.clone().lu().solve(&right)
-        } else if slides {
-            self.spread(mobility, &scales).and_then(|[implied, weighed]| {
-                let own = &right - &implied * (implied.transpose() * &right);
-                (&scaled + implied * weighed.transpose()).lu().solve(&own)
-            })
-        } else {
-            None
+        let slides = !unique && self.equations.iter().any(|(_, pushes)| !pushes.is_empty());
+        let plain = slides.then(|| (self.scaled(mobility, false, &scales), self.even(mobility)));
+        let joins = |one: usize, other: usize| {
+            let joined = |matrix: &DMatrix<f64>| matrix[(one, other)] != 0.0 || matrix[(other, one)] != 0.0;
+            joined(&scaled) || plain.as_ref().is_some_and(|(plain, _)| joined(plain))
         };
-        let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
-        let solution = direct.unwrap_or_else(|| {
-            least_norm(&scaled, &right).map_or_else(|| DVector::zeros(count), |(solution, _)| solution)
-        });
+        let mut solution = vec![0.0; count];
+        for part in parts_joined(count, joins) {
+            let own = sub_matrix(&scaled, &part);
+            let right =
+                DVector::from_fn(part.len(), |place, _| -offset[self.equations[part[place]].0] * scales[part[place]]);
+            let direct = if unique {
+                own.clone().lu().solve(&right)
+            } else if let Some((plain, even)) = &plain {
+                self.spread(&part, sub_matrix(plain, &part), &scales, *even).and_then(|[implied, weighed]| {
+                    let left = &right - &implied * (implied.transpose() * &right);
+                    (&own + implied * weighed.transpose()).lu().solve(&left)
+                })
+            } else {
+                None
+            };
+            let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
+            let found = direct.or_else(|| least_norm(&own, &right).map(|(solution, _)| solution));
+            found.into_iter().for_each(|found| {
+                part.iter().zip(found.iter()).for_each(|(&row, value)| solution[row] = *value);
+            });
+        }
         let mut forces = vec![0.0; self.rows];
         for (index, (row, pushes)) in self.equations.iter().enumerate() {
             forces[*row] = solution[index] * scales[index];
@@ -465,25 +478,23 @@ impl Chosen {
     }
 }
 
-/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal; `None` if a number is not finite.
+/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal, part by part; `None` if a number is not finite.
 pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
     if !scaled.iter().all(|value| value.is_finite()) {
         return None;
     }
-    if scaled.is_empty() {
-        return Some(Vec::new());
+    let mut all = Vec::new();
+    for part in parts_of(&scaled) {
+        let eigen = sub_matrix(&scaled, &part).symmetric_eigen();
+        let least = SINGULAR * eigen.eigenvalues.max();
+        let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
+        all.extend(of_implied.map(|index| spread(&part, eigen.eigenvectors.column(index).iter(), scaled.nrows())));
     }
-    let eigen = scaled.symmetric_eigen();
-    let least = SINGULAR * eigen.eigenvalues.max();
-    let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
-    Some(of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect())
+    Some(all)
 }
 
 /// Whether a response is regular, whatever the units of its rows.
 fn is_regular(square: &DMatrix<f64>) -> bool {
-    if square.is_empty() {
-        return true;
-    }
     let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
     if scale.contains(&0.0) {
         return false;
@@ -491,6 +502,8 @@ fn is_regular(square: &DMatrix<f64>) -> bool {
     let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
         square[(row, column)] / (scale[row] * scale[column])
     });
-    let values = scaled.symmetric_eigenvalues();
-    values.min() > SINGULAR * values.max()
+    parts_of(&scaled).into_iter().all(|part| {
+        let values = sub_matrix(&scaled, &part).symmetric_eigenvalues();
+        values.min() > SINGULAR * values.max()
+    })
 }

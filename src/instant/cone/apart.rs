@@ -9,29 +9,59 @@
 use crate::instant::cone::problem::{Law, Problem};
 use nalgebra::DMatrix;
 
+/// A part of a problem: its blocks and rows in the whole, and its own data.
+pub(crate) struct Part {
+    pub blocks: Vec<usize>,
+    pub rows: Vec<usize>,
+    mobility: DMatrix<f64>,
+    free: Vec<f64>,
+    laws: Vec<Law>,
+}
+
+impl Part {
+    /// The problem of the part alone.
+    pub fn problem(&self) -> Problem<'_> {
+        Problem { mobility: &self.mobility, free: &self.free, laws: &self.laws }
+    }
+}
+
+/// The parts of a problem; `None` if it does not fall apart.
+pub(crate) fn parts_apart(problem: &Problem) -> Option<Vec<Part>> {
+    let firsts = problem.starts();
+    let parts = Some(parts(problem, &firsts)).filter(|parts| parts.len() > 1)?;
+    let part = |blocks: Vec<usize>| {
+        let of = |block: &usize| firsts[*block]..firsts[*block] + problem.laws[*block].rows();
+        let rows: Vec<usize> = blocks.iter().flat_map(of).collect();
+        Part {
+            mobility: sub_matrix(problem.mobility, &rows),
+            free: rows.iter().map(|&row| problem.free[row]).collect(),
+            laws: blocks.iter().map(|&block| problem.laws[block]).collect(),
+            blocks,
+            rows,
+        }
+    };
+    Some(parts.into_iter().map(part).collect())
+}
+
 /// The forces of all parts of a problem, each found by `forces_of`; of a problem that does not fall apart those of the whole.
 pub(crate) fn forces_apart(problem: &Problem, forces_of: impl Fn(&Problem) -> Vec<f64>) -> Vec<f64> {
-    let mut firsts = Vec::with_capacity(problem.laws.len());
-    let mut rows = 0;
-    for law in problem.laws {
-        firsts.push(rows);
-        rows += law.rows();
-    }
-    let parts = parts(problem, &firsts);
-    if parts.len() < 2 {
-        return forces_of(problem);
-    }
-    let mut forces = vec![0.0; rows];
+    let Some(parts) = parts_apart(problem) else { return forces_of(problem) };
+    let mut forces = vec![0.0; problem.free.len()];
     for part in parts {
-        let own: Vec<usize> =
-            part.iter().flat_map(|&block| firsts[block]..firsts[block] + problem.laws[block].rows()).collect();
-        let mobility = DMatrix::from_fn(own.len(), own.len(), |row, column| problem.mobility[(own[row], own[column])]);
-        let free: Vec<f64> = own.iter().map(|&row| problem.free[row]).collect();
-        let laws: Vec<Law> = part.iter().map(|&block| problem.laws[block]).collect();
-        let found = forces_of(&Problem { mobility: &mobility, free: &free, laws: &laws });
-        own.iter().zip(found).for_each(|(&row, force)| forces[row] = force);
+        let found = forces_of(&part.problem());
+        part.rows.iter().zip(found).for_each(|(&row, force)| forces[row] = force);
     }
     forces
+}
+
+/// The rows and columns with these numbers.
+pub(crate) fn sub_matrix(matrix: &DMatrix<f64>, own: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(own.len(), own.len(), |row, column| matrix[(own[row], own[column])])
+}
+
+/// The rows of a square matrix in parts without any entry between them.
+pub(crate) fn parts_of(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
+    parts_joined(matrix.nrows(), |row, column| matrix[(row, column)] != 0.0 || matrix[(column, row)] != 0.0)
 }
 
 /// The blocks that feel each other, in the order of their first.
@@ -70,6 +100,10 @@ pub(crate) fn parts_joined(count: usize, joins: impl Fn(usize, usize) -> bool) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::scenes::{Body, Scene};
+    use crate::instant::cone::{margin, solve, solve_apart};
+    use crate::mechanism::motion::contact_solvers::ContactSolvers;
+    use nalgebra::Vector3;
 
     #[test]
     fn blocks_without_mobility_between_them_are_problems_of_their_own_and_the_forces_are_in_their_rows() {
@@ -86,5 +120,51 @@ mod tests {
         });
         assert_eq!(*seen.borrow(), [vec![1.0, 4.0], vec![2.0], vec![3.0]]);
         assert_eq!(forces, [10.0, 20.0, 30.0, 40.0]);
+    }
+
+    /// Boxes that are pushed about on four corners each, three metres apart.
+    fn boxes(pushes: &[[f64; 3]]) -> Scene {
+        let body = |(number, push): (usize, &[f64; 3])| {
+            let mass = 10.0_f64.powi(number as i32);
+            let mut body = Body::cuboid(mass, [0.4, 0.3, 0.2], Vector3::new(3.0 * number as f64, 0.0, 0.1));
+            (body.velocity, body.spin) = (Vector3::from(*push), Vector3::from(*push) * 0.3);
+            body
+        };
+        let mut scene = Scene::new(pushes.iter().enumerate().map(body).collect());
+        // In the order of corners, so that the rows of the boxes lie between each other.
+        for (x, y) in [(-0.2, -0.15), (-0.2, 0.15), (0.2, -0.15), (0.2, 0.15)] {
+            for body in 0..pushes.len() {
+                let place = Vector3::new(3.0 * body as f64 + x, y, 0.0);
+                scene.touch(body, None, place, Vector3::z(), Law::Contact { friction: 0.5 });
+            }
+        }
+        scene.build(9.81)
+    }
+
+    #[test]
+    fn bodies_that_do_not_feel_each_other_have_the_forces_and_margins_that_they_have_alone_to_the_last_bit() {
+        let pushes = [[0.1, 0.0, -1.0], [4.0, 1.0, -0.3], [0.0, 0.2, 0.3], [20.0, 0.0, 0.0]];
+        let alone: Vec<Scene> = (0..pushes.len())
+            .map(|number| {
+                let mut scene = boxes(&pushes);
+                let own: Vec<usize> = (0..4).map(|corner| corner * pushes.len() + number).collect();
+                let rows: Vec<usize> = own.iter().flat_map(|&block| 3 * block..3 * block + 3).collect();
+                scene.mobility = sub_matrix(&scene.mobility, &rows);
+                scene.free = rows.iter().map(|&row| scene.free[row]).collect();
+                scene.laws.truncate(4);
+                scene
+            })
+            .collect();
+        let together = boxes(&pushes);
+        let found = solve_apart(&together.problem(), &mut ContactSolvers::default()).expect("it has an answer");
+        for (number, one) in alone.iter().enumerate() {
+            let own = solve(&one.problem(), None).expect("it has an answer");
+            for corner in 0..4 {
+                let first = 3 * (corner * pushes.len() + number);
+                assert_eq!(found.forces[first..first + 3], own.forces[3 * corner..3 * corner + 3], "box {number}");
+            }
+        }
+        let margins = alone.iter().map(|one| margin(&one.problem()));
+        assert_eq!(margin(&together.problem()), margins.fold(f64::INFINITY, f64::min));
     }
 }

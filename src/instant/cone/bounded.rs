@@ -8,10 +8,11 @@
 //! with D (m × m) symmetric and positive semidefinite: rates or accelerations `a` that efforts or impulses `λ` leave. If D is singular, λ is not
 //! unique, and `a` is. The method is the primal active-set method. It goes from a point inside to the least on the face of the free coordinates, and
 //! stops at the first bound that is in the way. If no bound is in the way, it leaves the bound that pulls most. On each face the step is the one of
-//! least norm.
+//! least norm. A problem that falls apart is solved part by part.
 //!
 //! Source: J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, section 16.5.
 
+use crate::instant::cone::apart::{parts_of, sub_matrix};
 use nalgebra::{DMatrix, DVector};
 
 /// Pivots of D below this part of the largest are rounding.
@@ -30,6 +31,25 @@ pub(crate) struct Bounded {
 
 /// Solves the problem.
 pub(crate) fn minimise(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> Bounded {
+    let count = offset.len();
+    let parts = parts_of(matrix);
+    if parts.len() < 2 {
+        return minimise_part(matrix, offset, bounds);
+    }
+    let mut all = Bounded { efforts: vec![0.0; count], at: vec![0; count], rest: vec![0.0; count] };
+    for part in parts {
+        let offset: Vec<f64> = part.iter().map(|&row| offset[row]).collect();
+        let bounds: Vec<(f64, f64)> = part.iter().map(|&row| bounds[row]).collect();
+        let found = minimise_part(&sub_matrix(matrix, &part), &offset, &bounds);
+        for (place, &row) in part.iter().enumerate() {
+            (all.efforts[row], all.at[row], all.rest[row]) = (found.efforts[place], found.at[place], found.rest[place]);
+        }
+    }
+    all
+}
+
+/// The same of a problem that does not fall apart.
+fn minimise_part(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> Bounded {
     let count = offset.len();
     let mut efforts: Vec<f64> = bounds.iter().map(|&(lower, upper)| 0.0_f64.max(lower).min(upper)).collect();
     let mut at: Vec<i8> = vec![0; count];

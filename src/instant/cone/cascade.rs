@@ -12,8 +12,9 @@
 //! If contacts pinch a body the problem may be infeasible: forces diverge, so that their relative residual looks small. The soft way finds such
 //! forces more often than others; the residual of its answers is at most 1e-10 of the free rates.
 //!
-//! The same problem and start give the same answer, bit for bit.
+//! Decisions solve a problem that falls apart part by part. The same problem and start give the same answer, bit for bit.
 
+use crate::instant::cone::apart::{forces_apart, parts_apart};
 use crate::instant::cone::interior::interior;
 use crate::instant::cone::laws::Form;
 use crate::instant::cone::newton::{Settings, improve};
@@ -148,10 +149,47 @@ pub(crate) fn solve_counted(
     if accepted { Ok(answer) } else { Err(Unsolved::Stopped { best: Box::new(answer) }) }
 }
 
+/// The same part by part of a problem that falls apart, without a start.
+///
+/// # Errors
+/// As of [`solve_counted`].
+pub(crate) fn solve_apart(problem: &Problem, solvers: &mut ContactSolvers) -> Result<Answer, Unsolved> {
+    problem.check()?;
+    let Some(parts) = parts_apart(problem) else { return solve_counted(problem, None, solvers) };
+    let count = problem.free.len();
+    let states = vec![BlockState::Open; problem.laws.len()];
+    let mut answer = Answer { forces: vec![0.0; count], rates: vec![0.0; count], states, residual: 0.0 };
+    let mut stopped = false;
+    for part in &parts {
+        let found = match solve_counted(&part.problem(), None, solvers) {
+            Ok(found) => found,
+            Err(Unsolved::Stopped { best }) => {
+                stopped = true;
+                *best
+            }
+            Err(Unsolved::Inconsistent { block, mobility }) => {
+                return Err(Unsolved::Inconsistent { block: part.blocks[block], mobility });
+            }
+            Err(other) => return Err(other),
+        };
+        for (place, &row) in part.rows.iter().enumerate() {
+            (answer.forces[row], answer.rates[row]) = (found.forces[place], found.rates[place]);
+        }
+        part.blocks.iter().zip(&found.states).for_each(|(&block, state)| answer.states[block] = *state);
+        answer.residual = answer.residual.max(found.residual);
+    }
+    if stopped { Err(Unsolved::Stopped { best: Box::new(answer) }) } else { Ok(answer) }
+}
+
 /// Forces for a step of first order: the quick ways and an interior point look for a residual of [`ROUGH`], otherwise the best iterate is taken.
 /// `None` if the problem is malformed.
 pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
     problem.check().ok()?;
+    Some(forces_apart(problem, roughly))
+}
+
+/// The same of a sound problem that does not fall apart.
+fn roughly(problem: &Problem) -> Vec<f64> {
     let scaled = Scaled::new(problem);
     let mut best = Best::none(problem.free.len());
     best.take(&scaled, ContactSolver::Cold, improved(&scaled, swept(&scaled), EVERYDAY));
@@ -170,7 +208,7 @@ pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
             best.take(&scaled, by, improved(&scaled, near, EVERYDAY));
         }
     }
-    Some(settle(problem, &scaled, &best.forces).forces)
+    settle(problem, &scaled, &best.forces).forces
 }
 
 /// Forces after Newton's method.

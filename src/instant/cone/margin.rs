@@ -9,8 +9,9 @@
 //! of least norm, which bounds it where contacts can pinch a body as hard as they like.
 //!
 //! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
-//! clarabel. If N is empty, m is read off r₀.
+//! clarabel. If N is empty, m is read off r₀. A problem that falls apart has the least margin of its parts.
 
+use crate::instant::cone::apart::parts_apart;
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::cone::scaled::Scaled;
@@ -41,9 +42,19 @@ fn margin_beyond(problem: &Problem, clear: f64) -> f64 {
     if problem.check().is_err() {
         return f64::NEG_INFINITY;
     }
+    let margins: Vec<(f64, f64)> = match parts_apart(problem) {
+        Some(parts) => parts.iter().map(|part| margin_of_part(&part.problem(), clear)).collect(),
+        None => vec![margin_of_part(problem, clear)],
+    };
+    let largest = margins.iter().fold(0.0_f64, |most, (_, largest)| most.max(*largest));
+    margins.iter().fold(largest, |least, (margin, _)| least.min(*margin))
+}
+
+/// The same of a part, and its largest force; infinite without conditions.
+fn margin_of_part(problem: &Problem, clear: f64) -> (f64, f64) {
     let scaled = Scaled::new(problem);
     let directions = force_directions(&scaled);
-    let Some((particular, null)) = holding_forces(&scaled, &directions) else { return f64::NEG_INFINITY };
+    let Some((particular, null)) = holding_forces(&scaled, &directions) else { return (f64::NEG_INFINITY, 0.0) };
     // Forces in their own units, as r₀ + N y.
     let particular = DVector::from_vec(scaled.unscale((&directions * particular).as_slice()));
     let mut null = directions * null;
@@ -54,18 +65,18 @@ fn margin_beyond(problem: &Problem, clear: f64) -> f64 {
     let largest = particular.amax();
     let conditions = Conditions::new(&scaled, problem.laws);
     if conditions.cones.is_empty() {
-        return largest;
+        return (f64::INFINITY, largest);
     }
     let own = problem
         .laws
         .iter()
         .zip(&scaled.starts)
         .fold(largest, |least, (law, &start)| least.min(own_margin(law, &particular.as_slice()[start..])));
-    // Far from the limit of the contacts only its sign is needed.
-    if null.ncols() == 0 || own > clear * largest {
-        return own;
+    // Far from the limit of the contacts only its sign is needed. No force at all is admissible, and the most.
+    if null.ncols() == 0 || own > clear * largest || largest == 0.0 {
+        return (own, largest);
     }
-    conditions.largest_margin(&particular, &null, largest).unwrap_or(f64::NEG_INFINITY)
+    (conditions.largest_margin(&particular, &null, largest).unwrap_or(f64::NEG_INFINITY), largest)
 }
 
 /// The margin of one block with known forces.

@@ -30,7 +30,7 @@ mod sweeps;
 #[cfg(test)]
 mod trials;
 
-pub(crate) use cascade::{solve, solve_counted, solve_roughly};
+pub(crate) use cascade::{solve, solve_apart, solve_roughly};
 pub(crate) use least_compliance::least_compliance;
 #[cfg(test)]
 pub(crate) use margin::margin;
