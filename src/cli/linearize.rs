@@ -100,7 +100,9 @@ fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
     let instant = LogInstant { log: log.clone(), time };
     let (state, _) = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?;
     let model = Model::of_loaded(recorded.loaded, log.clone(), recorded.arguments.input.world.world());
-    Ok(model.linear_of_state(&state, &[], args.at == Some(At::Rest))?)
+    let (start, _) =
+        start_of(&LogInstant { log: log.clone(), time: 0.0 }, model.description()).map_err(Failure::input)?;
+    Ok(model.linear_of_run(&start, &state, &[], args.at == Some(At::Rest))?)
 }
 
 fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {
@@ -117,6 +119,7 @@ fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {
         }
         Some(At::Time(0.0)) => Ok(model.linear_of_state(&at_start()?, &[], false)?),
         Some(At::Time(time)) => {
+            let start = at_start()?;
             let mut run = Simulation::new(&model).without_figures().duration(time);
             for rule in &args.input.keep {
                 run = run.keep(*rule);
@@ -126,7 +129,7 @@ fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {
             let (q, v) = run.coordinates()?;
             let mut state = model.state_at(&q, Some(&v))?;
             state.time = run.time();
-            Ok(model.linear_of_state(&state, &[], false)?)
+            Ok(model.linear_of_run(&start, &state, &[], false)?)
         }
     }
 }

@@ -333,5 +333,11 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
         }
     };
     check_place(&output)?;
+    if let Some(from) = arguments.from.as_ref().filter(|from| is_same(&from.log, &output)) {
+        return Err(anyhow!(
+            "the run goes on from the log {}, which it would replace; choose another --output",
+            from.log.display()
+        ));
+    }
     Ok(Some(output))
 }

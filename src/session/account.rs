@@ -31,6 +31,8 @@ use std::time::Instant;
 /// A run and its warnings before the integrators are made.
 pub struct Account {
     settled: Settled,
+    /// The time at which the run begins (s).
+    since: f64,
     clock: Instant,
     processor: ProcessTime,
     far: Option<FarSpring>,
@@ -97,7 +99,7 @@ impl Account {
     /// Opens the account before the integrators are made.
     pub fn open(model: &Model, state: &State, settled: Settled) -> Self {
         let far = FarSpring::of(&model.mechanism, state);
-        Account { settled, clock: Instant::now(), processor: ProcessTime::now(), far }
+        Account { settled, since: state.time, clock: Instant::now(), processor: ProcessTime::now(), far }
     }
 
     /// Goes on before the first step; `counted` are the ranks of the closures at the start.
@@ -199,7 +201,8 @@ impl Begun {
             catena: env!("CARGO_PKG_VERSION"),
             input,
             scene: mechanism.name.clone(),
-            // The time reached: less than the requested duration if the run ended early.
+            start: account.since,
+            // The time reached: less than was requested if the run ended early.
             duration: state.time,
             method: MethodReport::new(&method),
             model: model_report,

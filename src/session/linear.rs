@@ -11,6 +11,7 @@ use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
+use crate::session::held_start::mechanism_from;
 use crate::session::model::Model;
 use nalgebra::{Complex, DMatrix};
 
@@ -135,7 +136,15 @@ impl Model {
     /// About a state, or about the equilibrium near it, under efforts along the velocities of the state.
     #[doc(hidden)]
     pub fn linear_of_state(&self, state: &State, efforts: &[f64], settled: bool) -> Result<Linear, Error> {
-        let mechanism = &self.description().mechanism;
+        self.linear_of_run(state, state, efforts, settled)
+    }
+
+    /// The same of a state of a run that began elsewhere, from where motors may have their targets.
+    ///
+    /// # Errors
+    /// As of [`Model::linear_of_state`].
+    pub fn linear_of_run(&self, start: &State, state: &State, efforts: &[f64], settled: bool) -> Result<Linear, Error> {
+        let mechanism = &*mechanism_from(self.description(), start);
         let about =
             if settled { about_rest(mechanism, state, efforts)? } else { about_instant(mechanism, state, efforts)? };
         Ok(self.told(&about))

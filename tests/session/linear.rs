@@ -2,7 +2,7 @@
 
 use crate::{folder, robot};
 use catena::prelude::*;
-use catena::session::{Linear, Stability};
+use catena::session::{Hold, Linear, Stability};
 use nalgebra::DVector;
 
 fn urdf(name: &str, text: &str) -> std::path::PathBuf {
@@ -269,4 +269,22 @@ fn the_matrices_of_a_model_without_motion_are_empty() {
     let model = Model::load(robot("friction_pendulum.toml")).expect("a model");
     let linear = model.linearize_at_rest(None).expect("linear equations");
     assert_eq!((linear.modes.len(), linear.a.len(), linear.stuck.len()), (0, 0, 1));
+}
+
+#[test]
+fn motors_that_hold_from_the_start_are_in_linear_equations() {
+    let text = format!(
+        "<robot name=\"rod\"><link name=\"base\"/>{}{}</robot>",
+        link("rod", 2.0, [0.0, 0.0, -0.3], [0.05, 0.06, 0.02]),
+        joint("hinge", "continuous", ["base", "rod"], [0.0; 3], "0 1 0"),
+    );
+    let held = Model::loader().hold(Hold::default()).load(urdf("held.urdf", &text)).expect("a model");
+    let linear = held.linearize(&[0.0], &[0.0], &[]).expect("linear equations");
+    // The gains I ω² and 2 I ω with ω = 20 π rad/s: λ = −ω ± i √(m g l/I).
+    let swing = (2.0 * 9.81 * 0.3 / (0.06 + 2.0 * 0.09_f64)).sqrt() / std::f64::consts::TAU;
+    let mode = &linear.modes[0];
+    // Roundings of products of 4e3 under a root whose square is 6e-3 of them.
+    assert!((mode.frequency - swing).abs() < 1e-12 * swing, "{} and {swing}", mode.frequency);
+    let constant = mode.time_constant.expect("it is damped") * 20.0 * std::f64::consts::PI;
+    assert!((constant - 1.0).abs() < 1e-13, "{constant}");
 }

@@ -224,3 +224,34 @@ fn the_lines_of_the_readme_are_those_of_an_example_that_compiles_with_the_featur
         assert!(example.contains(&squeezed(line)), "{line}");
     }
 }
+
+#[test]
+fn a_formula_that_ends_within_a_run_is_an_error_with_its_name_and_time() {
+    let folder = folder("formula_ends");
+    std::fs::write(
+        folder.join("cart.urdf"),
+        "<robot name='cart'><link name='rail'/><link name='cart'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' \
+         ixz='0' iyz='0'/></inertial></link><joint name='slide' type='prismatic'><parent link='rail'/><child link='cart'/>\
+         <axis xyz='1 0 0'/><limit lower='-9' upper='9' effort='inf' velocity='inf'/></joint></robot>",
+    )
+    .expect("written");
+    let scene = |driven: &str| {
+        let file = folder.join("scene.toml");
+        std::fs::write(&file, format!("[[robot]]\nurdf = \"cart.urdf\"\n{driven}")).expect("written");
+        Model::load(&file).expect("a model")
+    };
+    let motor =
+        "[[motor]]\njoint = \"slide\"\nkind = \"position\"\nkp = 10\ntarget = { formula = \"sqrt(1.5 - t)\" }\n";
+    let load = "[[load]]\njoint = \"slide\"\neffort = 1\nfactor = { formula = \"ln(2 - t)\" }\n";
+    let motion = "[[motion]]\njoint = \"slide\"\nposition = { formula = \"asin(t)\" }\n";
+    for (driven, said) in [
+        (motor, "the target of the motor on \"slide\" has a formula without a finite value or rate at t = 1.5 s"),
+        (load, "the load in joint \"slide\" has a formula without a finite value or rate at t = 2 s"),
+        (motion, "the motion of \"slide\" has a formula without a finite value or rate at t = 1 s"),
+    ] {
+        let model = scene(driven);
+        let error = Simulation::new(&model).duration(2.5).run().expect_err("an error").to_string();
+        assert!(error.contains(said), "{error}");
+        Simulation::new(&model).duration(0.9).run().expect("a run that ends before");
+    }
+}

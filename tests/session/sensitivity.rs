@@ -2,7 +2,7 @@
 
 use crate::{folder, robot};
 use catena::prelude::*;
-use catena::session::Sensitivity;
+use catena::session::{Hold, Sensitivity};
 
 fn oscillator() -> Model {
     Model::load(robot("damped_oscillator.toml")).expect("a model")
@@ -147,4 +147,20 @@ fn a_run_without_derivatives_is_refused_with_the_reason() {
     };
     assert!(refused("gripper_holds_box.toml", "gravity.z").contains("single active set"));
     assert!(refused("double_pendulum.urdf", "elbow.nonsense").contains("no parameter"));
+}
+
+/// A cart of 2 kg on a rail.
+const CART: &str = "<robot name='cart'><link name='rail'/><link name='cart'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link> \
+<joint name='slide' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/><limit lower='-9' upper='9' effort='inf' velocity='inf'/></joint></robot>";
+
+#[test]
+fn a_robot_that_is_held_from_the_start_has_the_derivatives_of_its_motors() {
+    let path = folder("held").join("cart.urdf");
+    std::fs::write(&path, CART).expect("written");
+    let model = Model::loader().hold(Hold::default()).load(path).expect("a model");
+    let simulation = Simulation::new(&model).fixed(9, 0.005).duration(0.05).start([("slide", 0.4)]).expect("a start");
+    let run = derivatives(simulation, &["start.v"]);
+    // Critically damped with ω = 20 π rad/s: x = x₀ + v₀ t e^(−ωt).
+    let wanted = 0.05 * (-std::f64::consts::PI).exp();
+    assert!((last(&run, 0, 0) - wanted).abs() < 1e-14, "{} and {wanted}", last(&run, 0, 0));
 }

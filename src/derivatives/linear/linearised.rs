@@ -61,7 +61,7 @@ pub enum LinearError {
     Singular,
     /// Forces that the linear equations do not know.
     #[error(
-        "linear equations know no drag, and no loads that change in time or turn with a link: leave these out of the scene"
+        "linear equations know no drag, no loads that change in time or turn with a link, and no gravity compensation of motors: leave these out of the scene"
     )]
     Unknown,
     /// A number is not finite.

@@ -49,7 +49,9 @@ pub struct Report {
     pub input: String,
     /// Name of the robot or scene.
     pub scene: String,
-    /// Simulated time (s).
+    /// The time at the start (s): zero, but for runs that go on from a log.
+    pub start: f64,
+    /// The time at the end (s), from a start at zero the simulated time.
     pub duration: f64,
     /// The scheme and its step.
     pub method: MethodReport,

@@ -11,13 +11,14 @@ const SHOWN_WARNINGS: usize = 10;
 
 impl fmt::Display for Report {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let speed = if self.wall_seconds > 0.0 { self.duration / self.wall_seconds } else { f64::INFINITY };
+        let simulated = self.duration - self.start;
+        let speed = if self.wall_seconds > 0.0 { simulated / self.wall_seconds } else { f64::INFINITY };
         writeln!(
             out,
             "{}: {} s simulated in {:.3} s, {} times real time",
             self.scene,
             // Sums of steps carry roundings, which are cut off for readers.
-            (self.duration * 1e6).round() / 1e6,
+            (simulated * 1e6).round() / 1e6,
             self.wall_seconds,
             rounded(speed)
         )?;

@@ -52,12 +52,14 @@ impl Reader<'_> {
         let name = self.body_name(body);
         let index = self.trees.len();
         let hangs = free.is_none() && has_joint(body);
+        let damping = free.map_or(Ok(0.0), |free| self.damping_of_base(free, inner.as_deref()))?;
         self.trees.push(Tree {
             name: name.clone(),
             floats: free.is_some(),
             // On a joint of its own the tree hangs in the world frame.
             pose: if hangs { Pose::identity() } else { pose },
             velocity: None,
+            damping,
             links: Vec::new(),
             joints: Vec::new(),
         });
@@ -67,6 +69,18 @@ impl Reader<'_> {
             self.free_names.extend(names);
         }
         self.link(body, &name, index, hangs.then(|| ("world".to_string(), pose)), &pose, inner.as_deref())
+    }
+
+    /// The damping of a free joint: of its velocity [N s/m], and of its spin [N m s].
+    fn damping_of_base(&mut self, free: &Element, class: Option<&str>) -> Result<f64, SceneError> {
+        // A <freejoint> has no defaults.
+        let free = if free.name == "joint" { self.defaults.applied(free, class) } else { free.clone() };
+        for (attribute, what) in [("armature", "armature"), ("frictionloss", "friction"), ("stiffness", "stiffness")] {
+            if free.number(attribute)?.is_some_and(|number| number != 0.0) {
+                self.not_simulated(&free, format!("{what} of free joints is not simulated"));
+            }
+        }
+        Ok(free.number("damping")?.unwrap_or(0.0))
     }
 
     /// A body that does not move, and all that it carries.
@@ -122,7 +136,13 @@ impl Reader<'_> {
                 let between = Between { parent, child: child.clone(), origin: origin * shifted(place - before) };
                 if !is_end {
                     let line = joint.line;
-                    self.trees[tree].links.push(Link { name: child.clone(), mass: None, geoms: Vec::new(), line });
+                    self.trees[tree].links.push(Link {
+                        name: child.clone(),
+                        mass: None,
+                        held: 0.0,
+                        geoms: Vec::new(),
+                        line,
+                    });
                 }
                 self.trees[tree].joints.push((between, Some(joint)));
                 (parent, origin, before) = (child, Pose::identity(), place);
@@ -133,7 +153,8 @@ impl Reader<'_> {
                 self.trees[tree].joints.push((between, None));
             }
         }
-        let mut link = Link { name: name.to_string(), mass: None, geoms: Vec::new(), line: body.line };
+        let held = body.number("gravcomp")?.unwrap_or(0.0);
+        let mut link = Link { name: name.to_string(), mass: None, held, geoms: Vec::new(), line: body.line };
         let mut parts = Vec::new();
         let mut bodies: Vec<Inner> = Vec::new();
         let inertial =

@@ -1,5 +1,6 @@
 //! Defaults of MJCF: classes of attributes, each with the attributes of the class around it.
 
+use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::tree::Element;
 use std::collections::HashMap;
 
@@ -24,6 +25,16 @@ impl Defaults {
             defaults.add(outermost, MAIN);
         }
         defaults
+    }
+
+    /// Refuses a class that the file does not define, in an element or in one within it.
+    pub fn check(&self, element: &Element) -> Result<(), SceneError> {
+        for attribute in ["class", "childclass"] {
+            if let Some(class) = element.text(attribute).filter(|class| !self.classes.contains_key(*class)) {
+                return Err(element.error(attribute, format!("there is no class {class:?} among the defaults")));
+            }
+        }
+        element.children.iter().try_for_each(|child| self.check(child))
     }
 
     fn add(&mut self, element: &Element, around: &str) {

@@ -97,6 +97,14 @@ impl Reader<'_> {
             None => material,
         };
         let mass = self.mass_of(&geom, &form, ellipsoid, &pose)?;
+        if mass.is_some() && geom.flag("shellinertia") == Some(true) {
+            self.odd(&geom, "shellinertia is not read: the shape is solid".to_string());
+        }
+        for soft in ["solref", "solimp", "margin", "gap"] {
+            if geom.text(soft).is_some() {
+                self.ignored_attribute(&geom, soft);
+            }
+        }
         let read = Geom {
             name: geom.text("name").map(str::to_string),
             form,

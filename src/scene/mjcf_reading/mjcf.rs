@@ -66,10 +66,14 @@ impl SceneFiles for Made<'_> {
 
 impl Reader<'_> {
     fn read(&mut self, root: &Element, keyframe: Option<&str>) -> Result<(), SceneError> {
+        self.defaults.check(root)?;
         for option in root.all("option") {
             self.gravity = option.vector("gravity")?.unwrap_or(self.gravity);
             for flag in option.all("flag") {
                 self.flags(flag);
+            }
+            if option.text("actuatorgroupdisable").is_some() {
+                self.odd(option, "actuatorgroupdisable is not read; --without leaves parts out".to_string());
             }
             for medium in ["wind", "density", "viscosity"] {
                 if option.list(medium, 1, 3)?.is_some_and(|numbers| numbers.iter().any(|number| *number != 0.0)) {
@@ -179,6 +183,9 @@ impl Reader<'_> {
         let asset = self.defaults.applied(asset, None);
         match asset.name.as_str() {
             "mesh" => {
+                if asset.flag("shellinertia") == Some(true) {
+                    self.odd(&asset, "shellinertia is not read: the mesh is solid".to_string());
+                }
                 let Some(file) = asset.text("file") else {
                     self.not_simulated(&asset, "a mesh without a file is left out".to_string());
                     return Ok(());

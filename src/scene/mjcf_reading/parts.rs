@@ -14,6 +14,8 @@ pub(crate) struct Tree {
     pub pose: Pose,
     /// Velocity of its base in the world: linear, angular [m/s, rad/s].
     pub velocity: Option<[f64; 6]>,
+    /// Damping of the velocity of its base [N s/m], and of its spin [N m s].
+    pub damping: f64,
     pub links: Vec<Link>,
     pub joints: Vec<(Between, Option<Joint>)>,
 }
@@ -23,6 +25,8 @@ pub(crate) struct Tree {
 pub(crate) struct Link {
     pub name: String,
     pub mass: Option<MassOf>,
+    /// The part of its weight that a force at its centre of mass holds.
+    pub held: f64,
     pub geoms: Vec<Geom>,
     pub line: usize,
 }

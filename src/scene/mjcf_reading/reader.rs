@@ -182,6 +182,13 @@ impl<'r> Reader<'r> {
         entry.2 += 1;
     }
 
+    /// Lists an attribute that has no counterpart, because contacts are rigid.
+    pub fn ignored_attribute(&mut self, element: &Element, name: &str) {
+        let what = format!("{name} of <{}>", element.name);
+        let entry = self.ignored.entry(what).or_insert_with(|| (element.file.to_path_buf(), element.line, 0));
+        entry.2 += 1;
+    }
+
     /// Warns of an element that is not known.
     pub fn unknown(&mut self, element: &Element, parent: &str) {
         self.not_simulated(element, format!("<{}> of <{parent}> is not read", element.name));

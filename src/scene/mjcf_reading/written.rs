@@ -118,9 +118,19 @@ impl Reader<'_> {
         }
     }
 
-    /// Springs, locked joints and motors.
+    /// Springs, locked joints and motors, damping of bases, and weights that are held.
     fn write_joints(&self, text: &mut String) {
         for (index, tree) in self.trees.iter().enumerate() {
+            if let Some(base) = tree.links.iter().find(|link| link.name == tree.name).filter(|_| tree.damping != 0.0) {
+                let (name, damping) = (quoted(&self.called(index, &base.name)), tree.damping);
+                let _ = writeln!(text, "\n[[drag]]\nlink = {name}\nlinear = {damping:?}\nangular = {damping:?}");
+            }
+            for link in tree.links.iter().filter(|link| link.held != 0.0) {
+                let Some(of) = &link.mass else { continue };
+                let (name, at) = (quoted(&self.called(index, &link.name)), list(&of.frame.translation.vector));
+                let force = list(&(-of.mass * link.held * self.gravity));
+                let _ = writeln!(text, "\n[[load]]\nlink = {name}\nposition = {at}\nforce = {force}");
+            }
             for joint in tree.joints.iter().filter_map(|(_, joint)| joint.as_ref()) {
                 let name = quoted(&self.called(index, &joint.name));
                 if let Some((stiffness, rest)) = joint.spring {

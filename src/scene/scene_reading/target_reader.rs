@@ -41,7 +41,7 @@ impl CouplingReader<'_> {
                         let text = files.text(&path).map_err(|error| match *error.problem {
                             // Whose fault it is that there is no such file stands in the scene.
                             Problem::Unreadable(_) => {
-                                let (key, message) = (Some("motor.target".to_string()), error.to_string());
+                                let (key, message) = (None, error.to_string());
                                 self.text.error(&span, Some(owner.clone()), Problem::Toml { key, message })
                             }
                             _ => error,

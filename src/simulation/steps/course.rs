@@ -3,6 +3,7 @@
 use crate::instant::exerting::exerted::Exerted;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::words::short;
 use crate::mechanism::motion::contact_point::{ContactFigures, ContactPoint};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
@@ -13,6 +14,7 @@ use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::making::Tells;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
+use crate::simulation::steps::undefined::undefined;
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -39,6 +41,12 @@ pub enum RunError {
     /// The interrupt flag was set.
     #[error("interrupted at t = {time} s")]
     Interrupted { time: f64 },
+    /// A formula of time has no finite value or rate somewhere before the end.
+    #[error(
+        "{of} has a formula without a finite value or rate at t = {} s: end the run before, or give a formula that is finite until its end",
+        short(*.time)
+    )]
+    Undefined { of: String, time: f64 },
     /// The steps were too coarse: [`Simulation::run`](crate::simulation::Simulation::run) restarts the run with finer ones.
     #[error("at t = {time} s the estimated error exceeds the tolerance")]
     BeginsAgain { time: f64 },
@@ -179,6 +187,10 @@ impl Course {
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
+        let until = self.end.min(aim.until).min(aim.horizon);
+        if let Some((of, time)) = undefined(mechanism, state.time, until) {
+            return Err(RunError::Undefined { of, time });
+        }
         if !self.figures {
             return self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
         }

@@ -5,3 +5,4 @@ pub(crate) mod course;
 pub mod making;
 pub(crate) mod observer;
 pub(crate) mod summary;
+pub(crate) mod undefined;

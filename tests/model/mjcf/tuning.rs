@@ -1,7 +1,7 @@
 //! Damping and stiffness that follow from inertia, inherited ranges, and actuators on joints that follow one another.
 
 use catena::mechanism::description::nonsmooth::MotorLaw;
-use catena::session::Model;
+use catena::session::{Model, Simulation};
 
 /// A body that floats, an arm with two fingers, and a tail on a ball joint.
 const BEAST: &str = "<mujoco><compiler angle='radian'/><worldbody>
@@ -64,4 +64,27 @@ fn an_actuator_that_depends_on_a_tendon_of_independent_joints_is_said_to_be_left
     assert_eq!(model.description().mechanism.nonsmooth.motors.len(), 3);
     let warnings = model.warnings();
     assert!(warnings.iter().any(|line| line.contains("tendon of independent joints")), "{warnings:?}");
+}
+
+#[test]
+fn damping_of_a_free_joint_is_drag_and_gravcomp_a_force_against_the_weight() {
+    let folder = crate::common::command::folder("mjcf_free");
+    let text = "<mujoco><worldbody><body name='ball' pos='0 0 5'><joint type='free' damping='3'/><geom size='0.1' mass='2' pos='0 0 0'/></body>
+      <body name='held' pos='1 0 5' gravcomp='0.5'><freejoint/><geom size='0.1' mass='2' pos='0.1 0 0'/></body></worldbody></mujoco>";
+    std::fs::write(folder.join("model.xml"), text).expect("written");
+    let mut simulation = Simulation::new(&Model::load(folder.join("model.xml")).expect("a model")).duration(1.0);
+    simulation.run().expect("a run");
+    let height = |link: &str| simulation.pose(link).expect("a link").translation.z;
+    // With drag v = −g/k (1 − e^(−kt)), k = 3/2 per second; with half of the weight held a fall of g t²/4. The tolerance is 1e-6 m.
+    let k = 1.5_f64;
+    let fallen = 9.81 / k * (1.0 - (1.0 - (-k).exp()) / k);
+    assert!((height("ball/ball") - (5.0 - fallen)).abs() < 1e-6, "{}", height("ball/ball"));
+    assert!((height("held/held") - (5.0 - 9.81 / 4.0)).abs() < 1e-12, "{}", height("held/held"));
+    let unknown = text.replace("damping='3'", "class='none'");
+    std::fs::write(folder.join("model.xml"), unknown).expect("written");
+    let error = Model::load(folder.join("model.xml")).expect_err("an error").to_string();
+    assert!(
+        error.contains("model.xml:1: <joint class=\"none\">: there is no class \"none\" among the defaults"),
+        "{error}"
+    );
 }

@@ -98,8 +98,8 @@ fn wrong_motors_are_refused_with_file_line_and_key() {
         ),
         (effort("[[0, 1],\n[0, 2]]"), &["scene.toml:7: motor on \"hinge\": ", "0 s of entry 2 is not after 0 s"]),
         // Its CSV file.
-        (effort("\"none.csv\""), &["scene.toml:6: motor on \"hinge\": motor.target: none.csv: cannot be read: "]),
-        (effort("\"\""), &["scene.toml:6: motor on \"hinge\": motor.target: ", "cannot be read"]),
+        (effort("\"none.csv\""), &["scene.toml:6: motor on \"hinge\": none.csv: cannot be read: "]),
+        (effort("\"\""), &["scene.toml:6: motor on \"hinge\": ", "cannot be read"]),
         (effort("\"gap.csv\""), &["gap.csv:3: motor on \"hinge\": the line is empty"]),
         (effort("\"missing.csv\""), &["missing.csv:2: motor on \"hinge\": \"1\" is one column"]),
         (effort("\"words.csv\""), &["words.csv:2: motor on \"hinge\": the value \"one\" is not a number"]),

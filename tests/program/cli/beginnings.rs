@@ -50,6 +50,12 @@ fn a_run_goes_on_from_an_instant_of_a_log_as_the_run_of_the_log_did() {
     let on = ["simulate", "pendulum.urdf", "--from", "whole.mcap@0.5", "--tolerance=1e-10", "--duration=1.5"];
     let rest = json(&run(&folder, &[&on[..], &["-o", "rest.mcap", "--json"]].concat()));
     assert_eq!(rest["duration"], whole["duration"], "it goes on at the time of the log");
+    assert_eq!((&rest["start"], &whole["start"]), (&Value::from(0.5), &Value::from(0.0)));
+    let said = run(&folder, &[&on[..], &["-o", "rest.mcap"]].concat());
+    assert!(text(&said.stdout).contains(": 1.5 s simulated in"), "{}", text(&said.stdout));
+    let before = std::fs::read(folder.join("whole.mcap")).expect("a log");
+    refused(&run(&folder, &[&on[..], &["-o", "whole.mcap"]].concat()), 2, "which it would replace");
+    assert!(std::fs::read(folder.join("whole.mcap")).expect("a log") == before, "the log was changed");
     let at_end = |report: &Value, what: &str| report["joints"]["hinge"][what].as_f64().expect("a number");
     // Both are within their tolerances of 1e-10 m at a radius of at most 1 m; samples of the log are interpolated to the same.
     for what in ["position", "velocity"] {

@@ -15,6 +15,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
+use crate::session::held_start::mechanism_from;
 use crate::session::linear::freedom_name;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
@@ -75,6 +76,8 @@ impl Steps {
 /// A run before it is differentiated.
 pub(super) struct Prepared {
     pub model: Model,
+    /// The mechanism of the run: targets and gains that motors take from the start are numbers of it.
+    mechanism: Mechanism,
     pub start: State,
     /// The degrees of freedom (n), and the parameters (p) by their names.
     pub names: Vec<String>,
@@ -94,10 +97,10 @@ impl Prepared {
     pub fn new(mut simulation: Simulation, keys: &[&str], times: &[f64]) -> Result<Self, Error> {
         let start = simulation.look(State::clone)?;
         let model = simulation.model.clone();
-        let mechanism = &model.description().mechanism;
-        refuse(mechanism)?;
+        let mechanism = mechanism_from(model.description(), &start).into_owned();
+        refuse(&mechanism)?;
         let names: Vec<String> =
-            (0..mechanism.velocity_count).map(|freedom| freedom_name(mechanism, freedom)).collect();
+            (0..mechanism.velocity_count).map(|freedom| freedom_name(&mechanism, freedom)).collect();
         let (mut parameters, mut told) = (Vec::new(), Vec::new());
         for key in keys {
             for (name, parameter) in simulation.parameters(key, &names, &start)? {
@@ -120,10 +123,11 @@ impl Prepared {
         instants.extend(times.iter().filter(|time| **time > start.time).map(|&time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
-        let elements = Elements::new(mechanism);
+        let elements = Elements::new(&mechanism);
         Ok(Prepared {
             frames: frames(&model),
             laws: TimeLaws::new(&elements.motors, &mechanism.forces),
+            mechanism,
             elements,
             tableau,
             end,
@@ -139,7 +143,7 @@ impl Prepared {
     /// The subject of the derivatives, by some parameters.
     pub fn subject<'p>(&'p self, parameters: &'p [Parameter]) -> Subject<'p> {
         Subject {
-            mechanism: &self.model.description().mechanism,
+            mechanism: &self.mechanism,
             elements: &self.elements,
             frames: &self.frames,
             tableau: self.tableau,
@@ -151,7 +155,7 @@ impl Prepared {
     /// The same run with its trace.
     pub fn traced(&self) -> Result<TracedRun, SensitivityError> {
         let longest = 2.0 * (self.end.time - self.start.time).max(1.0);
-        TracedRun::new(&self.model.description().mechanism, self.tableau.stages, longest)
+        TracedRun::new(&self.mechanism, self.tableau.stages, longest)
             .map_err(|_| SensitivityError::Step { time: self.start.time })
     }
 
