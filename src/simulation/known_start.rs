@@ -40,8 +40,7 @@ struct Begun {
 impl Given {
     /// Whether it is this start, to the last bit.
     fn is(&self, state: &State, efforts: &[f64]) -> bool {
-        let alike =
-            |one: &[f64], other: &[f64]| one.iter().map(|x| x.to_bits()).eq(other.iter().map(|x| x.to_bits()));
+        let alike = |one: &[f64], other: &[f64]| one.iter().map(|x| x.to_bits()).eq(other.iter().map(|x| x.to_bits()));
         let own = &self.state;
         own.time.to_bits() == state.time.to_bits()
             && alike(&own.position, &state.position)

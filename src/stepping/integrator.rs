@@ -228,7 +228,12 @@ impl Lobatto {
     }
 
     /// Takes them before the step, which does not do so again.
-    pub(crate) fn meet_before(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> Result<(), StepError> {
+    pub(crate) fn meet_before(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &State,
+    ) -> Result<(), StepError> {
         self.meet_as(mechanism, inputs, state, Stepper::meet_before)
     }
 
