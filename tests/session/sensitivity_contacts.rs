@@ -58,6 +58,7 @@ fn a_box_that_slides_down_until_it_stops_has_the_derivatives_of_its_closed_form(
             assert!((found - wanted).abs() < 1e-10, "{}: {found} and {wanted}", run.keys[key]);
         }
         assert_eq!(run.events.len(), usize::from(!slides), "{:?}", run.events);
+        assert!(run.warnings.is_empty(), "a straight slip stops with its order: {:?}", run.warnings);
         if let Some(event) = run.events.first() {
             // t = v/(μ g_z − g_x)
             let wanted = -speed * down / (friction * down - along).powi(2);
