@@ -62,6 +62,21 @@ class Model:
         tolerance: float | None,
         fixed: tuple[int, float] | None,
     ) -> dict[str, Any]: ...
+    def gradient(
+        self,
+        keys: list[str],
+        times: Numbers,
+        loss: Callable[
+            [Numbers, Numbers, Numbers, list[dict[str, Any]]],
+            tuple[float, Numbers, Numbers, list[tuple[int, float, Numbers | None, Numbers | None]]],
+        ],
+        q: Numbers | None,
+        v: Numbers | None,
+        duration: float,
+        tolerance: float | None,
+        fixed: tuple[int, float] | None,
+        every: int,
+    ) -> tuple[float, list[str], Numbers]: ...
     def pose(self, link: str, q: Numbers) -> Numbers: ...
 
 class Run:

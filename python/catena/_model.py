@@ -92,6 +92,23 @@ def _params(params):
         raise InputError(f"params: {error}") from None
 
 
+def _rows(rows, name, shape):
+    """Derivatives of a loss by all samples."""
+    if rows is None:
+        return np.zeros(shape)
+    array = as_array(rows, f"{name} of the loss", 2, f"of shape {shape}")
+    if array.shape != shape:
+        raise InputError(f"{name} of the loss: an array of shape {shape} is wanted, not of {array.shape}")
+    return array
+
+
+def _of_event(number, by):
+    """Derivatives of a loss by an event."""
+    dt, dq, dv = by if isinstance(by, (tuple, list)) else (by, None, None)
+    parts = [None if part is None else flat(part, f"the loss by event {number}") for part in (dq, dv)]
+    return int(number), float(dt), *parts
+
+
 @dataclass(repr=False)
 class Sensitivity:
     """A run and its derivatives at its start and at the end of every step to a given instant.
@@ -102,7 +119,8 @@ class Sensitivity:
     q, v : (steps, n) as of a run
     dq, dv : derivatives (steps, n, p) along ``freedoms`` by ``keys``; ball joints turn about the axes of their child
     keys, freedoms : names
-    events : of the run, each with its time ``t`` [s], ``what`` it is, the derivatives ``dt`` (p) of its time, and the ``rate`` of its function
+    events : of the run, each with its time ``t`` [s], ``what`` it is, the derivatives ``dt`` (p) of its time, the ``rate`` of its function, and ``q``, ``v``
+        before it jumps with their derivatives ``dq``, ``dv`` (n, p)
     valid_within : how far each parameter may change before an event is missed, added, or comes in another order (p), to first order
     bounded_by : the event that bounds it, in words (p)
     """
@@ -120,6 +138,52 @@ class Sensitivity:
 
     def __repr__(self):
         return f"<catena.Sensitivity: {len(self.t) - 1} steps to {self.t[-1]:.9g} s, by {', '.join(self.keys)}>"
+
+
+@dataclass(repr=False)
+class Samples:
+    """The samples of a run that a loss is of.
+
+    Attributes
+    ----------
+    t : times (samples,) [s]
+    q, v : (samples, n) as of a run
+    events : of the whole run, each with its time ``t`` [s], ``what`` it is, and ``q``, ``v`` before it jumps
+    """
+
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    events: list[dict]
+
+    def event(self, word, count=0):
+        """The number among all events of the one that has this word, as the name of a joint or shape, after so many others: ``run.event("floor", 2)``."""
+        own = [number for number, event in enumerate(self.events) if word in event["what"]]
+        if not 0 <= count < len(own):
+            known = ", ".join(sorted({event["what"] for event in self.events})) or "none"
+            raise InputError(f"the run has {len(own)} events with {word!r}, not {count + 1}; it has: {known}")
+        return own[count]
+
+
+@dataclass(repr=False)
+class Gradient:
+    """A loss of a run and its gradient.
+
+    Attributes
+    ----------
+    value : of the loss
+    by : derivatives (p) by ``keys``
+    keys : names
+    samples : of the run: :class:`Samples`
+    """
+
+    value: float
+    by: np.ndarray
+    keys: list[str]
+    samples: Samples
+
+    def __repr__(self):
+        return f"<catena.Gradient: loss {self.value:.6g}, by {len(self.keys)} numbers>"
 
 
 class Linear:
@@ -277,6 +341,52 @@ class Model:
         fixed = None if stages is None else (int(stages), float(step))
         told = self._inner.sensitivity(keys, *given, float(duration), None if tolerance is None else float(tolerance), fixed)
         return Sensitivity(**told)
+
+    def gradient(self, keys, times, loss, q=None, v=None, *, duration=None, tolerance=None, stages=None, step=None, every=1):
+        """The gradient of a loss of a run, against time: a :class:`Gradient`. Its cost hardly depends on the number of keys.
+
+        The steps of the run also end at the samples, and the gradient is exact for them, through events as well.
+
+        Parameters
+        ----------
+        keys : as of :meth:`sensitivity`
+        times : of the samples, in order, from 0 on [s]
+        loss : a function of the :class:`Samples`: its value, and the derivatives dq, dv (samples, n) of it, along the degrees of freedom; None for zeros.
+            A fourth entry has the derivatives by events: ``{number: dt}`` or ``{number: (dt, dq, dv)}``
+        q, v : the start; that of the file if they are left out
+        duration : s; the last time if left out
+        tolerance : wanted accuracy [m], or ``stages`` and ``step`` [s] of fixed steps
+        every : one of so many states is kept, and those between are computed again; the gradient is the same
+
+        Raises
+        ------
+        InputError : as :meth:`sensitivity`; also motors that hold their effort between ticks, and corners that stick
+        """
+        keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
+        times = flat(times, "times")
+        if (stages is None) != (step is None):
+            raise InputError("stages and step go together")
+        if len(times) == 0:
+            raise InputError("times: give one sample at least")
+        if int(every) < 1:
+            raise InputError(f"every is {every!r}: give 1 or more")
+        given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
+        fixed = None if stages is None else (int(stages), float(step))
+        seen = []
+
+        def lost(t, q, v, events):
+            seen.append(Samples(t, q, v, events))
+            said = tuple(loss(seen[0]))
+            if len(said) not in (3, 4):
+                raise InputError(f"loss gives {len(said)} numbers: its value, dq, dv, and at most those by events are wanted")
+            rows = [_rows(rows, name, (len(t), self.nv)) for rows, name in zip(said[1:3], ("dq", "dv"))]
+            by_events = said[3] if len(said) == 4 else {}
+            return float(said[0]), *rows, [_of_event(number, by) for number, by in dict(by_events).items()]
+
+        length = float(times[-1]) if duration is None else float(duration)
+        accuracy = None if tolerance is None else float(tolerance)
+        value, names, by = self._inner.gradient(keys, times, lost, *given, length, accuracy, fixed, int(every))
+        return Gradient(value, by, names, seen[0])
 
     def mass_matrix(self, q):
         """The mass matrix M(q), (n, n)."""

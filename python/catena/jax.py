@@ -1,6 +1,7 @@
 """Runs as functions of JAX: `motion = catena.jax.rollout(model, keys, duration=2, step=0.01)`, then `q, v = motion(numbers)`.
 
-The derivatives are exact, through events; `jax.grad`, `jax.jacfwd` and `jax.jit` know them. JAX must count in doubles: `jax_enable_x64`.
+The derivatives are exact, through events; `jax.grad`, `jax.jacfwd` and `jax.jit` know them. By more than 30 numbers they are taken
+against time, at a cost that hardly grows with them, and `jax.grad` alone knows them; `against_time` says so or otherwise. JAX must count in doubles: `jax_enable_x64`.
 """
 
 from ._errors import InputError
@@ -15,23 +16,28 @@ except ImportError as error:
 __all__ = ["rollout"]
 
 
-def rollout(model, keys, *, duration, step, stages=5, q=None, v=None):
+def rollout(model, keys, *, duration, step, stages=5, q=None, v=None, against_time=None):
     """The function from the numbers of `keys` to q and v (samples, n), a step apart; `.values` are the numbers of the model."""
     if not jax.config.jax_enable_x64:
         raise InputError('JAX counts in single precision: jax.config.update("jax_enable_x64", True) first')
-    motion = Motion(model, keys, duration=duration, step=step, stages=stages, q=q, v=v)
+    motion = Motion(model, keys, duration=duration, step=step, stages=stages, q=q, v=v, against_time=against_time)
     state = jax.ShapeDtypeStruct(motion.shape, jnp.float64)
     slopes = jax.ShapeDtypeStruct((*motion.shape, len(motion.keys)), jnp.float64)
 
-    @jax.custom_jvp
-    def run(numbers):
-        return jax.pure_callback(lambda numbers: motion(numbers)[:2], (state, state), numbers, vmap_method="sequential")
+    both = lambda numbers: jax.pure_callback(motion.motion, (state, state), numbers, vmap_method="sequential")
+    if motion.against_time:
+        gradient = jax.ShapeDtypeStruct((len(motion.keys),), jnp.float64)
+        run = jax.custom_vjp(both)
+        against = lambda numbers, by: (jax.pure_callback(motion.gradient, gradient, numbers, *by, vmap_method="sequential"),)
+        run.defvjp(lambda numbers: (both(numbers), numbers), against)
+    else:
+        run = jax.custom_jvp(both)
 
-    @run.defjvp
-    def run_jvp(primals, tangents):
-        ends = (state, state, slopes, slopes)
-        q, v, dq, dv = jax.pure_callback(motion, ends, primals[0], vmap_method="sequential")
-        return (q, v), (dq @ tangents[0], dv @ tangents[0])
+        @run.defjvp
+        def run_jvp(primals, tangents):
+            ends = (state, state, slopes, slopes)
+            q, v, dq, dv = jax.pure_callback(motion, ends, primals[0], vmap_method="sequential")
+            return (q, v), (dq @ tangents[0], dv @ tangents[0])
 
     run.values = motion.values
     return run

@@ -1,6 +1,7 @@
 """Runs as functions of PyTorch: `motion = catena.torch.rollout(model, keys, duration=2, step=0.01)`, then `q, v = motion(numbers)`.
 
-The derivatives are exact, through events; `backward` knows them. Numbers are doubles: tensors of float32 are refused.
+The derivatives are exact, through events; `backward` knows them. By more than 30
+numbers they are taken against time, at a cost that hardly grows with them; `against_time` says so or otherwise. Numbers are doubles: tensors of float32 are refused.
 """
 
 from ._errors import InputError
@@ -17,20 +18,25 @@ __all__ = ["rollout"]
 class _Run(torch.autograd.Function):
     @staticmethod
     def forward(ctx, numbers, motion):
-        q, v, dq, dv = (torch.from_numpy(part.copy()) for part in motion(numbers.detach().cpu().numpy()))
-        ctx.save_for_backward(dq, dv)
+        given, ctx.motion = numbers.detach().cpu().numpy(), motion
+        parts = motion.motion(given) if motion.against_time else motion(given)
+        q, v, *slopes = (torch.from_numpy(part.copy()) for part in parts)
+        ctx.save_for_backward(*(slopes or [numbers]))
         return q, v
 
     @staticmethod
     @torch.autograd.function.once_differentiable
     def backward(ctx, by_q, by_v):
+        if ctx.motion.against_time:
+            given = [part.detach().cpu().numpy() for part in (*ctx.saved_tensors, by_q, by_v)]
+            return torch.from_numpy(ctx.motion.gradient(*given)), None
         dq, dv = ctx.saved_tensors
         return torch.einsum("tnk,tn->k", dq, by_q) + torch.einsum("tnk,tn->k", dv, by_v), None
 
 
-def rollout(model, keys, *, duration, step, stages=5, q=None, v=None):
+def rollout(model, keys, *, duration, step, stages=5, q=None, v=None, against_time=None):
     """The function from the numbers of `keys` to q and v (samples, n), a step apart; `.values` are the numbers of the model."""
-    motion = Motion(model, keys, duration=duration, step=step, stages=stages, q=q, v=v)
+    motion = Motion(model, keys, duration=duration, step=step, stages=stages, q=q, v=v, against_time=against_time)
 
     def run(numbers):
         if numbers.dtype != torch.float64:

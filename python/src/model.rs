@@ -4,8 +4,8 @@ use crate::refusal::{input, refuse};
 use catena::model::Left;
 use catena::nalgebra::{DMatrix, DVector};
 use catena::scene::Touching;
-use catena::session::{Error, Hold, JointPlace, Linear, Loader, Mode, Simulation};
-use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, ToPyArray};
+use catena::session::{Backward, Error, EventLost, Hold, JointPlace, Linear, Loader, Lost, Mode, Samples, Simulation};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
@@ -288,19 +288,8 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let [q, v] = [q, v].map(|given| given.map(|given| numbers(&given)));
         let found = py.detach(|| {
-            let mut run = Simulation::new(&self.inner).duration(duration);
-            if let Some(tolerance) = tolerance {
-                run = run.tolerance(tolerance);
-            }
-            if let Some((stages, step)) = fixed {
-                run = run.fixed(stages, step);
-            }
-            if q.is_some() || v.is_some() {
-                let start = self.inner.start()?;
-                run = run.start_from(&q.unwrap_or(start.0), &v.unwrap_or(start.1))?;
-            }
             let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
-            run.sensitivity(&keys)
+            self.differentiated([q, v], duration, tolerance, fixed)?.sensitivity(&keys)
         });
         let run = found.map_err(|error| refuse(py, error))?;
         let out = PyDict::new(py);
@@ -324,6 +313,10 @@ impl Model {
                 one.set_item("what", &event.what)?;
                 one.set_item("dt", event.by.to_pyarray(py))?;
                 one.set_item("rate", event.rate)?;
+                one.set_item("q", event.q.to_pyarray(py))?;
+                one.set_item("v", event.v.to_pyarray(py))?;
+                one.set_item("dq", matrix(py, &event.dq)?)?;
+                one.set_item("dv", matrix(py, &event.dv)?)?;
                 Ok(one)
             })
             .collect();
@@ -331,6 +324,44 @@ impl Model {
         out.set_item("valid_within", run.valid_within.to_pyarray(py))?;
         out.set_item("bounded_by", &run.bounded_by)?;
         Ok(out)
+    }
+
+    /// `loss` takes t, q, v and the events of the samples, and gives its value with its derivatives.
+    #[pyo3(signature = (keys, times, loss, q, v, duration, tolerance, fixed, every))]
+    #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        keys: Vec<String>,
+        times: Given<'py>,
+        loss: Py<PyAny>,
+        q: Option<Given<'py>>,
+        v: Option<Given<'py>>,
+        duration: f64,
+        tolerance: Option<f64>,
+        fixed: Option<(usize, f64)>,
+        every: usize,
+    ) -> PyResult<(f64, Vec<String>, Vector<'py>)> {
+        let [q, v] = [q, v].map(|given| given.map(|given| numbers(&given)));
+        let times = numbers(&times);
+        let mut raised = None;
+        let found = py.detach(|| {
+            let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+            let asked = Backward { keys: &keys, times: &times, every };
+            let run = self.differentiated([q, v], duration, tolerance, fixed)?;
+            // A loss without derivatives is refused; the exception comes in its place.
+            run.gradient(&asked, |samples| {
+                lost(&loss, samples).unwrap_or_else(|error| {
+                    raised = Some(error);
+                    Lost::default()
+                })
+            })
+        });
+        if let Some(error) = raised {
+            return Err(error);
+        }
+        let found = found.map_err(|error| refuse(py, error))?;
+        Ok((found.value, found.keys, found.by.to_pyarray(py)))
     }
 
     /// x, y, z, w, x, y, z of a link frame.
@@ -379,7 +410,57 @@ fn told<'py>(py: Python<'py>, linear: &Linear) -> PyResult<Bound<'py, PyDict>> {
     Ok(out)
 }
 
+/// The answer of a loss: its value, its derivatives by q and v of the samples, and its derivatives by events with their numbers.
+fn lost(loss: &Py<PyAny>, samples: &Samples) -> PyResult<Lost> {
+    type Rows<'py> = PyReadonlyArray2<'py, f64>;
+    type OfEvent<'py> = (usize, f64, Option<Given<'py>>, Option<Given<'py>>);
+    Python::attach(|py| {
+        let events: PyResult<Vec<Bound<'_, PyDict>>> = (samples.events.iter())
+            .map(|event| {
+                let one = PyDict::new(py);
+                one.set_item("t", event.time)?;
+                one.set_item("what", &event.what)?;
+                one.set_item("q", event.q.to_pyarray(py))?;
+                one.set_item("v", event.v.to_pyarray(py))?;
+                Ok(one)
+            })
+            .collect();
+        let [q, v] = [&samples.q, &samples.v].map(|of| PyArray2::from_vec2(py, of));
+        let said = loss.call1(py, (samples.times.to_pyarray(py), q?, v?, events?))?;
+        let (value, by_q, by_v, by_events): (f64, Rows<'_>, Rows<'_>, Vec<OfEvent<'_>>) = said.extract(py)?;
+        let rows = |of: &Rows<'_>| of.as_array().rows().into_iter().map(|row| row.to_vec()).collect();
+        let part = |of: Option<Given<'_>>| of.map_or_else(Vec::new, |of| numbers(&of));
+        let by_events = by_events
+            .into_iter()
+            .map(|(event, time, by_q, by_v)| EventLost { event, time, by_q: part(by_q), by_v: part(by_v) })
+            .collect();
+        Ok(Lost { value, by_q: rows(&by_q), by_v: rows(&by_v), by_events })
+    })
+}
+
 impl Model {
+    /// A run whose derivatives are wanted, from q and v on.
+    fn differentiated(
+        &self,
+        [q, v]: [Option<Vec<f64>>; 2],
+        duration: f64,
+        tolerance: Option<f64>,
+        fixed: Option<(usize, f64)>,
+    ) -> Result<Simulation, Error> {
+        let mut run = Simulation::new(&self.inner).duration(duration);
+        if let Some(tolerance) = tolerance {
+            run = run.tolerance(tolerance);
+        }
+        if let Some((stages, step)) = fixed {
+            run = run.fixed(stages, step);
+        }
+        if q.is_some() || v.is_some() {
+            let start = self.inner.start()?;
+            run = run.start_from(&q.unwrap_or(start.0), &v.unwrap_or(start.1))?;
+        }
+        Ok(run)
+    }
+
     fn places(&self, range: impl Fn(&JointPlace) -> &Range<usize>) -> Vec<(&str, usize, usize)> {
         let joints = self.inner.coordinates().joints().iter();
         joints.map(|joint| (joint.name.as_str(), range(joint).start, range(joint).end)).collect()

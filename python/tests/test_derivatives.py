@@ -57,6 +57,69 @@ def test_a_run_has_the_derivatives_that_it_is_asked_for(double_pendulum):
         sim.run(0.1, sensitivity="lower_arm.mass")
 
 
+def by_events(run, weights):
+    """A loss of all samples and of the times and velocities of all events, with random weights."""
+    n = run.v.shape[1]
+    of_q, of_v = (weights.normal(size=(len(run.t), n)) for _ in range(2))
+    events = {number: (weights.normal(), weights.normal(size=n), weights.normal(size=n)) for number in range(len(run.events))}
+    value = (of_q * run.q).sum() + (of_v * run.v).sum() + sum(dt * run.events[number]["t"] for number, (dt, _, _) in events.items())
+    return value, of_q, of_v, events
+
+
+def test_gradients_against_time_are_the_forward_derivatives(arm):
+    # The arm meets a limit at 0.687 s; the samples are ends of steps of both.
+    fixed = dict(stages=5, step=0.01)
+    keys = ["start.q", "start.v", "link.forearm.mass", "link.wrist.inertia.ixx", "gravity.z"]
+    forward = arm.sensitivity(keys, duration=0.8, **fixed)
+    times = forward.t[::7]
+    said = []
+
+    def loss(run):
+        said.append(by_events(run, np.random.default_rng(5)))
+        return said[0]
+
+    found = arm.gradient(keys, times, loss, duration=0.8, **fixed)
+    assert found.keys == forward.keys and len(found.samples.events) == len(forward.events) >= 1
+    value, of_q, of_v, events = said[0]
+    # The impact is solved from other first guesses.
+    assert found.value == value and np.allclose(found.samples.q, forward.q[::7], rtol=0, atol=1e-13)
+    parts = [of_q[:, :, None] * forward.dq[::7], of_v[:, :, None] * forward.dv[::7]]
+    for number, (dt, dq, dv) in events.items():
+        event = forward.events[number]
+        parts += [dt * event["dt"], dq[:, None] * event["dq"], dv[:, None] * event["dv"]]
+    sums = sum(part.reshape(-1, len(found.keys)).sum(axis=0) for part in parts)
+    sizes = sum(np.abs(part.reshape(-1, len(found.keys))).sum(axis=0) for part in parts)
+    # The same products in another order, for steps and impacts of the same run.
+    assert np.all(np.abs(found.by - sums) <= 1e-12 * sizes)
+    again = arm.gradient(keys, times, lambda run: said[0], duration=0.8, every=5, **fixed)
+    assert np.array_equal(again.by, found.by)
+
+
+def test_a_gradient_through_an_impact_is_that_of_its_closed_form(robots):
+    ball = catena.load(robots / "ball_dropped.toml")
+    # t₁ = √(2 h/g), z(T) = e v₁ (T − t₁) − g (T − t₁)²/2 above its lowest place, v₁ = g t₁.
+    g, e, T = 9.81, ball.params["obstacle.floor.restitution"], 0.6
+    found = ball.gradient(["start.q", "floor.restitution"], [T], lambda run: (run.q[0, 2], np.eye(6)[[2]], None), stages=5, step=0.05)
+    t1 = found.samples.events[found.samples.event("floor")]["t"]
+    by_h = e * T / t1 - 2 * e + (T - t1) / t1
+    exact = {"start.q.ball.z": by_h, "floor.restitution": g * t1 * (T - t1)}
+    for key, slope in exact.items():
+        own = [name for name in found.keys if name == key or name.endswith(".z") and key.endswith(".z")]
+        assert abs(found.by[found.keys.index(own[0])] - slope) < 1e-11, (found.keys, found.by, exact)
+
+
+def test_losses_that_do_not_fit_are_refused_and_exceptions_come_out(double_pendulum):
+    fixed = dict(stages=5, step=0.02)
+    with pytest.raises(catena.InputError, match=r"shape \(1, 2\)"):
+        double_pendulum.gradient("start.q", [0.1], lambda run: (0.0, np.zeros((3, 2)), None), **fixed)
+    with pytest.raises(catena.InputError, match="0 events with 'floor'"):
+        double_pendulum.gradient("start.q", [0.1], lambda run: (0.0, None, None, {run.event("floor"): 1.0}), **fixed)
+    with pytest.raises(ZeroDivisionError):
+        double_pendulum.gradient("start.q", [0.1], lambda run: 1 / 0, **fixed)
+    with pytest.raises(catena.InputError, match="times after its start"):
+        double_pendulum.gradient("start.q", [-0.1, 0.1], lambda run: (0.0, None, None), **fixed)
+
+
 def loss_and_gradient(model, keys):
     """Σ q² of the samples and its gradient, by hand."""
     from catena._motion import Motion
@@ -84,6 +147,21 @@ def test_jax_has_the_gradient(double_pendulum):
     assert np.allclose(jax.jit(jax.jacfwd(loss))(numbers), gradient, rtol=1e-12)
 
 
+def test_jax_has_the_gradient_against_time(double_pendulum):
+    jax = pytest.importorskip("jax", reason="JAX is not installed")
+    jax.config.update("jax_enable_x64", True)
+    import catena.jax
+
+    motion = catena.jax.rollout(double_pendulum, KEYS, duration=0.4, step=0.02, against_time=True)
+    value, gradient = loss_and_gradient(double_pendulum, KEYS)
+    loss = lambda numbers: (motion(numbers)[0] ** 2).sum()
+    numbers = jax.numpy.array(motion.values)
+    assert np.isclose(loss(numbers), value, rtol=1e-13)
+    # The same derivatives by the transpose: roundings of 20 steps.
+    for of in (jax.grad(loss), jax.jit(jax.grad(loss))):
+        assert np.allclose(of(numbers), gradient, rtol=1e-12)
+
+
 def test_torch_has_the_gradient(double_pendulum):
     torch = pytest.importorskip("torch", reason="PyTorch is not installed")
     import catena.torch
@@ -96,3 +174,14 @@ def test_torch_has_the_gradient(double_pendulum):
     assert np.isclose(loss.item(), value, rtol=1e-13) and np.allclose(numbers.grad, gradient, rtol=1e-12)
     with pytest.raises(catena.InputError, match="float64"):
         motion(numbers.float())
+
+
+def test_torch_has_the_gradient_against_time(double_pendulum):
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed")
+    import catena.torch
+
+    motion = catena.torch.rollout(double_pendulum, KEYS, duration=0.4, step=0.02, against_time=True)
+    _, gradient = loss_and_gradient(double_pendulum, KEYS)
+    numbers = torch.tensor(motion.values, requires_grad=True)
+    (motion(numbers)[0] ** 2).sum().backward()
+    assert np.allclose(numbers.grad, gradient, rtol=1e-12)

@@ -213,6 +213,21 @@ impl Eventful {
         Ok(())
     }
 
+    /// Takes a state as the first step from there would, and lets the steps of its mode meet it; whether they go on from there.
+    pub(crate) fn begin_at(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State) -> bool {
+        // The step itself tells an error.
+        if self.begin(mechanism, inputs, state).is_err() || self.progress.in_crowd || inputs.feedback.is_some() {
+            return false;
+        }
+        self.previous.left = Some(state.clone());
+        inputs.write_constant(&mut self.trial.efforts);
+        self.mode.add_constant_efforts(&self.model.elements, &mut self.trial.efforts);
+        let piece = self.workspaces.active_mut();
+        piece.begin(&self.model.whole, inputs, &self.trial.efforts, state);
+        piece.meet();
+        true
+    }
+
     /// The mode of a motor in a state, independent of the modes before.
     pub(super) fn motor_mode(&self, index: usize, state: &State) -> MotorMode {
         let motor = &self.model.elements.motors[index];

@@ -160,6 +160,11 @@ impl Eventful {
         for place in 0..self.trial.reserves.asked().len() {
             let pair = self.trial.reserves.asked()[place];
             let Some(watched) = self.open_pair(pair) else { continue };
+            // The only contact of balls is held: no other features can meet.
+            if self.model.touching.pairs[pair].has_one_place() && self.is_closed(pair) {
+                self.trial.covers.push((watched, Cover { until: end, least: f64::INFINITY }));
+                continue;
+            }
             if let Some(rest) = self.reserve(pair, &speeds, end - since) {
                 self.trial.covers.push((watched, Cover { until: end, least: rest }));
                 continue;

@@ -137,6 +137,17 @@ impl PairGeometry {
         of_first + self.second.breadth()
     }
 
+    /// Whether the shapes have one pair of features at most, wherever they are: two balls, and a ball over a half space.
+    pub fn has_one_place(&self) -> bool {
+        let is_ball = |convex: &Convex| matches!(&convex.core, Core::Polytope(core) if core.vertices.len() == 1);
+        let first = match &self.first {
+            First::HalfSpace(_) => true,
+            First::Convex(convex) => is_ball(convex),
+            First::Hollow(_) | First::Mesh(_) => false,
+        };
+        first && is_ball(&self.second)
+    }
+
     /// Whether two convex shapes have many vertices: GJK alone is much less work than the exact distance.
     pub fn is_dense(&self) -> bool {
         matches!(&self.first, First::Convex(convex) if convex.is_dense() || self.second.is_dense())

@@ -66,7 +66,9 @@ pub use place::check_log;
 pub use place::{check_place, folder_of, is_special};
 pub use recording::{Recording, SharedRecording};
 pub use sensors::{Noise, Sensed};
-pub use simulation::{Backward, Gradient, JointValue, Lost, Samples, Sensitivity, Simulation};
+pub use simulation::{
+    Backward, EventLost, EventSlope, Gradient, JointValue, Lost, SampledEvent, Samples, Sensitivity, Simulation,
+};
 pub use state::State;
 #[doc(hidden)]
 pub use world::World;

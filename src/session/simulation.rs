@@ -19,7 +19,7 @@ mod sensitivity;
 mod state;
 mod steps;
 
-pub use sensitivity::{Backward, Gradient, Lost, Samples, Sensitivity};
+pub use sensitivity::{Backward, EventLost, EventSlope, Gradient, Lost, SampledEvent, Samples, Sensitivity};
 
 /// A run of a model. Its settings come first; the first step begins the run.
 ///

@@ -39,6 +39,7 @@ impl Simulation<'_> {
             return Err(InputError::Target { joint, target: value });
         }
         self.settle();
+        self.known_start.forget();
         match &mut self.integrators {
             Integrators::Whole(making) => making.aim(motor, value),
             Integrators::Islands { islands, .. } => islands.aim(freedom, value),

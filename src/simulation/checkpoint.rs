@@ -83,6 +83,7 @@ impl Simulation<'_> {
         *making = Making::Alone((**alone).clone());
         self.begin_at(state);
         self.efforts.clone_from(&fresh.efforts);
+        self.known_start.place();
         true
     }
 
@@ -90,6 +91,7 @@ impl Simulation<'_> {
     fn begin_at(&mut self, state: &State) {
         self.state.copy_from(state);
         self.progress = None;
+        self.known_start.forget();
         self.start = None;
         self.end = state.time + self.options.duration;
     }

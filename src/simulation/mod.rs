@@ -8,6 +8,7 @@
 //! |---|---|
 //! | the run as an object | `run`, `integrators`; what it tells: `finished` |
 //! | copies of a run, from which it goes on | `checkpoint` |
+//! | a start that a run has begun from before | `known_start` |
 //! | efforts and targets that a program sets | `acting` |
 //! | controllers, which set efforts | `controller`, `continuous` |
 //! | the integrator, and how steps are chosen | `method` |
@@ -22,6 +23,7 @@ mod controller;
 mod finished;
 mod input_error;
 mod integrators;
+mod known_start;
 #[doc(hidden)]
 pub mod method;
 #[doc(hidden)]

@@ -12,6 +12,7 @@ use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::state::State;
 use crate::simulation::integrators::{Calibrations, Estimate, Integrators, SimulationError, Wanted};
+use crate::simulation::known_start::KnownStart;
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
@@ -82,6 +83,8 @@ pub struct Simulation<'s> {
     /// Whether the CPU time of steps is counted for many calls together.
     together: bool,
     pub(super) progress: Option<Progress>,
+    /// The start of the run before, which may be the start of the next one.
+    pub(super) known_start: KnownStart,
 }
 
 /// How far a run has come.
@@ -175,6 +178,7 @@ impl<'s> Simulation<'s> {
             figures: true,
             together: false,
             progress: None,
+            known_start: KnownStart::default(),
         })
     }
 
@@ -282,6 +286,7 @@ impl<'s> Simulation<'s> {
             together,
             progress,
             choice,
+            known_start,
             ..
         } = self;
         let inputs = Inputs { feedback, ..Inputs::constant(efforts) };
@@ -295,6 +300,7 @@ impl<'s> Simulation<'s> {
                     *progress = Some(Progress::Whole(Box::new(course)));
                 }
                 let Some(Progress::Whole(course)) = progress else { return Ok(()) };
+                known_start.begin(mechanism, inputs, state, integrator);
                 let aim = Aim { horizon: f64::INFINITY, until };
                 if *together {
                     return course.steps(mechanism, inputs, state, integrator, aim, options.interrupt, watching);

@@ -224,6 +224,26 @@ pub enum StepPace {
 impl Lobatto {
     /// Takes the forces and the state where a step begins, which may be another one than the last step left.
     fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> Result<(), StepError> {
+        self.meet_as(mechanism, inputs, state, Stepper::meet)
+    }
+
+    /// Takes them before the step, which does not do so again.
+    pub(crate) fn meet_before(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &State,
+    ) -> Result<(), StepError> {
+        self.meet_as(mechanism, inputs, state, Stepper::meet_before)
+    }
+
+    fn meet_as(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &State,
+        meet: impl FnOnce(&mut Stepper, &Mechanism, &State) -> bool,
+    ) -> Result<(), StepError> {
         if !self.stepper.knows(mechanism, inputs) {
             self.renew(mechanism, inputs, state.time)?;
         }
@@ -235,7 +255,7 @@ impl Lobatto {
         if mechanism.changes() {
             self.stepper.kernel.clock(state.time);
         }
-        if self.stepper.meet(mechanism, state) {
+        if meet(&mut self.stepper, mechanism, state) {
             match &mut self.mode {
                 Mode::Fixed(fixed) => fixed.begin_at(state.time),
                 Mode::Chosen(control) => control.forget(),

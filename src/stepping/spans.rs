@@ -70,6 +70,14 @@ impl SpanSteps {
         })
     }
 
+    /// Takes the forces and the state from which the next step goes on, as that step would.
+    ///
+    /// # Errors
+    /// [`StepError`] for forces that the scheme does not know.
+    pub fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> Result<(), StepError> {
+        self.many.meet_before(mechanism, inputs, state)
+    }
+
     /// Says whether a given instant bounds the next step; the stop of a slip, say, does not.
     pub fn expect_instant(&mut self, given: bool) {
         self.given = given;

@@ -71,6 +71,59 @@ fn a_run_that_is_placed_elsewhere_is_a_new_run_from_there_bit_for_bit() {
 }
 
 #[test]
+fn a_run_that_begins_at_one_start_again_and_again_is_a_new_run_each_time_bit_for_bit() {
+    for (model, time) in models() {
+        let name = &model.description().mechanism.name;
+        let mut before = Simulation::new(&model).tolerance(1e-6);
+        before.step_to(time).expect("it runs");
+        // On closed loops and on the ground, but for roundings.
+        let (q, v) = before.coordinates().expect("coordinates");
+        let new = || Simulation::new(&model).tolerance(1e-6).start_from(&q, &v).expect("a start");
+        let pushed: Vec<f64> = (0..v.len()).map(|freedom| 0.1 * (freedom + 1) as f64).collect();
+        let expected = [None, Some(&pushed)].map(|efforts| {
+            let mut simulation = new();
+            simulation.step_to(0.0).expect("it begins");
+            if let Some(efforts) = efforts {
+                simulation.set_efforts(efforts).expect("efforts");
+            }
+            go_on(&mut simulation, 0.0)
+        });
+        let mut simulation = new();
+        go_on(&mut simulation, 0.0);
+        // The third run from the same start under the same efforts is the first to find it known.
+        for efforts in [0, 0, 0, 0, 1, 0, 1, 1, 1, 1, 0] {
+            simulation.place(0.0, &q, &v).expect("it is placed");
+            if efforts == 1 {
+                simulation.set_efforts(&pushed).expect("efforts");
+            }
+            assert_eq!(go_on(&mut simulation, 0.0), expected[efforts], "{name}, efforts {efforts}");
+        }
+    }
+}
+
+#[test]
+fn targets_that_are_given_at_a_start_that_is_known_count() {
+    let model = Model::load(robot("quadruped_dropped.toml")).expect("a model");
+    let mut simulation = Simulation::new(&model).tolerance(1e-5);
+    simulation.step_to(0.3).expect("it stands");
+    let (q, v) = simulation.coordinates().expect("coordinates");
+    let from = |simulation: &mut Simulation, target: Option<f64>| {
+        simulation.place(0.0, &q, &v).expect("it is placed");
+        if let Some(target) = target {
+            simulation.set_target("front_left_hip", target).expect("a target");
+        }
+        go_on(simulation, 0.0)
+    };
+    let mut new = Simulation::new(&model).tolerance(1e-5).start_from(&q, &v).expect("a start");
+    new.set_target("front_left_hip", 0.7).expect("a target");
+    let expected = go_on(&mut new, 0.0);
+    for target in [None, None, None, Some(0.7), None, Some(0.7)] {
+        let found = from(&mut simulation, target);
+        assert_eq!(found == expected, target.is_some(), "{target:?}");
+    }
+}
+
+#[test]
 fn parts_that_are_simulated_apart_go_on_from_a_state_too() {
     let folder = folder("apart");
     let scene = folder.join("scene.toml");

@@ -9,7 +9,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::contacts::TouchFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::validity::EventSlope;
+use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::{Subject, Walk};
 use crate::derivatives::events::watched::Sight;
 use crate::derivatives::forward::failure::SensitivityError;
@@ -91,7 +91,8 @@ impl Walk<'_> {
         self.tangent.velocities += &along.velocities * longer.transpose();
         self.tangent.times += &longer;
         let by = self.tangent.times.iter().copied().collect();
-        let event = EventSlope { time: self.state.time, what: words, by, rate };
+        let (state, tangent) = (self.state.clone(), self.tangent.clone());
+        let event = MetEvent { time: state.time, what: words, by, rate, state, tangent };
         self.validity.see_event(&event, at_start, step, self.events.last());
         self.events.push(event);
         Ok(())

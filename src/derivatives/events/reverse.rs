@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     end of a step     λ̄ (δq̄, δv̄, δt̄)                R_uᵀ μ = λ̄        start: λ = −R_xᵀ μ        numbers: g −= R_θᵀ μ
-//!     events, jumps     δx̄ = A δx + B δθ              λ = Aᵀ λ̄           g += Bᵀ λ̄
+//!     events, jumps     δx̄ = A δx + B δθ              λ = Aᵀ λ̄           g += Bᵀ λ̄         losses of the state at an event have A, B of its own
 //! ```
 //!
 //! Steps of trees to given instants go back by their transpose, at a cost that does not depend on the number of parameters. Other pieces of a run, as
@@ -12,7 +12,7 @@
 //! Source: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 12.
 
 use crate::derivatives::events::parameter::Parameter;
-use crate::derivatives::events::validity::Validity;
+use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::events::walk::{Subject, Walk};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::Factors;
@@ -30,6 +30,17 @@ pub(crate) struct Adjoint {
     pub velocities: DVector<f64>,
     /// The derivative by the time at which the state is reached.
     pub time: f64,
+}
+
+impl Adjoint {
+    /// The sum of both.
+    pub fn plus(&self, other: &Adjoint) -> Adjoint {
+        Adjoint {
+            positions: &self.positions + &other.positions,
+            velocities: &self.velocities + &other.velocities,
+            time: self.time + other.time,
+        }
+    }
 }
 
 /// The place of a walk without parameters.
@@ -58,6 +69,8 @@ pub(crate) struct Tape<'t> {
     walk: Walk<'t>,
     /// The trace of each piece of the run, up to where the integrator came back.
     pieces: Vec<Vec<Traced>>,
+    /// The number of events before each piece.
+    first_events: Vec<usize>,
     /// The first place, and one for every so many pieces.
     kept: Vec<Place>,
     every: usize,
@@ -67,12 +80,17 @@ impl<'t> Tape<'t> {
     /// The empty tape of a run from a start on; `subject` has no parameters, and the state is kept once in `every` pieces.
     pub fn new(subject: &'t Subject<'t>, start: &State, every: usize) -> Self {
         let walk = Walk::new(subject, start);
-        Tape { subject, walk, pieces: Vec::new(), kept: Vec::new(), every: every.max(1) }
+        Tape { subject, walk, pieces: Vec::new(), first_events: Vec::new(), kept: Vec::new(), every: every.max(1) }
     }
 
     /// The state at the end.
     pub fn state(&self) -> &State {
         &self.walk.state
+    }
+
+    /// The events so far.
+    pub fn events(&self) -> &[MetEvent] {
+        &self.walk.events
     }
 
     /// Adds a piece, and goes along it.
@@ -93,12 +111,13 @@ impl<'t> Tape<'t> {
             };
             return Err(SensitivityError::Unsupported { part, advice });
         }
+        self.first_events.push(self.walk.events.len());
         self.walk.along(&trace, &mut |_, _| {})?;
         self.pieces.push(trace);
         Ok(())
     }
 
-    /// The derivatives of a loss by the parameters; `of_end` is what it says of the end of each piece, if anything.
+    /// The derivatives of a loss by the parameters; `of_end` and `of_event` are what it says of the end of each piece and of each event, if anything.
     ///
     /// # Errors
     /// [`SensitivityError`] as along the run.
@@ -106,6 +125,7 @@ impl<'t> Tape<'t> {
         &mut self,
         parameters: &[Parameter],
         of_end: &dyn Fn(usize) -> Option<Adjoint>,
+        of_event: &dyn Fn(usize) -> Option<Adjoint>,
     ) -> Result<Vec<f64>, SensitivityError> {
         let Some(start) = self.kept.first().map(|place| place.state.clone()) else {
             return Ok(vec![0.0; parameters.len()]);
@@ -133,11 +153,10 @@ impl<'t> Tape<'t> {
             }
             for (index, (piece, place)) in pieces.iter().zip(&places).enumerate().rev() {
                 if let Some(said) = of_end(first + index) {
-                    back.adjoint.positions += said.positions;
-                    back.adjoint.velocities += said.velocities;
-                    back.adjoint.time += said.time;
+                    back.adjoint = back.adjoint.plus(&said);
                 }
-                back.over(piece, place)?;
+                let first_event = self.first_events[first + index];
+                back.over(piece, place, &|own| of_event(first_event + own))?;
             }
         }
         let Back { walk, figures, mut gradient, adjoint, .. } = back;
@@ -189,21 +208,30 @@ struct Back<'b> {
 }
 
 impl Back<'_> {
-    fn over(&mut self, piece: &[Traced], place: &Place) -> Result<(), SensitivityError> {
+    fn over(
+        &mut self,
+        piece: &[Traced],
+        place: &Place,
+        of_event: &dyn Fn(usize) -> Option<Adjoint>,
+    ) -> Result<(), SensitivityError> {
         place.restore(&mut self.walk);
         match piece {
             [Traced::Step(step)] if step.triggers.is_empty() && step.mode.contacts.is_empty() => {
                 match self.over_step(step)? {
                     true => Ok(()),
-                    false => self.over_matrices(piece),
+                    false => self.over_matrices(piece, of_event),
                 }
             }
-            _ => self.over_matrices(piece),
+            _ => self.over_matrices(piece, of_event),
         }
     }
 
     /// Over a piece by its forward derivatives.
-    fn over_matrices(&mut self, piece: &[Traced]) -> Result<(), SensitivityError> {
+    fn over_matrices(
+        &mut self,
+        piece: &[Traced],
+        of_event: &dyn Fn(usize) -> Option<Adjoint>,
+    ) -> Result<(), SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
         let all = 2 * n + 1 + p;
         let mut tangent = Tangent {
@@ -220,9 +248,17 @@ impl Back<'_> {
         self.walk.validity = Validity::new(all);
         self.walk.events.clear();
         self.walk.along(piece, &mut |_, _| {})?;
-        let Tangent { positions, velocities, times } = &self.walk.tangent;
-        let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
-        let pulled = positions.tr_mul(of_q) + velocities.tr_mul(of_v) + times * *time;
+        let pulled_back = |tangent: &Tangent, by: &Adjoint| {
+            tangent.positions.tr_mul(&by.positions)
+                + tangent.velocities.tr_mul(&by.velocities)
+                + &tangent.times * by.time
+        };
+        let mut pulled = pulled_back(&self.walk.tangent, &self.adjoint);
+        for (index, event) in self.walk.events.iter().enumerate() {
+            if let Some(said) = of_event(index) {
+                pulled += pulled_back(&event.tangent, &said);
+            }
+        }
         self.adjoint = Adjoint {
             positions: pulled.rows(0, n).into_owned(),
             velocities: pulled.rows(n, n).into_owned(),
@@ -271,12 +307,8 @@ impl Back<'_> {
             let all = 2 * n + 1 + column;
             self.gradient[column] += pulled.laws[all] + later[all] * (*time + longer);
         }
-        let mut positions = DVector::from_vec(pulled.given.positions);
-        let mut velocities = DVector::from_vec(pulled.given.velocities);
-        for freedom in (0..n).filter(|freedom| mode.free.binary_search(freedom).is_err()) {
-            positions[freedom] += of_q[freedom];
-            velocities[freedom] = 0.0;
-        }
+        let positions = DVector::from_vec(pulled.given.positions);
+        let velocities = DVector::from_vec(pulled.given.velocities);
         self.adjoint = Adjoint { positions, velocities, time: of_time - longer };
         Ok(true)
     }

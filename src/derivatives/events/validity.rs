@@ -9,11 +9,13 @@
 //! Each is the change of one parameter at which the derivative ends, to first order: a size, no bound. The smallest is told for each parameter. The
 //! margins of decisions are not among them: whether a joint that stops sticks, and whether a contact slides in an impact.
 
+use crate::derivatives::forward::tangent::Tangent;
+use crate::mechanism::motion::state::State;
 use nalgebra::DVector;
 
-/// An event with the derivatives of its time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EventSlope {
+/// An event with the derivatives of its time and of the state at it, before it jumps.
+#[derive(Clone, Debug)]
+pub(crate) struct MetEvent {
     /// s.
     pub time: f64,
     /// The element and its event in words.
@@ -22,6 +24,8 @@ pub struct EventSlope {
     pub by: Vec<f64>,
     /// φ̇ at the event: small for events that graze [unit of the function per s].
     pub rate: f64,
+    pub state: State,
+    pub tangent: Tangent,
 }
 
 /// The smallest change of each parameter at which the derivative ends.
@@ -51,7 +55,7 @@ impl Validity {
     }
 
     /// An event, with its function at the start of its step of length h (s), after another event.
-    pub fn see_event(&mut self, event: &EventSlope, at_start: f64, step: f64, last: Option<&EventSlope>) {
+    pub(crate) fn see_event(&mut self, event: &MetEvent, at_start: f64, step: f64, last: Option<&MetEvent>) {
         let second = 2.0 * (at_start + event.rate * step) / (step * step);
         for (parameter, by) in event.by.iter().enumerate() {
             if *by != 0.0 {

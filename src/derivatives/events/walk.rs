@@ -14,7 +14,7 @@ use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
-use crate::derivatives::events::validity::{EventSlope, Validity};
+use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem, WIDTH, lifted};
@@ -68,7 +68,7 @@ pub(crate) struct Walk<'w> {
     /// The closed contacts of the last step.
     pub(super) entered: Vec<Closed>,
     /// Events so far, and how far the derivatives hold.
-    pub events: Vec<EventSlope>,
+    pub events: Vec<MetEvent>,
     pub validity: Validity,
 }
 

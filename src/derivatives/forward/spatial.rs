@@ -72,6 +72,12 @@ impl Twist {
         Twelve { origin: turn.cross(rate.origin), axes: Matrix([turn.cross(x), turn.cross(y), turn.cross(z)]) }
     }
 
+    /// The sum of the products of all entries.
+    #[inline]
+    pub fn dot(&self, other: &Twist) -> f64 {
+        self.turn.dot(other.turn) + self.shift.dot(other.shift)
+    }
+
     /// The power of a force and a torque.
     #[inline]
     pub fn power(&self, force: Vector<f64>, torque: Vector<f64>) -> f64 {

@@ -206,8 +206,17 @@ fn columns(
     starts: &Starts,
     width: usize,
 ) -> Option<DMatrix<f64>> {
-    let n = problem.start.velocity.len();
-    let end_velocities: Vec<Part> = constant(&solved.stages.last()?.velocity);
+    let (n, stages, free) = (problem.start.velocity.len(), problem.tableau.stages, &problem.mode.free);
+    // The stages and the end go along with the start, so that the unknowns are small and keep their digits: h δv₀ + v₀ δh and δv₀.
+    let mut gone = vec![Part::zero(); n];
+    let mut end_velocities: Vec<Part> = constant(&solved.stages.last()?.velocity);
+    for &freedom in free {
+        let velocity = starts.velocities[freedom];
+        gone[freedom].parts = (starts.step * velocity).parts;
+        end_velocities[freedom].parts = velocity.parts;
+    }
+    let along = |node: &f64| gone.iter().map(|gone| gone.times(*node)).collect();
+    let offsets: Vec<Vec<Part>> = problem.tableau.nodes[1..].iter().map(along).collect();
     let multipliers: Vec<Vec<Part>> = solved.multipliers.iter().map(|own| constant(own)).collect();
     let drives = problem.mode.drives(&figures.laws);
     let motion = StepMotion {
@@ -218,14 +227,21 @@ fn columns(
         start_offsets: starts.offsets,
         start_velocities: starts.velocities,
         stages: &solved.stages,
-        offsets: &vec![vec![Part::zero(); n]; solved.stages.len()],
+        offsets: &offsets,
         end_velocities: &end_velocities,
         efforts: starts.efforts,
         mode: InMode { drives: &drives, closed: starts.closed, multipliers: &multipliers },
     };
     let residual = problem.mode.select(&motion.residual(), n);
     let right = DMatrix::from_fn(residual.len(), width, |row, part| -residual[row].parts[part]);
-    solved.factors.solve(&right)
+    let mut found = solved.factors.solve(&right)?;
+    for (row, &freedom) in free.iter().enumerate() {
+        for part in 0..width {
+            found[((stages - 2) * free.len() + row, part)] += gone[freedom].parts[part];
+            found[((stages - 1) * free.len() + row, part)] += end_velocities[freedom].parts[part];
+        }
+    }
+    Some(found)
 }
 
 /// A slight motion at the start of a step, in the coordinates of its end: turns of ball joints are about the axes of the child.

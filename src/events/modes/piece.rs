@@ -59,6 +59,14 @@ impl Piece {
         self.small_start.copy_from(&self.small);
     }
 
+    /// Lets the steps take the state in which it begins, with the ranks of the closures there. A step that finds an error tells it.
+    pub(crate) fn meet(&mut self) {
+        let Piece { moving, drives, steps: Some(steps), small, small_efforts, .. } = self else { return };
+        let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
+        let inputs = Inputs { efforts: small_efforts, changing, feedback: None };
+        steps.meet(&moving.mechanism, inputs, small);
+    }
+
     /// Makes it, towards `until`.
     pub(crate) fn step(&mut self, whole: &Mechanism, inputs: Inputs, until: f64) -> Result<StepOutcome, StepError> {
         self.attempt(whole, inputs, until, |steps, moving, inputs, small| steps.step(moving, inputs, small, until))

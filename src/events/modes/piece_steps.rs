@@ -98,6 +98,9 @@ pub(crate) trait PieceSteps: Integrator + Send + Sync {
     /// The mean square of the rate of a coordinate over the last step [(m/s)² or (rad/s)²]; `rates` is room.
     fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64;
 
+    /// Takes the state from which the next step goes on, as far as that can be done before; the step takes it otherwise.
+    fn meet(&mut self, _mechanism: &Mechanism, _inputs: Inputs, _state: &State) {}
+
     /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
     fn pace(&self, origin: f64) -> StepPace;
 
@@ -157,6 +160,11 @@ impl PieceSteps for SpanSteps {
         length: f64,
     ) -> Result<StepOutcome, StepError> {
         SpanSteps::again(self, mechanism, inputs, state, length)
+    }
+
+    fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) {
+        // An error is told by the step, which meets the state again.
+        let _ = SpanSteps::meet(self, mechanism, inputs, state);
     }
 
     fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {

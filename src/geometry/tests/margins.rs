@@ -1,7 +1,7 @@
 //! Borders between features: the margin is zero where another feature takes over.
 
-use super::scenes::{at, cuboid, floor, pair};
-use crate::FeatureId;
+use super::scenes::{Numbers, at, collider, cuboid, floor, pair};
+use crate::{FeatureId, PairGeometry};
 use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -120,6 +120,29 @@ fn an_edge_that_crosses_a_rim_in_its_plane_is_not_taken_for_one_that_leaves_it_b
         for place in &crossings {
             let margin = pair.margin(place, &o, &moved);
             assert!(margin > 1e-3, "{:?} at {step}: {margin:e}", place.identity);
+        }
+    }
+}
+
+#[test]
+fn balls_and_a_ball_over_a_half_space_touch_in_one_place_at_most_and_other_shapes_may_touch_in_several() {
+    let mut numbers = Numbers::new(11);
+    let kinds = ["half space", "sphere", "capsule", "cylinder", "ellipsoid", "box", "hull"];
+    for (one, a) in kinds.iter().enumerate() {
+        for b in &kinds[one.max(1)..] {
+            let colliders = [a, b].map(|kind| collider(kind, 1.0, &mut numbers));
+            for [a, b] in [[0, 1], [1, 0]].map(|order| order.map(|index: usize| &colliders[index])) {
+                // Ellipsoids meet a half space alone.
+                let Ok(pair) = PairGeometry::new(a, b) else { continue };
+                let ball = |shape: &Shape| matches!(shape, Shape::Sphere { .. });
+                let still = |shape: &Shape| matches!(shape, Shape::HalfSpace);
+                let alone = (ball(&a.shape) || still(&a.shape)) && (ball(&b.shape) || still(&b.shape));
+                assert_eq!(pair.has_one_place(), alone, "{:?} {:?}", a.shape, b.shape);
+                for _ in 0..if alone { 500 } else { 0 } {
+                    let places = pair.touches(&numbers.pose(0.3), &numbers.pose(0.3), 0.2);
+                    assert!(places.len() <= 1, "{places:?}");
+                }
+            }
         }
     }
 }

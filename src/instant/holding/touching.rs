@@ -60,6 +60,11 @@ impl Pair {
         self.extents.smaller
     }
 
+    /// Whether its shapes have one pair of features at most.
+    pub fn has_one_place(&self) -> bool {
+        self.geometry.has_one_place()
+    }
+
     /// How far the larger of its two shapes extends (m).
     pub fn size(&self) -> f64 {
         self.extents.whole

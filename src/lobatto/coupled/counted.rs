@@ -50,7 +50,10 @@ impl Counted {
 
     /// Two states beside this one, back on the closures; fewer where they could not be put there.
     pub(crate) fn neighbours(&self, mechanism: &Mechanism) -> &[State] {
-        let both = || [0.4, 2.6].iter().filter_map(|&phase| self.neighbour(mechanism, phase)).collect();
+        let both = || {
+            let mut projection = Projection::new(mechanism);
+            [0.4, 2.6].iter().filter_map(|&phase| self.neighbour(mechanism, phase, &mut projection)).collect()
+        };
         self.neighbours.get_or_init(|| self.neighbours_elsewhere(mechanism).unwrap_or_else(both))
     }
 
@@ -75,13 +78,13 @@ impl Counted {
         self.beside.get_or_init(all)
     }
 
-    fn neighbour(&self, mechanism: &Mechanism, phase: f64) -> Option<State> {
+    fn neighbour(&self, mechanism: &Mechanism, phase: f64, projection: &mut Projection) -> Option<State> {
         let lengths = &self.ranks.lengths;
         let aside = |(freedom, length): (usize, &f64)| ASIDE * length * (1.7 * freedom as f64 + phase).sin();
         let aside: Vec<f64> = lengths.iter().enumerate().map(aside).collect();
         let mut neighbour = self.state.clone();
         neighbour.displace(mechanism, &aside);
-        let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
+        let mut start = Start::new(mechanism);
         let mut known = self.known_nearby();
         projection.heed(known.clone());
         let first = projection.positions(mechanism, &mut start, &mut neighbour).gap;

@@ -56,6 +56,8 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     moving: bool,
     /// Whether the factors at hand are good where positions were projected last.
     near: bool,
+    /// Whether factors of a configuration beside those that follow are at hand.
+    factored: bool,
     /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
     circuits: Vec<[Vec<usize>; 2]>,
     /// The positions with the smallest gap so far, and their rounding errors.
@@ -106,6 +108,7 @@ impl<G: Geometry<One>> Projection<G> {
             solved: false,
             moving: false,
             near: false,
+            factored: false,
             nearest: [vec![0.0; mechanism.position_count], vec![0.0; mechanism.position_count]],
             circuits: mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect(),
             coupled,
@@ -187,6 +190,7 @@ impl<G: Geometry<One>> Projection<G> {
         } else {
             find_empty(coupled, geometry, plan, start, &self.circuits);
             coupled.solve(geometry, plan, start, &self.displacement, &mut self.increment);
+            self.factored = true;
         }
         for (correction, increment) in self.correction.iter_mut().zip(&self.increment) {
             *correction = one(*increment);
@@ -202,6 +206,17 @@ impl<G: Geometry<One>> Projection<G> {
     /// The same where velocities were projected last, with the factors of that.
     pub fn velocities_again(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
         self.near = self.solved;
+        self.velocities_here(mechanism, start, velocity)
+    }
+
+    /// Forgets the factors: the configurations that follow are not beside the last one.
+    pub fn go_elsewhere(&mut self) {
+        self.factored = false;
+    }
+
+    /// Projects velocities at a configuration beside the one that was factored last since [`Projection::go_elsewhere`], with these factors.
+    pub fn velocities_beside(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
+        self.near = self.factored;
         self.velocities_here(mechanism, start, velocity)
     }
 
@@ -319,11 +334,25 @@ impl<G: Geometry<One>> Projection<G> {
         start: &G::Start,
         acceleration: &mut [f64],
         multipliers: &mut [f64],
+        second_derivatives: impl FnMut(&[f64], &mut [f64]),
+    ) {
+        self.go_elsewhere();
+        self.accelerations_beside(start, acceleration, multipliers, second_derivatives);
+    }
+
+    /// The same at a configuration beside the one that was factored last since [`Projection::go_elsewhere`], with these factors: the closures hold, and
+    /// a correction is off by the part of it by which the equations of both configurations differ.
+    pub fn accelerations_beside(
+        &mut self,
+        start: &G::Start,
+        acceleration: &mut [f64],
+        multipliers: &mut [f64],
         mut second_derivatives: impl FnMut(&[f64], &mut [f64]),
     ) {
         self.evaluate(start);
         multipliers.fill(0.0);
-        let mut rounds = Rounds::default();
+        let beside = self.factored;
+        let (mut rounds, mut first) = (Rounds::default(), 0.0);
         for round in 0..ROUNDS {
             second_derivatives(acceleration, &mut self.curvatures);
             for (gap, &value) in self.coupled.gaps.iter_mut().zip(&self.curvatures) {
@@ -334,7 +363,9 @@ impl<G: Geometry<One>> Projection<G> {
                 break;
             }
             self.coupled.owe(&self.correction, round > 0);
-            self.solve(start, round > 0);
+            let stale = beside && round == 1 && gap > LEFT * first;
+            first = if round == 0 { gap } else { first };
+            self.solve(start, (beside || round > 0) && !stale);
             for (value, correction) in acceleration.iter_mut().zip(&self.correction) {
                 *value += correction;
             }

@@ -6,9 +6,10 @@
 //!
 //! From the derivatives of the start and of constant numbers on ([`parameters`]) everything is exact ([`prepared`]).
 
-use crate::derivatives::events::validity::EventSlope;
+use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::Walk;
 use crate::session::error::Error;
+use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use nalgebra::DMatrix;
 
@@ -16,7 +17,7 @@ mod gradient;
 mod parameters;
 mod prepared;
 
-pub use gradient::{Backward, Gradient, Lost, Samples};
+pub use gradient::{Backward, EventLost, Gradient, Lost, SampledEvent, Samples};
 use prepared::Prepared;
 
 /// The derivatives of a run at its start and at the end of every step to a given instant.
@@ -44,6 +45,35 @@ pub struct Sensitivity {
     pub bounded_by: Vec<String>,
     /// How far the repeated steps end from the run (rad or m).
     pub apart: f64,
+}
+
+/// An event of a run with its derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventSlope {
+    /// s.
+    pub time: f64,
+    /// The element and its event in words, with names in quotation marks.
+    pub what: String,
+    /// ∂t/∂θ (p).
+    pub by: Vec<f64>,
+    /// The rate of its function at the event: small for events that graze [unit of the function per s].
+    pub rate: f64,
+    /// q and v at the event, before they jump.
+    pub q: Vec<f64>,
+    /// v.
+    pub v: Vec<f64>,
+    /// ∂q/∂θ (n × p) at the event, which moves in time.
+    pub dq: DMatrix<f64>,
+    /// ∂v/∂θ (n × p).
+    pub dv: DMatrix<f64>,
+}
+
+impl EventSlope {
+    fn of(model: &Model, event: MetEvent) -> Self {
+        let MetEvent { time, what, by, rate, state, tangent } = event;
+        let (q, v) = model.flat(&state);
+        EventSlope { time, what, by, rate, q, v, dq: tangent.positions, dv: tangent.velocities }
+    }
 }
 
 impl Simulation {
@@ -83,6 +113,7 @@ impl Simulation {
         let times = rows.iter().map(|(state, _)| state.time).collect();
         let (dq, dv) = rows.into_iter().map(|(_, tangent)| (tangent.positions, tangent.velocities)).unzip();
         let Walk { events, validity, .. } = walk;
+        let events = events.into_iter().map(|event| EventSlope::of(model, event)).collect();
         let (valid_within, bounded_by) = (validity.within, validity.causes);
         let Prepared { told, names, .. } = prepared;
         Ok(Sensitivity { keys: told, freedoms: names, times, q, v, dq, dv, events, valid_within, bounded_by, apart })

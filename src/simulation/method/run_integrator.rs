@@ -74,6 +74,15 @@ impl RunIntegrator {
         }
     }
 
+    /// Does what the first step from a state and under these inputs begins with, so that copies have it in common; `false` for integrators that
+    /// begin with little.
+    pub(crate) fn begin(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State) -> bool {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.begin_at(mechanism, inputs, state),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) | RunIntegrator::WithoutLocked(_) => false,
+        }
+    }
+
     /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
     pub fn was_held_by_stability(&self) -> bool {
         match self {

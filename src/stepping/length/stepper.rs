@@ -92,6 +92,8 @@ pub(crate) struct Stepper {
     stepped_time: f64,
     /// The time at which the last step ended; another time means that the state was moved from outside.
     left_at: Option<f64>,
+    /// Whether `end` is a state that was met, and from which no step has begun yet.
+    met: bool,
     /// Gravity and forces that the kernel knows.
     outside: Outside,
     /// Efforts that change in time, at the stages of an attempt.
@@ -124,6 +126,7 @@ impl Stepper {
             steps: 0,
             stepped_time: 0.0,
             left_at: None,
+            met: false,
             outside: Outside::new(mechanism),
             changing: Vec::new(),
             efforts: 0.0,
@@ -148,6 +151,7 @@ impl Stepper {
     pub fn replace_kernel(&mut self, kernel: Box<dyn Step>) {
         self.kernel = kernel;
         self.left_at = None;
+        self.met = false;
     }
 
     /// Whether the kernel knows all that acts now: it was made for this gravity and these forces, and for efforts if there are any.
@@ -182,7 +186,8 @@ impl Stepper {
 
     /// Starts anew if the state is not the end of the last step; returns whether that was so.
     pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
-        let moved = self.left_at != Some(state.time) || *state != self.end;
+        let met = std::mem::take(&mut self.met) && *state == self.end;
+        let moved = !met && (self.left_at != Some(state.time) || *state != self.end);
         if moved {
             if let Some(counted) = self.counted.take() {
                 self.kernel.expect_at(counted);
@@ -201,6 +206,14 @@ impl Stepper {
             }
             self.look_at_dampers(mechanism, state);
         }
+        moved
+    }
+
+    /// Meets a state before the step that goes on from there, which does not meet it again.
+    pub fn meet_before(&mut self, mechanism: &Mechanism, state: &State) -> bool {
+        let moved = self.meet(mechanism, state);
+        self.end.copy_from(state);
+        self.met = true;
         moved
     }
 

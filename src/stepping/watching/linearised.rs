@@ -23,7 +23,8 @@
 //!
 //! while on the slow motion behind a hard damper a is as small as that is slow, and w with it.
 //!
-//! Deviations are projected on the closures; their second-order part does not count in central differences. A tree under gravity needs K alone, which
+//! Deviations are projected on the closures; their second-order part does not count in central differences. The closures are factored for each
+//! acceleration in a K d, whose differences show the change of the factors. Projections and C d use the factors of a state beside, which change them by ε. A tree under gravity needs K alone, which
 //! [`crate::watching::dynamics`] has without differences.
 
 use crate::watching::dynamics::Dynamics;
@@ -83,8 +84,15 @@ impl Motion {
         }
     }
 
-    /// Adds `sign · a` in a state to `sum`.
-    fn add(&mut self, mechanism: &Mechanism, state: &State, sign: f64, sum: &mut [f64]) {
+    /// Forgets the factors of the closures: the looks that follow are at another state.
+    fn go_elsewhere(&mut self) {
+        if let Some(Closing { projection, .. }) = &mut self.closing {
+            projection.go_elsewhere();
+        }
+    }
+
+    /// Adds `sign · a` in a state to `sum`; of the closures with the factors at hand where these are `beside` the state.
+    fn add(&mut self, mechanism: &Mechanism, state: &State, sign: f64, beside: bool, sum: &mut [f64]) {
         self.start.set(mechanism, state);
         let states = self.start.body_states();
         body_wrenches(mechanism, state.time, states, &mut self.wrenches);
@@ -93,7 +101,10 @@ impl Motion {
         self.dynamics.set(&self.plan, &self.start, &mechanism.gravity.into());
         let accelerations = self.dynamics.accelerations_mut();
         if let Some(Closing { projection, multipliers, bodies }) = &mut self.closing {
-            projection.accelerations(&self.start, accelerations, multipliers, |joints, out| {
+            if !beside {
+                projection.go_elsewhere();
+            }
+            projection.accelerations_beside(&self.start, accelerations, multipliers, |joints, out| {
                 body_accelerations(mechanism, states, &state.velocity, joints, bodies);
                 gap_accelerations(mechanism, state.time, states, joints, bodies, out);
             });
@@ -110,7 +121,7 @@ impl Motion {
             for (velocity, value) in moved.velocity.iter_mut().zip(direction) {
                 *velocity += sign * value;
             }
-            self.add(mechanism, moved, -0.5 * sign, sum);
+            self.add(mechanism, moved, -0.5 * sign, true, sum);
         }
         moved.copy_from(state);
     }
@@ -128,7 +139,7 @@ impl Motion {
     fn project(&mut self, mechanism: &Mechanism, state: &State, rates: &mut [f64]) {
         if let Some(Closing { projection, .. }) = &mut self.closing {
             self.start.set(mechanism, state);
-            projection.velocities(mechanism, &self.start, rates);
+            projection.velocities_beside(mechanism, &self.start, rates);
         }
     }
 }
@@ -185,6 +196,7 @@ impl Linearised {
 
     /// The mode at a state, from below, after some power iterations; zero without stiffness, or if the state is not finite.
     pub fn estimate(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
+        self.motion.go_elsewhere();
         self.motion.project(mechanism, state, &mut self.direction);
         scale(&mut self.direction);
         let mut frequency = 0.0;
@@ -196,7 +208,7 @@ impl Linearised {
                 self.state.displace(mechanism, &self.direction);
                 self.direction.iter_mut().for_each(|value| *value /= sign * DEVIATION);
                 let resisting = self.undamped.as_ref().unwrap_or(mechanism);
-                self.motion.add(resisting, &self.state, sign * -0.5 / DEVIATION, &mut self.image);
+                self.motion.add(resisting, &self.state, sign * -0.5 / DEVIATION, false, &mut self.image);
             }
             // The rest of the differences across the closures does not belong to the mode.
             self.motion.project(mechanism, state, &mut self.image);
@@ -234,6 +246,7 @@ impl Linearised {
             return 0.0;
         }
         let Linearised { motion, acceleration, image, state: moved, .. } = self;
+        motion.go_elsewhere();
         first_direction(acceleration);
         let mut decay = 0.0;
         for _ in 0..iterations {
@@ -256,8 +269,9 @@ impl Linearised {
     pub fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
         self.undamped.as_ref()?;
         let Linearised { motion, acceleration, image, state: moved, .. } = self;
+        motion.go_elsewhere();
         acceleration.fill(0.0);
-        motion.add(mechanism, state, 1.0, acceleration);
+        motion.add(mechanism, state, 1.0, true, acceleration);
         // The scale has the size of rates, so that the sums of the differences keep their digits.
         let scale = largest(&state.velocity).max(1.0) / largest(acceleration);
         acceleration.iter_mut().for_each(|value| *value *= scale);

@@ -7,12 +7,14 @@
 //!                                                            of (w, Ω): the momentum of A
 //! ```
 //!
-//! From the forces they go on to rates and places, and from there to frames, coordinates and velocities, against the order in which a column is
-//! computed.
+//! From the forces they go on to the parts of the motion along the step, and from there to frames, coordinates and velocities, against the order in
+//! which a column is computed.
 
 use crate::derivatives::equations::figures::BodyFigures;
 use crate::derivatives::forward::figure_slopes::FigureSlopes;
 use crate::derivatives::forward::spatial::{Forces, NOUGHT, Twist, trace, transposed};
+use crate::derivatives::forward::tree::course::{Course, FrameCourse, FreedomCourse};
+use crate::derivatives::forward::tree::displaced::{Displaced, JointCotangents};
 use crate::derivatives::forward::tree::step::TreeStep;
 use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::{Matrix, Vector};
@@ -58,7 +60,7 @@ impl FigureCotangents {
         }
         let frames = slopes.frames().into_iter().flatten();
         for (own, by) in self.frames.iter().zip(frames) {
-            sum += own.iter().zip(by).map(|(own, by)| own.turn.dot(by.turn) + own.shift.dot(by.shift)).sum::<f64>();
+            sum += own.iter().zip(by).map(|(own, by)| own.dot(by)).sum::<f64>();
         }
         sum
     }
@@ -86,14 +88,25 @@ fn momentum(body: &BodyFigures<f64>, of: &Twelve<f64>) -> Twelve<f64> {
     Twelve { origin: of.origin.scaled(body.mass) + of.axes.apply(body.moment), axes: Matrix(axes) }
 }
 
+/// The same of a rate, which shifts do not change.
+fn of_turn(rate: &Twelve<f64>, own: &Twelve<f64>) -> Twist {
+    Twist { shift: NOUGHT, ..of_motion(rate, own) }
+}
+
 fn dot(one: &Twelve<f64>, other: &Twelve<f64>) -> f64 {
     one.origin.dot(other.origin) + product(&one.axes, &other.axes)
 }
 
-/// The cotangents of the displacements of a stage.
-struct Displacing {
-    bodies: Vec<Twist>,
-    carriers: Vec<[Twist; 2]>,
+/// The cotangents of the parts of [`crate::derivatives::forward::tree::column`].
+struct Parts {
+    /// Of the displacements at all stages, where forces stay.
+    stages: Vec<Displaced>,
+    /// Of δw_i at the stages i = 2..s.
+    ahead: Vec<Vec<Twelve<f64>>>,
+    /// Of δq̇(v̄) − δq̇₀.
+    faster: Vec<Twelve<f64>>,
+    /// Of r (n).
+    gone: Vec<f64>,
 }
 
 impl TreeStep<'_> {
@@ -114,19 +127,20 @@ impl TreeStep<'_> {
             efforts: vec![vec![0.0; n]; s],
         };
         let none = || vec![Twelve::zero(); count];
-        let mut places: Vec<Vec<Twelve<f64>>> = (0..s).map(|_| none()).collect();
-        let (mut start_rates, mut end_rates) = (none(), none());
-        let mut displacing: Vec<Displacing> = Vec::with_capacity(s);
+        let mut parts = Parts {
+            stages: Vec::with_capacity(s),
+            ahead: (1..s).map(|_| none()).collect(),
+            faster: none(),
+            gone: vec![0.0; n],
+        };
         for stage in 0..s {
             let own_weights = self.weights(stage);
             let is_end = stage + 1 == s;
-            let total: f64 = own_weights.iter().sum();
-            let gone: f64 = own_weights.iter().zip(&tableau.nodes[1..]).map(|(weight, node)| weight * node).sum();
             let factor_rate = if is_end { tableau.weights[s - 1] } else { 2.0 * h };
             let at = &self.stages[stage];
             let weight = |row: Option<usize>| row.map_or(0.0, |row| -weights[stage * free + row]);
             let mut motions: Vec<Twist> = Vec::with_capacity(count);
-            let mut own = Displacing { bodies: Vec::with_capacity(count), carriers: Vec::with_capacity(count) };
+            let mut own = Displaced { bodies: Vec::with_capacity(count), carriers: Vec::with_capacity(count) };
             for body in 0..count {
                 let behind = &self.behind[stage][body];
                 let about = behind.about();
@@ -160,141 +174,126 @@ impl TreeStep<'_> {
                 let of_w = momentum(&plain.bodies[body], &field);
                 figures.gravity = figures.gravity + of_w.origin.scaled(-self.factor(stage));
                 found.longer -= factor_rate * of_w.origin.dot(plain.gravity);
-                found.longer -= gone * dot(&of_w, &self.rates[0][body]);
-                start_rates[body] = start_rates[body].plus(&of_w.scaled(-h * gone));
                 if is_end {
-                    start_rates[body] = start_rates[body].minus(&of_w);
-                    end_rates[body] = of_w;
+                    parts.faster[body] = of_w;
                     for (ahead, weight) in self.ahead.iter().zip(&own_weights) {
                         found.longer -= weight / h * dot(&of_w, &ahead[body]);
                     }
                 }
-                places[0][body] = places[0][body].plus(&of_w.scaled(-total));
-                for (i, weight) in own_weights.iter().enumerate() {
-                    places[i + 1][body] = places[i + 1][body].plus(&of_w.scaled(*weight));
+                for (ahead, weight) in parts.ahead.iter_mut().zip(&own_weights) {
+                    ahead[body] = ahead[body].plus(&of_w.scaled(*weight));
                 }
             }
-            displacing.push(own);
-            self.pull_scalars(stage, &own_weights, &|row| -weights[stage * free + row], &mut found);
+            parts.stages.push(own);
+            let row_weight = |row: usize| -weights[stage * free + row];
+            self.pull_scalars(stage, &own_weights, &row_weight, &mut parts.gone, &mut found);
         }
-        self.pull_rates(0, &start_rates, &mut displacing[0], &mut places[0], &mut found.velocities);
-        let mut of_end = vec![0.0; n];
-        self.pull_rates(1, &end_rates, &mut displacing[s - 1], &mut places[s - 1], &mut of_end);
-        for (stage, own) in displacing.into_iter().enumerate() {
-            self.pull_displacements(stage, own, &places[stage], figures, &mut found.positions);
-        }
+        self.pull_variation(parts, figures, &mut found);
         found
     }
 
-    /// Goes on from δq̇ of all bodies at the start (0) or the end (1).
-    fn pull_rates(
-        &self,
-        end: usize,
-        rates: &[Twelve<f64>],
-        own: &mut Displacing,
-        places: &mut [Twelve<f64>],
-        velocities: &mut [f64],
-    ) {
-        let at = &self.stages[end * (self.stages.len() - 1)];
-        let rate_of = [&self.problem.start.velocity[..], self.velocities][end];
-        let mut faster: Vec<Twist> = at.places.iter().zip(rates).map(|(place, rate)| of_motion(place, rate)).collect();
-        self.family.gather(&mut faster, |sum, own| *sum = sum.plus(own));
-        for (body, whole) in faster.iter().enumerate() {
-            // V × δq, transposed.
-            let turned = self.speeds[end][body].turns(&rates[body]);
-            places[body] = places[body].minus(&turned);
-            for freedom in &self.family.own[body] {
-                let motion = &at.motions[freedom.index];
-                velocities[freedom.index] += motion.shift.dot(whole.shift) + motion.turn.dot(whole.turn);
-                let by = of_carrier(&motion.scaled(rate_of[freedom.index]), whole.shift, whole.turn);
-                let carrier = &mut own.carriers[body][usize::from(freedom.is_rotation)];
-                *carrier = carrier.plus(&by);
+    /// Goes on from the parts to the start, the length and the frames.
+    fn pull_variation(&self, mut parts: Parts, figures: &mut FigureCotangents, found: &mut Cotangents) {
+        let (s, h, nodes) = (self.stages.len(), self.problem.step, &self.problem.tableau.nodes);
+        let count = self.family.parents.len();
+        let (mut begin, mut going) = (Displaced::none(count), Displaced::none(count));
+        let mut rates = Displaced::none(count);
+        begin.add(&parts.stages[0], 1.0);
+        for (i, ahead) in parts.ahead.iter().enumerate() {
+            let (node, places, own) = (nodes[i + 1], &self.stages[i + 1].places, &mut parts.stages[i + 1]);
+            begin.add(own, 1.0);
+            going.add(own, node);
+            for body in 0..count {
+                let add = |to: &mut Displaced, by: Twist| to.bodies[body] = to.bodies[body].plus(&by);
+                let moved = self.moved(i, body);
+                add(&mut begin, of_turn(&self.ahead[i][body], &ahead[body]));
+                add(&mut going, of_turn(&moved, &ahead[body]).scaled(node));
+                add(own, of_motion(&places[body], &ahead[body]));
+                if i + 2 == s {
+                    let ([begun, ended], faster) = ([&self.rates[0][body], &self.rates[1][body]], &parts.faster[body]);
+                    let of_start = of_turn(&moved, faster).scaled(1.0 / h);
+                    add(&mut begin, of_turn(&ended.minus(begun), faster));
+                    add(&mut going, of_turn(ended, faster).plus(&of_start));
+                    add(own, of_turn(ended, faster));
+                    add(&mut rates, of_motion(&places[body], faster));
+                    found.longer -= of_start.dot(&self.speeds[0][body]);
+                }
             }
+        }
+        let begin = begin.pulled(self.family);
+        let going = going.pulled(self.family);
+        let rates = rates.pulled(self.family);
+        let stages: Vec<Vec<JointCotangents>> =
+            parts.stages.into_iter().skip(1).map(|own| own.pulled(self.family)).collect();
+        let courses = self.courses();
+        for (body, own) in self.family.own.iter().enumerate() {
+            for freedom in own {
+                let FreedomCourse { kept, later, rates: [by_start, by_gone] } = &courses[freedom.index];
+                let (going, rates) = (&going[body].own, &rates[body].own);
+                let mut start = kept.begin.dot(&begin[body].own) + kept.gone.dot(going) + by_start.dot(rates);
+                let mut gone = self.stages[0].motions[freedom.index].dot(going) + by_gone.dot(rates);
+                for (i, stage) in stages.iter().enumerate() {
+                    start += kept.ahead[i].dot(&stage[body].own);
+                    gone += nodes[i + 1] * later[i].dot(&stage[body].own);
+                }
+                found.positions[freedom.index] += start;
+                parts.gone[freedom.index] += gone;
+                found.velocities[freedom.index] += later[s - 2].dot(rates);
+            }
+            for which in 0..2 {
+                let ahead = stages.iter().map(|stage| stage[body].frames[which]).collect();
+                let course = Course { begin: begin[body].frames[which], gone: going[body].frames[which], ahead };
+                let of = FrameCourse { course, rate: rates[body].frames[which] };
+                let own = &mut figures.frames[body][which];
+                *own = own.plus(&self.frame_cotangent(body, which, &of));
+            }
+        }
+        for (freedom, by) in parts.gone.iter().enumerate() {
+            self.pull_gone(freedom, *by, found);
         }
     }
 
-    /// Goes on from the displacements of a stage.
-    fn pull_displacements(
-        &self,
-        stage: usize,
-        mut own: Displacing,
-        places: &[Twelve<f64>],
-        figures: &mut FigureCotangents,
-        positions: &mut [f64],
-    ) {
-        let at = &self.stages[stage];
-        let world = Twelve { origin: NOUGHT - self.reference, axes: Matrix::identity() };
-        for body in (0..places.len()).rev() {
-            let place = &at.places[body];
-            let mut whole = own.bodies[body].plus(&of_motion(place, &places[body]));
-            let bodies = &self.problem.figures.plain.bodies[body];
-            let on_child = in_frame(place, bodies.on_child.origin, &whole).scaled(-1.0);
-            whole = whole.plus(&own.carriers[body][1]);
-            for freedom in &self.family.own[body] {
-                // Later the unknowns are whole displacements, but for joints that are held.
-                if stage == 0 || freedom.row.is_none() {
-                    let motion = &at.motions[freedom.index];
-                    positions[freedom.index] += motion.shift.dot(whole.shift) + motion.turn.dot(whole.turn);
-                }
-            }
-            whole = whole.plus(&own.carriers[body][0]);
-            let parent = self.family.parents[body];
-            let carried = parent.map_or(&world, |parent| &at.places[parent]);
-            let on_parent = in_frame(carried, bodies.on_parent.origin, &whole);
-            let [of_parent, of_child] = &mut figures.frames[body];
-            (*of_parent, *of_child) = (of_parent.plus(&on_parent), of_child.plus(&on_child));
-            if let Some(parent) = parent {
-                own.bodies[parent] = own.bodies[parent].plus(&whole);
-            }
+    /// Goes on from r of a freedom.
+    pub fn pull_gone(&self, freedom: usize, by: f64, found: &mut Cotangents) {
+        if self.row(freedom).is_some() {
+            found.velocities[freedom] += self.problem.step * by;
+            found.longer += self.problem.start.velocity[freedom] * by;
+        } else {
+            found.velocities[freedom] = 0.0;
         }
     }
 
     /// Rotors, dampers, springs and motors.
-    fn pull_scalars(&self, stage: usize, weights: &[f64], row_weight: &dyn Fn(usize) -> f64, found: &mut Cotangents) {
+    fn pull_scalars(
+        &self,
+        stage: usize,
+        weights: &[f64],
+        row_weight: &dyn Fn(usize) -> f64,
+        gone: &mut [f64],
+        found: &mut Cotangents,
+    ) {
         let (s, h, tableau) = (self.stages.len(), self.problem.step, self.problem.tableau);
-        let start = &self.problem.start.velocity;
-        let mut pull = |freedom: usize, by: f64, weights: &[f64]| {
-            for (weight, node) in weights.iter().zip(&tableau.nodes[1..]) {
-                found.positions[freedom] -= by * weight;
-                found.velocities[freedom] -= by * weight * h * node;
-                found.longer -= by * weight * node * start[freedom];
-            }
-        };
         let gained = |weights: &[f64], ahead: &[f64]| -> f64 {
             weights.iter().zip(ahead).map(|(weight, ahead)| weight * ahead).sum()
         };
-        let (mut faster, mut longer) = (Vec::new(), 0.0);
-        for (freedom, armature, scalar) in self.rotors() {
-            let Some(row) = self.row(freedom) else { continue };
-            let by = armature * row_weight(row);
-            pull(freedom, by, weights);
-            if stage + 1 == s {
-                faster.push((freedom, -by));
-                longer -= by * gained(weights, &scalar.ahead) / h;
+        if stage + 1 == s {
+            for (freedom, armature, scalar) in self.rotors() {
+                let Some(row) = self.row(freedom) else { continue };
+                found.longer -= armature * row_weight(row) * gained(weights, &scalar.ahead) / h;
             }
         }
         let of_rates = &tableau.velocity[stage * (s - 1)..][..s - 1];
         for (freedom, coefficient) in self.dampers() {
             let (Some(row), Some(scalar)) = (self.row(freedom), self.scalar(freedom)) else { continue };
             let by = self.factor(stage) * coefficient * row_weight(row);
-            pull(freedom, by / h, of_rates);
-            faster.push((freedom, by));
-            longer -= by * gained(of_rates, &scalar.ahead) / (h * h);
+            found.velocities[freedom] += by;
+            found.longer -= by * gained(of_rates, &scalar.ahead) / (h * h);
         }
-        found.longer += longer;
-        faster.into_iter().for_each(|(freedom, by)| found.velocities[freedom] += by);
-        if stage == 0 {
-            for (freedom, coefficient) in self.springs() {
-                let Some(row) = self.row(freedom) else { continue };
-                found.positions[freedom] += self.factor(stage) * coefficient * row_weight(row);
-            }
+        for (freedom, coefficient) in self.springs() {
+            let Some(row) = self.row(freedom) else { continue };
+            let by = self.factor(stage) * coefficient * row_weight(row);
+            found.positions[freedom] += by;
+            gone[freedom] += tableau.nodes[stage] * by;
         }
     }
-}
-
-/// The cotangent of a motion about a point of a body, in the body, from the cotangent in the world.
-fn in_frame(place: &Twelve<f64>, at: Vector<f64>, whole: &Twist) -> Twist {
-    let point = place.origin + place.axes.apply(at);
-    let turn = whole.turn + whole.shift.cross(point);
-    Twist { turn: transposed(&place.axes, turn), shift: transposed(&place.axes, whole.shift) }
 }

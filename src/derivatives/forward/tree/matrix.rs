@@ -223,20 +223,7 @@ impl TreeStep<'_> {
         let mut momenta: Vec<Forces> =
             bodies.map(|((body, at), rate): (_, &Twelve<f64>)| Forces::on(body, at, rate)).collect();
         self.family.gather(&mut momenta, |sum, own| *sum = sum.plus(own));
-        // The carriers of each freedom: the body before its joint, and for rotations the slides of the joint.
-        let mut carriers = vec![Twist::NONE; stage.motions.len()];
-        for (parent, own) in self.family.parents.iter().zip(&self.family.own) {
-            let mut carrier = parent.map_or(Twist::NONE, |parent| self.speeds[1][parent]);
-            for freedom in own.iter().filter(|freedom| !freedom.is_rotation) {
-                carriers[freedom.index] = carrier;
-            }
-            for freedom in own.iter().filter(|freedom| !freedom.is_rotation) {
-                carrier = carrier.plus(&stage.motions[freedom.index].scaled(self.velocities[freedom.index]));
-            }
-            for freedom in own.iter().filter(|freedom| freedom.is_rotation) {
-                carriers[freedom.index] = carrier;
-            }
-        }
+        let carriers = self.carrier_speeds(1);
         for body in 0..self.family.own.len() {
             let (own, before) = (&self.family.own[body], &self.family.before[body]);
             let behind =

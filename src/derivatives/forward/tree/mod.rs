@@ -6,6 +6,8 @@
 //! | `family` | which freedoms move which bodies |
 //! | `step` | the equations |
 //! | `matrix` | their derivatives by the unknowns, and the factors |
+//! | `course` | motions of freedoms and frames along a step |
+//! | `displaced` | displacements of all bodies by such motions |
 //! | `column` | their derivatives by all that is given |
 //! | `adjoint` | the transpose of that, for gradients |
 //! | `solve` | steps solved, and derivatives carried over them |
@@ -15,6 +17,8 @@ mod adjoint;
 #[cfg(test)]
 mod against_duals;
 mod column;
+mod course;
+mod displaced;
 mod family;
 mod matrix;
 mod over_step;

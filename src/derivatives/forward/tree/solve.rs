@@ -9,7 +9,7 @@
 use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::figure_slopes::FigureSlopes;
 use crate::derivatives::forward::step::{Factors, ITERATIONS, ROUNDING, SLOW, SolvedStep, StepProblem};
-use crate::derivatives::forward::tangent::Tangent;
+use crate::derivatives::forward::tangent::{Tangent, carried};
 use crate::derivatives::forward::tree::adjoint::{Cotangents, FigureCotangents};
 use crate::derivatives::forward::tree::column::Column;
 use crate::derivatives::forward::tree::family::Family;
@@ -114,7 +114,14 @@ pub(in crate::derivatives) fn pulled_back(
     let step = TreeStep::new(problem, &family, &solved.stages, &solved.stages.last()?.velocity);
     let [positions, velocities] = of_end.map(|of| of.select_rows(free));
     let weights = factors.solve_transposed(&positions, &velocities)?;
-    let given = step.pull_back(&efforts(&step), &weights, figures);
+    let mut given = step.pull_back(&efforts(&step), &weights, figures);
+    let end = solved.stages.last()?;
+    let back = carried(problem.mechanism, end, problem.start, of_end[0]);
+    for freedom in 0..back.len() {
+        given.positions[freedom] += back[freedom];
+        given.velocities[freedom] += of_end[1][freedom];
+        step.pull_gone(freedom, of_end[0][freedom], &mut given);
+    }
     let law = |slopes: &Option<FigureSlopes>| {
         let slopes = slopes.as_ref().filter(|slopes| slopes.changes_laws());
         slopes.map_or(0.0, |slopes| -weights.dot(&step.law_changes(slopes)))
@@ -163,7 +170,16 @@ impl TreeColumns<'_> {
         let columns: Vec<Column> =
             given.iter().map(|given| given as &dyn Fn(usize, usize) -> f64).enumerate().map(of).collect();
         let found = factors.solve(&step.right(&efforts(&step), &columns))?;
-        let block = |index: usize| found.rows(index * n, n).into_owned();
-        Some([block(s - 2), block(s - 1)])
+        let [mut ends, mut rates] = [s - 2, s - 1].map(|index| found.rows(index * n, n).into_owned());
+        for column in 0..positions.ncols() {
+            let moved = carried(problem.mechanism, problem.start, end, &positions.column(column).into_owned());
+            for (row, &freedom) in problem.mode.free.iter().enumerate() {
+                let gone = problem.step * velocities[(freedom, column)];
+                let longer = self.longer[column] * problem.start.velocity[freedom];
+                ends[(row, column)] += moved[freedom] + (gone + longer);
+                rates[(row, column)] += velocities[(freedom, column)];
+            }
+        }
+        Some([ends, rates])
     }
 }

@@ -22,7 +22,7 @@ use nalgebra::DVector;
 pub(super) struct TreeStep<'s> {
     pub problem: &'s StepProblem<'s>,
     pub family: &'s Family,
-    /// The point of the world that places and motions are seen from.
+    /// The point of the world that places and motions are seen from: where the lightest body starts.
     pub reference: Vector<f64>,
     /// The stages 1..s.
     pub stages: Vec<TreeStage>,
@@ -70,10 +70,13 @@ impl<'s> TreeStep<'s> {
         let all = || std::iter::once(problem.start).chain(stages);
         let placed = all()
             .map(|to| place(figures, &Offsets { from: problem.start, to, first: &still, second: &still, motion: &[] }));
+        // Moments of light bodies about a distant point would be small differences of large numbers.
+        let masses = figures.bodies.iter().map(|body| body.mass).enumerate();
+        let lightest = masses.min_by(|(_, one), (_, other)| one.total_cmp(other)).map_or(0, |(body, _)| body);
         let mut from = Vector::zero();
         let stages_of = placed.enumerate().map(|(index, placed)| {
             if index == 0 {
-                from = placed.first().map_or(from, |body| body.frame.origin);
+                from = placed.get(lightest).map_or(from, |body| body.frame.origin);
             }
             TreeStage::new(figures, &placed, from)
         });
@@ -177,6 +180,27 @@ impl<'s> TreeStep<'s> {
             }
         }
         rows
+    }
+
+    /// The velocities of the carriers of all freedoms at the start (0) or the end (1): of the body before the joint, and for rotations with the
+    /// slides of the joint.
+    pub fn carrier_speeds(&self, end: usize) -> Vec<Twist> {
+        let stage = &self.stages[end * (self.stages.len() - 1)];
+        let velocities = [&self.problem.start.velocity[..], self.velocities][end];
+        let mut carriers = vec![Twist::NONE; stage.motions.len()];
+        for (parent, own) in self.family.parents.iter().zip(&self.family.own) {
+            let mut carrier = parent.map_or(Twist::NONE, |parent| self.speeds[end][parent]);
+            for freedom in own.iter().filter(|freedom| !freedom.is_rotation) {
+                carriers[freedom.index] = carrier;
+            }
+            for freedom in own.iter().filter(|freedom| !freedom.is_rotation) {
+                carrier = carrier.plus(&stage.motions[freedom.index].scaled(velocities[freedom.index]));
+            }
+            for freedom in own.iter().filter(|freedom| freedom.is_rotation) {
+                carriers[freedom.index] = carrier;
+            }
+        }
+        carriers
     }
 
     /// The entry of a freedom among those that move.

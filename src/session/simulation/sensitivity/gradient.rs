@@ -7,7 +7,10 @@
 //! The steps of the run also end at the samples, so that no interpolation has a part in it.
 
 use crate::derivatives::events::reverse::{Adjoint, Tape};
+use crate::derivatives::events::validity::MetEvent;
+use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
+use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use crate::session::simulation::sensitivity::prepared::Prepared;
 use nalgebra::DVector;
@@ -17,7 +20,7 @@ use nalgebra::DVector;
 pub struct Backward<'b> {
     /// Parameters, as [`Simulation::sensitivity`] takes them.
     pub keys: &'b [&'b str],
-    /// The times of the samples after the start, in their order (s).
+    /// The times of the samples from the start on, in their order (s).
     pub times: &'b [f64],
     /// One of so many states of the tape is kept, and those between are computed again: 1 keeps all. The gradient is the same.
     pub every: usize,
@@ -32,6 +35,21 @@ pub struct Samples {
     pub q: Vec<Vec<f64>>,
     /// v.
     pub v: Vec<Vec<f64>>,
+    /// All events, in their order.
+    pub events: Vec<SampledEvent>,
+}
+
+/// An event of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SampledEvent {
+    /// s.
+    pub time: f64,
+    /// The element and its event in words, with names in quotation marks.
+    pub what: String,
+    /// q at the event.
+    pub q: Vec<f64>,
+    /// v at the event, before it jumps.
+    pub v: Vec<f64>,
 }
 
 /// A loss of samples with its derivatives.
@@ -43,6 +61,21 @@ pub struct Lost {
     pub by_q: Vec<Vec<f64>>,
     /// By the velocities (n each).
     pub by_v: Vec<Vec<f64>>,
+    /// By events, if it depends on any.
+    pub by_events: Vec<EventLost>,
+}
+
+/// The derivatives of a loss by an event.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EventLost {
+    /// The number of the event, from 0 on.
+    pub event: usize,
+    /// By its time.
+    pub time: f64,
+    /// By the displacements along the degrees of freedom at the event (n), or empty.
+    pub by_q: Vec<f64>,
+    /// By the velocities before the event (n), or empty.
+    pub by_v: Vec<f64>,
 }
 
 /// A loss and its gradient.
@@ -56,6 +89,34 @@ pub struct Gradient {
     pub by: Vec<f64>,
 }
 
+impl SampledEvent {
+    fn of(model: &Model, event: &MetEvent) -> Self {
+        let (q, v) = model.flat(&event.state);
+        SampledEvent { time: event.time, what: event.what.clone(), q, v }
+    }
+}
+
+impl EventLost {
+    /// The number of the event with its derivatives, for n degrees of freedom.
+    fn checked(&self, n: usize, events: usize) -> Result<(usize, Adjoint), Error> {
+        if self.event >= events {
+            return Err(Error::Count {
+                what: "events up to the one of the loss",
+                given: events,
+                wanted: self.event + 1,
+            });
+        }
+        let part = |what, of: &[f64]| match of.len() {
+            0 => Ok(DVector::zeros(n)),
+            given if given != n => Err(Error::Count { what, given, wanted: n }),
+            _ => Ok(DVector::from_column_slice(of)),
+        };
+        let positions = part("derivatives of the loss by q at an event", &self.by_q)?;
+        let velocities = part("derivatives of the loss by v at an event", &self.by_v)?;
+        Ok((self.event, Adjoint { positions, velocities, time: self.time }))
+    }
+}
+
 impl Simulation {
     /// Makes the run to its end, and computes the gradient of a loss of its samples by parameters, at a cost that hardly depends on their number.
     ///
@@ -67,7 +128,7 @@ impl Simulation {
     /// // The square of the first angle at the end.
     /// let loss = |samples: &Samples| {
     ///     let angle = samples.q[0][0];
-    ///     Lost { value: angle * angle, by_q: vec![vec![2.0 * angle, 0.0]], by_v: vec![vec![0.0; 2]] }
+    ///     Lost { value: angle * angle, by_q: vec![vec![2.0 * angle, 0.0]], by_v: vec![vec![0.0; 2]], by_events: vec![] }
     /// };
     /// let asked = Backward { keys: &["start.q.shoulder", "lower_arm.mass"], times: &[0.5], every: 1 };
     /// let found = Simulation::new(&model).duration(0.5).start([("shoulder", 1.0)])?.gradient(&asked, loss)?;
@@ -83,20 +144,28 @@ impl Simulation {
         let (subject, mut run) = (prepared.subject(&[]), prepared.traced()?);
         let mut tape = Tape::new(&subject, &prepared.start, asked.every);
         let mut samples = Samples::default();
-        let mut pieces = Vec::new();
+        // The piece at whose end each sample is; none for the start.
+        let mut pieces: Vec<Option<usize>> = Vec::new();
         let (mut state, mut count) = (prepared.start.clone(), 0);
+        let mut sample = |state: &State, piece: Option<usize>| {
+            let (q, v) = prepared.model.flat(state);
+            samples.times.push(state.time);
+            samples.q.push(q);
+            samples.v.push(v);
+            pieces.push(piece);
+        };
+        if asked.times.contains(&state.time) {
+            sample(&state, None);
+        }
         while let Some(until) = prepared.until(state.time) {
             tape.add(prepared.step(&mut run, &mut state, until)?)?;
             if asked.times.contains(&state.time) {
-                let (q, v) = prepared.model.flat(tape.state());
-                samples.times.push(state.time);
-                samples.q.push(q);
-                samples.v.push(v);
-                pieces.push(count);
+                sample(tape.state(), Some(count));
             }
             count += 1;
         }
         prepared.check(tape.state())?;
+        samples.events = tape.events().iter().map(|event| SampledEvent::of(&prepared.model, event)).collect();
         let lost = loss(&samples);
         let n = prepared.start.velocity.len();
         for (what, rows) in [("derivatives of the loss by q", &lost.by_q), ("derivatives of the loss by v", &lost.by_v)]
@@ -108,12 +177,23 @@ impl Simulation {
                 return Err(Error::Count { what, given, wanted });
             }
         }
-        let of_end = |piece: usize| {
+        let of_sample = |piece: Option<usize>| {
             let sample = pieces.iter().position(|known| *known == piece)?;
             let [positions, velocities] = [&lost.by_q, &lost.by_v].map(|of| DVector::from_column_slice(&of[sample]));
             Some(Adjoint { positions, velocities, time: 0.0 })
         };
-        let by = tape.gradient(&prepared.parameters, &of_end)?;
+        let by_event = lost.by_events.iter().map(|by| by.checked(n, samples.events.len()));
+        let by_event: Vec<(usize, Adjoint)> = by_event.collect::<Result<_, Error>>()?;
+        let of_event = |event: usize| {
+            let own = by_event.iter().filter(|(own, _)| *own == event).map(|(_, by)| by.clone());
+            own.reduce(|sum, by| sum.plus(&by))
+        };
+        let mut by = tape.gradient(&prepared.parameters, &|piece| of_sample(Some(piece)), &of_event)?;
+        if let Some(start) = of_sample(None) {
+            for (own, parameter) in by.iter_mut().zip(&prepared.parameters) {
+                *own += start.positions.dot(&parameter.position) + start.velocities.dot(&parameter.velocity);
+            }
+        }
         Ok(Gradient { keys: prepared.told, value: lost.value, by })
     }
 }

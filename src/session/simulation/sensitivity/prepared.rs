@@ -112,12 +112,12 @@ impl Prepared {
         simulation.run()?;
         let end = simulation.look(State::clone)?;
         let stages = simulation.finish()?.method.stages;
-        if let Some(&time) = times.iter().find(|time| !(**time > start.time && **time <= end.time)) {
+        if let Some(&time) = times.iter().find(|time| !(**time >= start.time && **time <= end.time)) {
             return Err(SensitivityError::Sample { time, start: start.time, end: end.time }.into());
         }
         let given = steps.instants(start.time, end.time).into_iter().filter(|time| !times.contains(time));
         let mut instants: Vec<(f64, bool)> = given.map(|time| (time, false)).collect();
-        instants.extend(times.iter().map(|&time| (time, true)));
+        instants.extend(times.iter().filter(|time| **time > start.time).map(|&time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
         let elements = Elements::new(mechanism);
