@@ -123,6 +123,7 @@ class Sensitivity:
         before it jumps with their derivatives ``dq``, ``dv`` (n, p)
     valid_within : how far each parameter may change before an event is missed, added, or comes in another order (p), to first order
     bounded_by : the event that bounds it, in words (p)
+    warnings : events behind which the derivatives are worse than their order
     """
 
     t: np.ndarray
@@ -135,6 +136,7 @@ class Sensitivity:
     events: list[dict]
     valid_within: np.ndarray
     bounded_by: list[str]
+    warnings: list[str]
 
     def __repr__(self):
         return f"<catena.Sensitivity: {len(self.t) - 1} steps to {self.t[-1]:.9g} s, by {', '.join(self.keys)}>"
@@ -175,12 +177,14 @@ class Gradient:
     by : derivatives (p) by ``keys``
     keys : names
     samples : of the run: :class:`Samples`
+    warnings : events behind which the derivatives are worse than their order
     """
 
     value: float
     by: np.ndarray
     keys: list[str]
     samples: Samples
+    warnings: list[str]
 
     def __repr__(self):
         return f"<catena.Gradient: loss {self.value:.6g}, by {len(self.keys)} numbers>"
@@ -385,8 +389,8 @@ class Model:
 
         length = float(times[-1]) if duration is None else float(duration)
         accuracy = None if tolerance is None else float(tolerance)
-        value, names, by = self._inner.gradient(keys, times, lost, *given, length, accuracy, fixed, int(every))
-        return Gradient(value, by, names, seen[0])
+        value, names, by, warnings = self._inner.gradient(keys, times, lost, *given, length, accuracy, fixed, int(every))
+        return Gradient(value, by, names, seen[0], warnings)
 
     def mass_matrix(self, q):
         """The mass matrix M(q), (n, n)."""

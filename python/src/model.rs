@@ -323,6 +323,7 @@ impl Model {
         out.set_item("events", events?)?;
         out.set_item("valid_within", run.valid_within.to_pyarray(py))?;
         out.set_item("bounded_by", &run.bounded_by)?;
+        out.set_item("warnings", &run.warnings)?;
         Ok(out)
     }
 
@@ -341,7 +342,7 @@ impl Model {
         tolerance: Option<f64>,
         fixed: Option<(usize, f64)>,
         every: usize,
-    ) -> PyResult<(f64, Vec<String>, Vector<'py>)> {
+    ) -> PyResult<(f64, Vec<String>, Vector<'py>, Vec<String>)> {
         let [q, v] = [q, v].map(|given| given.map(|given| numbers(&given)));
         let times = numbers(&times);
         let mut raised = None;
@@ -361,7 +362,7 @@ impl Model {
             return Err(error);
         }
         let found = found.map_err(|error| refuse(py, error))?;
-        Ok((found.value, found.keys, found.by.to_pyarray(py)))
+        Ok((found.value, found.keys, found.by.to_pyarray(py), found.warnings))
     }
 
     /// x, y, z, w, x, y, z of a link frame.

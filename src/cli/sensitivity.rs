@@ -197,6 +197,9 @@ pub fn as_text(found: &Sensitivity, deviations: &[Option<f64>]) -> String {
         table.row(vec![key.clone(), within, found.bounded_by[column].clone()]);
     }
     table.write(&mut text);
+    for warning in &found.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
     text
 }
 
@@ -243,6 +246,7 @@ pub fn end_as_json(found: &Sensitivity, deviations: &[Option<f64>]) -> Value {
         "dv": last(&found.dv),
         "valid_within": within,
         "bounded_by": found.bounded_by,
+        "warnings": found.warnings,
     })
 }
 
@@ -269,5 +273,6 @@ fn as_json(args: &SensitivityArgs, found: &Sensitivity, deviations: &[Option<f64
         "events": events.collect::<Vec<Value>>(),
         "valid_within": within,
         "bounded_by": found.bounded_by,
+        "warnings": found.warnings,
     })
 }

@@ -58,6 +58,7 @@ fn a_box_that_slides_down_until_it_stops_has_the_derivatives_of_its_closed_form(
             assert!((found - wanted).abs() < 1e-10, "{}: {found} and {wanted}", run.keys[key]);
         }
         assert_eq!(run.events.len(), usize::from(!slides), "{:?}", run.events);
+        assert!(run.warnings.is_empty(), "a straight slip stops with its order: {:?}", run.warnings);
         if let Some(event) = run.events.first() {
             // t = v/(μ g_z − g_x)
             let wanted = -speed * down / (friction * down - along).powi(2);
@@ -117,7 +118,9 @@ fn a_slip_that_turns_until_it_stops_has_the_derivatives_of_its_runs() {
     let model = ball("turning_ball", [0.5, 0.0, -9.0], start, 0.2);
     let keys = ["floor.friction", "gravity.x", "velocity.linear.x"];
     agrees_with_runs(&model, &keys, (9, 0.01, 0.2), 1e-3, 1e-8);
-    // A slip that turns while it stops has no order of its own: its direction turns ever faster.
+    // A slip that turns while it stops has no order of its own, and says so: its direction turns ever faster.
+    let run = derivatives(&model, 9, 0.01, 0.6, &keys);
+    assert!(run.warnings.iter().any(|warning| warning.contains("its slip turns")), "{:?}", run.warnings);
     agrees_with_runs(&model, &keys, (9, 0.01, 0.6), 1e-3, 1e-3);
 }
 

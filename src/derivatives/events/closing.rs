@@ -20,10 +20,11 @@ use crate::derivatives::forward::step::{Part, StepMode, WIDTH, lifted};
 use crate::derivatives::forward::tangent::with;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
-use crate::events::trace::{Closed, TracedStep};
+use crate::events::trace::{Closed, TracedStep, Watched};
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -31,6 +32,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 const STAYS: f64 = 1e-8;
 /// A slip below this is none [m/s].
 const NO_SPEED: f64 = 1e-12;
+/// A slip that turns by less than this in a step is straight (rad): roundings and tolerances are smaller.
+const STRAIGHT: f64 = 1e-6;
 
 impl Walk<'_> {
     /// The corners that stick in a step.
@@ -78,6 +81,30 @@ impl Walk<'_> {
             if slip.norm() > NO_SPEED { slip.normalize() } else { given }
         };
         traced.mode.contacts.iter().map(of).collect()
+    }
+
+    /// Tells of a slip that turns while it stops: `φ = u · t₀` is zero and u is not.
+    pub(super) fn see_turn(&mut self, traced: &TracedStep, trigger: Watched, start: &State, words: &str) {
+        let belongs = |contact: usize, closed: &Closed| match trigger {
+            Watched::Slips(own) => own == contact,
+            Watched::SlipsTogether(pair) => closed.contact.pair == pair && closed.slides.is_some(),
+            _ => false,
+        };
+        let mechanism = self.subject.mechanism;
+        let [before, after] = [start, &self.state].map(|state| body_states(mechanism, state));
+        let of = |(contact, closed): (usize, &Closed)| {
+            let [before, after] =
+                [&before, &after].map(|bodies| touch_motion(&closed.contact.joint, bodies).slip.norm());
+            belongs(contact, closed).then(|| after.atan2(before))
+        };
+        let turned = traced.mode.contacts.iter().enumerate().filter_map(of).fold(0.0, f64::max);
+        if turned > STRAIGHT {
+            let time = self.state.time;
+            self.warnings.push(format!(
+                "{words} at {time:.6} s: its slip turns by {turned:.1e} rad in the step that stops it, so that derivatives behind it have low order; \
+                 halve the step and compare"
+            ));
+        }
     }
 
     /// The closed contacts of a mode with their derivatives, for each [`WIDTH`] parameters: new anchors are where their corners are now.

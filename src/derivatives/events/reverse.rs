@@ -88,6 +88,11 @@ impl<'t> Tape<'t> {
         &self.walk.state
     }
 
+    /// What makes derivatives worse than their order.
+    pub fn warnings(&self) -> &[String] {
+        &self.walk.warnings
+    }
+
     /// The events so far.
     pub fn events(&self) -> &[MetEvent] {
         &self.walk.events
@@ -133,10 +138,11 @@ impl<'t> Tape<'t> {
         let n = start.velocity.len();
         let units = units(n, parameters);
         let local = Subject { parameters: &units, ..*self.subject };
+        let walk = Walk::new(&local, &start);
         let mut back = Back {
-            walk: Walk::new(&local, &start),
+            figures: FigureCotangents::zero(self.subject.mechanism.bodies.len(), walk.varied.slopes()),
+            walk,
             freedoms: n,
-            figures: FigureCotangents::zero(self.subject.mechanism.bodies.len()),
             gradient: vec![0.0; parameters.len()],
             adjoint: Adjoint { positions: DVector::zeros(n), velocities: DVector::zeros(n), time: 0.0 },
         };

@@ -70,6 +70,8 @@ pub(crate) struct Walk<'w> {
     /// Events so far, and how far the derivatives hold.
     pub events: Vec<MetEvent>,
     pub validity: Validity,
+    /// What makes derivatives worse than their order.
+    pub warnings: Vec<String>,
 }
 
 impl<'w> Walk<'w> {
@@ -100,6 +102,7 @@ impl<'w> Walk<'w> {
             entered: Vec::new(),
             events: Vec::new(),
             validity: Validity::new(p),
+            warnings: Vec::new(),
         }
     }
 

@@ -45,6 +45,8 @@ pub struct Sensitivity {
     pub bounded_by: Vec<String>,
     /// How far the repeated steps end from the run (rad or m).
     pub apart: f64,
+    /// Events behind which the derivatives are worse than their order.
+    pub warnings: Vec<String>,
 }
 
 /// An event of a run with its derivatives.
@@ -112,10 +114,23 @@ impl Simulation {
         let (q, v) = rows.iter().map(|(state, _)| model.flat(state)).unzip();
         let times = rows.iter().map(|(state, _)| state.time).collect();
         let (dq, dv) = rows.into_iter().map(|(_, tangent)| (tangent.positions, tangent.velocities)).unzip();
-        let Walk { events, validity, .. } = walk;
+        let Walk { events, validity, warnings, .. } = walk;
         let events = events.into_iter().map(|event| EventSlope::of(model, event)).collect();
         let (valid_within, bounded_by) = (validity.within, validity.causes);
         let Prepared { told, names, .. } = prepared;
-        Ok(Sensitivity { keys: told, freedoms: names, times, q, v, dq, dv, events, valid_within, bounded_by, apart })
+        Ok(Sensitivity {
+            keys: told,
+            freedoms: names,
+            times,
+            q,
+            v,
+            dq,
+            dv,
+            events,
+            valid_within,
+            bounded_by,
+            apart,
+            warnings,
+        })
     }
 }

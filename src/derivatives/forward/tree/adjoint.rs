@@ -37,17 +37,18 @@ pub(in crate::derivatives) struct FigureCotangents {
     gravity: Vector<f64>,
     /// m, p and P of each body.
     inertial: Vec<(f64, Vector<f64>, Matrix<f64>)>,
-    /// The frames of its joint.
+    /// The frames of its joint; empty if none varies.
     frames: Vec<[Twist; 2]>,
 }
 
 impl FigureCotangents {
-    /// Zero, of a number of bodies.
-    pub fn zero(bodies: usize) -> Self {
+    /// Zero, of a number of bodies, for parameters with these derivatives of figures.
+    pub fn zero(bodies: usize, slopes: &[Option<FigureSlopes>]) -> Self {
+        let varies = slopes.iter().flatten().any(|slopes| slopes.frames().is_some());
         FigureCotangents {
             gravity: NOUGHT,
             inertial: vec![(0.0, NOUGHT, Matrix([NOUGHT; 3])); bodies],
-            frames: vec![[Twist::NONE; 2]; bodies],
+            frames: vec![[Twist::NONE; 2]; if varies { bodies } else { 0 }],
         }
     }
 
@@ -113,6 +114,7 @@ impl TreeStep<'_> {
     /// The cotangents of `−Σ μ_r R_r`; the cotangents of figures are added to `figures`; `efforts` are all efforts at the stages.
     pub fn pull_back(
         &self,
+        courses: &[FreedomCourse],
         efforts: &[Vec<f64>],
         weights: &DVector<f64>,
         figures: &mut FigureCotangents,
@@ -188,12 +190,18 @@ impl TreeStep<'_> {
             let row_weight = |row: usize| -weights[stage * free + row];
             self.pull_scalars(stage, &own_weights, &row_weight, &mut parts.gone, &mut found);
         }
-        self.pull_variation(parts, figures, &mut found);
+        self.pull_variation(courses, parts, figures, &mut found);
         found
     }
 
     /// Goes on from the parts to the start, the length and the frames.
-    fn pull_variation(&self, mut parts: Parts, figures: &mut FigureCotangents, found: &mut Cotangents) {
+    fn pull_variation(
+        &self,
+        courses: &[FreedomCourse],
+        mut parts: Parts,
+        figures: &mut FigureCotangents,
+        found: &mut Cotangents,
+    ) {
         let (s, h, nodes) = (self.stages.len(), self.problem.step, &self.problem.tableau.nodes);
         let count = self.family.parents.len();
         let (mut begin, mut going) = (Displaced::none(count), Displaced::none(count));
@@ -225,7 +233,6 @@ impl TreeStep<'_> {
         let rates = rates.pulled(self.family);
         let stages: Vec<Vec<JointCotangents>> =
             parts.stages.into_iter().skip(1).map(|own| own.pulled(self.family)).collect();
-        let courses = self.courses();
         for (body, own) in self.family.own.iter().enumerate() {
             for freedom in own {
                 let FreedomCourse { kept, later, rates: [by_start, by_gone] } = &courses[freedom.index];
@@ -240,12 +247,12 @@ impl TreeStep<'_> {
                 parts.gone[freedom.index] += gone;
                 found.velocities[freedom.index] += later[s - 2].dot(rates);
             }
-            for which in 0..2 {
+            let Some(frames) = figures.frames.get_mut(body) else { continue };
+            for (which, frame) in frames.iter_mut().enumerate() {
                 let ahead = stages.iter().map(|stage| stage[body].frames[which]).collect();
                 let course = Course { begin: begin[body].frames[which], gone: going[body].frames[which], ahead };
                 let of = FrameCourse { course, rate: rates[body].frames[which] };
-                let own = &mut figures.frames[body][which];
-                *own = own.plus(&self.frame_cotangent(body, which, &of));
+                *frame = frame.plus(&self.frame_cotangent(body, which, &of));
             }
         }
         for (freedom, by) in parts.gone.iter().enumerate() {

@@ -4,6 +4,7 @@ use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepMode, StepProblem};
 use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
 use crate::derivatives::forward::tree::adjoint::FigureCotangents;
+use crate::derivatives::forward::tree::carrying::TreeColumns;
 use crate::derivatives::forward::tree::column::Column;
 use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
@@ -247,6 +248,13 @@ fn derivatives_over_a_step_of_a_tree_are_those_of_numbers_with_derivatives() {
         let (own, other) = (carry(&solved), carry(&literal));
         assert_near(&case.mechanism.name, &own.positions, &other.positions, ROUNDINGS);
         assert_near(&case.mechanism.name, &own.velocities, &other.velocities, ROUNDINGS);
+        let Factors::Tree(factors) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
+        let all = TreeColumns { tangent: &tangent, longer: &longer, efforts: &slopes, rates: &rates };
+        let columns = all.by_columns(&problem, &solved, factors, varied.slopes()).expect("columns");
+        let rows = all.by_rows(&problem, &solved, factors, varied.slopes()).expect("rows");
+        for (own, other) in rows.iter().zip(&columns) {
+            assert_near(&case.mechanism.name, own, other, ROUNDINGS);
+        }
         let of_length = |solved: &SolvedStep| {
             let (positions, velocities) = by_length(&problem, solved, &rates).expect("derivatives");
             DMatrix::from_columns(&[positions, velocities])
@@ -291,8 +299,8 @@ fn the_transpose_of_a_step_has_the_same_products_as_its_columns() {
         let found = factors.solve(&right).expect("a column");
         let forward =
             found.column(0).rows(2 * free, free).dot(&left) + found.column(0).rows(3 * free, free).dot(&other);
-        let mut constant = FigureCotangents::zero(count);
-        let pulled = step.pull_back(&all, &weights, &mut constant);
+        let mut constant = FigureCotangents::zero(count, varied.slopes());
+        let pulled = step.pull_back(&step.courses(), &all, &weights, &mut constant);
         let sum = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
         let of_efforts: f64 = pulled
             .efforts

@@ -10,12 +10,14 @@
 //! | `displaced` | displacements of all bodies by such motions |
 //! | `column` | their derivatives by all that is given |
 //! | `adjoint` | the transpose of that, for gradients |
-//! | `solve` | steps solved, and derivatives carried over them |
+//! | `solve` | steps solved |
+//! | `carrying` | derivatives carried over them: columns, rows, and against time |
 //! | `over_step` | the choice between these equations and the equations of all mechanisms |
 
 mod adjoint;
 #[cfg(test)]
 mod against_duals;
+mod carrying;
 mod column;
 mod course;
 mod displaced;
@@ -26,5 +28,5 @@ mod solve;
 mod step;
 
 pub(in crate::derivatives) use adjoint::FigureCotangents;
+pub(in crate::derivatives) use carrying::pulled_back;
 pub(in crate::derivatives) use over_step::by_length;
-pub(in crate::derivatives) use solve::pulled_back;

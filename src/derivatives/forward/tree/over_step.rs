@@ -2,7 +2,8 @@
 
 use crate::derivatives::forward::step::{Factors, SolvedStep, StepProblem};
 use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied, by_length_whole, carried};
-use crate::derivatives::forward::tree::solve::{TreeColumns, solve_tree};
+use crate::derivatives::forward::tree::carrying::TreeColumns;
+use crate::derivatives::forward::tree::solve::solve_tree;
 use crate::derivatives::forward::tree::step::is_tree;
 use nalgebra::{DMatrix, DVector};
 

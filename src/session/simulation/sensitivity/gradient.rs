@@ -87,6 +87,8 @@ pub struct Gradient {
     pub value: f64,
     /// ∂/∂θ (p).
     pub by: Vec<f64>,
+    /// Events behind which the derivatives are worse than their order.
+    pub warnings: Vec<String>,
 }
 
 impl SampledEvent {
@@ -165,6 +167,7 @@ impl Simulation {
             count += 1;
         }
         prepared.check(tape.state())?;
+        let warnings = tape.warnings().to_vec();
         samples.events = tape.events().iter().map(|event| SampledEvent::of(&prepared.model, event)).collect();
         let lost = loss(&samples);
         let n = prepared.start.velocity.len();
@@ -194,6 +197,6 @@ impl Simulation {
                 *own += start.positions.dot(&parameter.position) + start.velocities.dot(&parameter.velocity);
             }
         }
-        Ok(Gradient { keys: prepared.told, value: lost.value, by })
+        Ok(Gradient { keys: prepared.told, value: lost.value, by, warnings })
     }
 }

@@ -5,7 +5,7 @@
 //! derivative. Four models are enough where two differences are the same, as those by masses and inertias are. A start on closed loops is assembled
 //! as often, because other joints follow.
 
-use crate::derivatives::equations::figures::Figures;
+use crate::derivatives::equations::figures::{Figures, frame_entries};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws, WEIGHTS};
 use crate::derivatives::forward::between::motion_between;
@@ -24,6 +24,8 @@ use nalgebra::DVector;
 const WIDTH: f64 = 4e-3;
 /// Or by these parts of it, if they cannot vary as much.
 const NARROWER: [f64; 2] = [1e-2, 1e-4];
+/// Frames whose entries move by less than this, while a number varies by its width, stay: a few roundings (m, or 1 for axes).
+const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 
 impl Simulation {
     /// The parameters of a key, with their names.
@@ -145,6 +147,17 @@ impl Simulation {
                 if !is_timeless {
                     parameter.others.push((weight, seen.laws.clone()));
                 }
+            }
+        }
+        // Frames that stay have the roundings of their composition, and no derivatives.
+        for frame in frame_entries(self.model.description().mechanism.bodies.len()) {
+            let size = here.figures[frame.clone()].iter().fold(1.0, |size: f64, entry| size.max(entry.abs()));
+            let stays = |entry: usize| {
+                let mut pairs = pairs.iter().map(|(_, [plus, minus])| plus.figures[entry] - minus.figures[entry]);
+                pairs.all(|change| change.abs() <= ROUNDINGS * size)
+            };
+            if frame.clone().all(stays) {
+                parameter.figures[frame].fill(0.0);
             }
         }
         Ok(parameter)
