@@ -75,7 +75,13 @@ impl Eventful {
             StepPace::Step { length, kinetic } if length > 0.0 => StepPace::Step { length: length.max(least), kinetic },
             pace => pace,
         };
+        let Workspaces { pieces, current, rooms, .. } = &mut self.workspaces;
+        if let Some(piece) = pieces.get(*current) {
+            self.trial.holding.give_back(&piece.moving, rooms);
+        }
         self.workspaces.current = self.piece(key, state);
+        let Workspaces { pieces, current, rooms, .. } = &mut self.workspaces;
+        let room = rooms.take(&pieces[*current].moving);
         let piece = self.workspaces.active_mut();
         piece.used = self.tally.steps;
         piece.small = piece.moving.gather(&self.model.whole, state);
@@ -90,7 +96,7 @@ impl Eventful {
                 ..
             } = self;
             let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-            Holding::new(&present, response, state)
+            Holding::new(&present, response, state, room)
         };
         let moving = &self.workspaces.active().moving;
         let apart = |pair: usize| {

@@ -22,6 +22,7 @@ use crate::instant::dynamics::response::Response;
 use crate::instant::holding::held::{Closures, Held};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
@@ -91,7 +92,7 @@ impl Eventful {
         let state = State::zero(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
         let present = Present { whole: mechanism, elements, touching, mode: &mode, moving: &nothing };
-        let holding = Holding::new(&present, &mut workspaces.response, &state);
+        let holding = Holding::new(&present, &mut workspaces.response, &state, None);
         Ok(Eventful {
             memory: Memory::new(elements.joints.len(), touching.pairs.len()),
             trial: StepTrial::new(&model, holding, state),
@@ -165,7 +166,7 @@ impl Eventful {
         if self.model.is_other(mechanism) {
             self.model.replace(mechanism);
             self.workspaces.replace(mechanism);
-            self.previous.reporting = RefCell::new(Reporting::new(mechanism));
+            self.previous.reporting = RefCell::new(Shared::new(Reporting::new(mechanism)));
             self.trial.replace(&self.model);
         }
         if self.previous.left.is_none() {

@@ -23,6 +23,7 @@ use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::kinematics::forward_kinematics;
 use catena_mechanism::motion::state::{State, quaternion_product};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The right-hand side of the first-order system of one mechanism.
 #[derive(Clone, Debug)]
@@ -40,7 +41,7 @@ pub struct ReducedOde {
 /// The workspace of forces besides gravity.
 #[derive(Clone, Debug)]
 struct Forced {
-    mechanism: Mechanism,
+    mechanism: Arc<Mechanism>,
     bodies: Vec<BodyState>,
     /// About the centres of mass, then about the anchors.
     wrenches: Vec<BodyWrench>,
@@ -60,7 +61,7 @@ impl Forced {
     fn new(mechanism: &Mechanism) -> Option<Self> {
         let count = mechanism.bodies.len();
         (!mechanism.forces.is_empty()).then(|| Forced {
-            mechanism: mechanism.clone(),
+            mechanism: Arc::new(mechanism.clone()),
             bodies: vec![WORLD; count],
             wrenches: vec![BodyWrench::default(); count],
             efforts: vec![0.0; mechanism.velocity_count],

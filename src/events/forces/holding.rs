@@ -19,9 +19,11 @@ use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
+use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, reactions_under};
+use std::sync::Arc;
 
 /// Roundings of an effort, relative to the terms that cancel in it.
 const ROUNDING: f64 = 2e-15;
@@ -32,6 +34,9 @@ const SHARED_ROUNDING: f64 = 1e-9;
 /// A contact is unloaded if it presses by less than this part of the force with which the bodies beside it would fall on each other. If bodies hang
 /// side by side and touch, roundings of their places leave such forces.
 const UNLOADED: f64 = 1e-15;
+
+/// Rooms that are kept.
+const KEPT_ROOMS: usize = 12;
 
 /// Works out what holds the joints of one mode.
 #[derive(Clone)]
@@ -62,7 +67,7 @@ enum How {
     /// A mode without held joints and closed contacts.
     Nothing,
     /// In a tree.
-    Tree(Box<Tree>),
+    Tree(Shared<Tree>),
     /// A mechanism with closures; whether λ is unique, and the load at the last instant.
     Closed { unique: bool, last: Option<Box<Load>> },
 }
@@ -86,9 +91,41 @@ struct Tree {
     inertial: (f64, f64),
 }
 
+/// The room for a tree of a reduced mechanism.
+#[derive(Clone)]
+pub(crate) struct Room {
+    moving: Arc<Moving>,
+    tree: Shared<Tree>,
+}
+
+/// The rooms of modes that are not in use. A mode that comes back finds its own.
+#[derive(Clone, Default)]
+pub(crate) struct Rooms(Vec<Room>);
+
+impl Rooms {
+    /// Keeps a room; the oldest makes place for it.
+    fn keep(&mut self, room: Room) {
+        if self.0.len() >= KEPT_ROOMS {
+            self.0.remove(0);
+        }
+        self.0.push(room);
+    }
+
+    /// Takes the room of a reduced mechanism.
+    pub fn take(&mut self, moving: &Arc<Moving>) -> Option<Room> {
+        let own = self.0.iter().position(|room| Arc::ptr_eq(&room.moving, moving))?;
+        Some(self.0.remove(own))
+    }
+
+    /// Gives up all rooms.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
 impl Holding {
-    /// The workspace for a mode in a state, and its reduced mechanism.
-    pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
+    /// The workspace for a mode in a state, and its reduced mechanism, with the room that it had before.
+    pub fn new(at: &Present, response: &mut Response, state: &State, room: Option<Room>) -> Self {
         let Present { whole, elements, mode, moving, .. } = *at;
         let joints: Vec<(usize, usize)> = (elements.joints.iter().zip(&mode.joints).enumerate())
             .filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. }))
@@ -98,13 +135,15 @@ impl Holding {
             How::Nothing
         } else if !(whole.loops.is_empty() && mode.contacts.is_empty() && only_pairs(whole)) {
             How::Closed { unique: are_unique(at, response, state), last: None }
+        } else if let Some(Room { tree, .. }) = room {
+            How::Tree(tree)
         } else {
             // Motors act through the efforts that are handed over, not as forces of the reduced mechanism.
             let mut bare = moving.mechanism.clone();
             bare.forces.joint_springs.truncate(count_springs(whole, moving));
             bare.forces.joint_dampers.truncate(count_dampers(whole, moving));
             let count = whole.bodies.len();
-            How::Tree(Box::new(Tree {
+            How::Tree(Shared::new(Tree {
                 response: Response::new(&bare),
                 small: State::zero(&bare),
                 small_efforts: vec![0.0; bare.velocity_count],
@@ -133,6 +172,13 @@ impl Holding {
             margin_known: false,
             known: None,
             how,
+        }
+    }
+
+    /// Gives the room for a tree back, at the end of a mode with this reduced mechanism.
+    pub fn give_back(&mut self, moving: &Arc<Moving>, rooms: &mut Rooms) {
+        if let How::Tree(tree) = std::mem::replace(&mut self.how, How::Nothing) {
+            rooms.keep(Room { moving: moving.clone(), tree });
         }
     }
 

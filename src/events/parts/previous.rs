@@ -7,6 +7,7 @@ use crate::events::forces::reporting::Reporting;
 use crate::events::modes::mode::Mode;
 use crate::events::modes::narrowed::Felt;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::state::State;
 use std::cell::RefCell;
 
@@ -22,7 +23,7 @@ pub(crate) struct PreviousStep {
     /// The efforts from outside in it.
     pub outside: Vec<f64>,
     /// For the forces that are reported.
-    pub reporting: RefCell<Reporting>,
+    pub reporting: RefCell<Shared<Reporting>>,
 }
 
 impl PreviousStep {
@@ -33,7 +34,7 @@ impl PreviousStep {
             stepped_in: None,
             felt: Felt::default(),
             outside: Vec::new(),
-            reporting: RefCell::new(Reporting::new(mechanism)),
+            reporting: RefCell::new(Shared::new(Reporting::new(mechanism))),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! given up, to which those that are kept add their own.
 
 use crate::events::crowd::step::Crowd;
+use crate::events::forces::holding::Rooms;
 use crate::events::modes::piece::Piece;
 use crate::instant::dynamics::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -20,13 +21,15 @@ pub(crate) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
 pub(crate) struct Workspaces {
     /// One for each mode that is kept: the reduced mechanism, and its steps.
     pub pieces: Vec<Shared<Piece>>,
+    /// What works out the forces that hold joints in these modes, while they are not in use.
+    pub rooms: Rooms,
     /// The piece in use, and the piece of the last step.
     pub current: usize,
     pub last: usize,
     /// Accelerations and velocities under efforts and impulses.
-    pub response: Response,
+    pub response: Shared<Response>,
     /// Steps over many impacts, for mechanisms that can make them.
-    pub crowd: Option<Box<Crowd>>,
+    pub crowd: Option<Shared<Crowd>>,
     /// Method description used while every joint is held.
     pub idle: MethodDescription,
     /// Whether a companion goes along until the first event.
@@ -41,10 +44,11 @@ impl Workspaces {
     pub fn new(mechanism: &Mechanism, idle: MethodDescription) -> Self {
         Workspaces {
             pieces: Vec::new(),
+            rooms: Rooms::default(),
             current: 0,
             last: 0,
-            response: Response::new(mechanism),
-            crowd: Crowd::new(mechanism).map(Box::new),
+            response: Shared::new(Response::new(mechanism)),
+            crowd: Crowd::new(mechanism).map(Shared::new),
             idle,
             accompanied: false,
             between: Some(0.0),
@@ -54,9 +58,10 @@ impl Workspaces {
 
     /// Forgets all modes, for another mechanism.
     pub fn replace(&mut self, mechanism: &Mechanism) {
-        self.response = Response::new(mechanism);
+        self.response = Shared::new(Response::new(mechanism));
+        self.rooms.clear();
         self.pieces.clear();
-        self.crowd = Crowd::new(mechanism).map(Box::new);
+        self.crowd = Crowd::new(mechanism).map(Shared::new);
     }
 
     /// The piece in use.

@@ -16,11 +16,12 @@ use crate::mechanism::structure::other_tree::OtherTree;
 use crate::stepping::trees::other_tree::other_tree;
 use nalgebra::DMatrix;
 use std::ops::Deref;
+use std::sync::Arc;
 
 /// The workspace of one mechanism.
 #[derive(Clone)]
 pub(crate) struct Response {
-    mechanism: Mechanism,
+    mechanism: Arc<Mechanism>,
     /// On which tree, once a state has been asked for.
     way: Option<Way>,
     unit: Vec<f64>,
@@ -46,7 +47,7 @@ struct Elsewhere {
 impl Response {
     /// For a mechanism with its forces.
     pub fn new(mechanism: &Mechanism) -> Self {
-        Response { mechanism: mechanism.clone(), way: None, unit: vec![0.0; mechanism.velocity_count] }
+        Response { mechanism: Arc::new(mechanism.clone()), way: None, unit: vec![0.0; mechanism.velocity_count] }
     }
 
     /// The way, chosen in the first state that is asked for.

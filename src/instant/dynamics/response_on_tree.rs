@@ -18,11 +18,12 @@ use crate::mechanism::motion::kinematics::{BodyAcceleration, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::reduced::ReducedOde;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// The workspace of one mechanism.
 #[derive(Clone)]
 pub(crate) struct ResponseOnTree {
-    mechanism: Mechanism,
+    mechanism: Arc<Mechanism>,
     /// The equations with all forces, and efforts from outside.
     ode: ReducedOde,
     /// The masses alone: without gravity and forces.
@@ -53,7 +54,7 @@ impl ResponseOnTree {
             following: None,
             zero: vec![0.0; mechanism.velocity_count],
             free: vec![0.0; mechanism.velocity_count],
-            mechanism: driven,
+            mechanism: Arc::new(driven),
         }
     }
 

@@ -32,6 +32,12 @@ pub struct Fronts<V: Lanes> {
     inverse: [V; MAX],
 }
 
+/// Number of stages coupled, of so many: a constant for one lane.
+#[inline(always)]
+pub(crate) fn active<V: Lanes>(count: usize) -> usize {
+    if V::COUNT == 1 { 1 } else { count }
+}
+
 /// Largest number of stages.
 const MAX: usize = crate::numbers::lanes::MAX_LANES;
 
@@ -59,6 +65,12 @@ impl<V: Lanes> Fronts<V> {
         }
     }
 
+    /// Number of stages coupled: a constant for one lane, so that no loop over stages is left.
+    #[inline(always)]
+    fn active(&self) -> usize {
+        active::<V>(self.active)
+    }
+
     /// The slot of the right-hand side.
     pub fn right_hand_side(&self) -> usize {
         self.slots
@@ -67,14 +79,15 @@ impl<V: Lanes> Fronts<V> {
     /// Start of the block of a row slot and a column slot.
     #[inline(always)]
     fn at(&self, level: usize, row: usize, column: usize) -> usize {
-        ((level * self.slots + row) * (self.slots + 1) + column) * self.active
+        ((level * self.slots + row) * (self.slots + 1) + column) * self.active()
     }
 
     /// The block of a row slot and a column slot: one vector a stage of the row.
     #[inline(always)]
     pub fn block(&mut self, level: usize, row: usize, column: usize) -> &mut [V] {
         let start = self.at(level, row, column);
-        &mut self.data[start..start + self.active]
+        let active = self.active();
+        &mut self.data[start..start + active]
     }
 
     /// Adds to the entry of a row slot, its stage k, and a column slot.
@@ -116,7 +129,7 @@ impl<V: Lanes> Fronts<V> {
         for (row_from, row_to) in all() {
             for (from, to) in all().chain([right]) {
                 let (source, target) = (self.at(level, row_from, from), self.at(level - 1, row_to, to));
-                for k in 0..self.active {
+                for k in 0..self.active() {
                     self.data[target + k] = self.data[target + k] + self.data[source + k];
                 }
             }
@@ -135,7 +148,7 @@ impl<V: Lanes> Fronts<V> {
     /// [`Fronts::take_freedom`] with twists of `W` components.
     #[inline(always)]
     fn take_screw<const W: usize>(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
-        let active = self.active;
+        let active = self.active();
         let mut row_screw = [V::zero_array(); W];
         for component in 0..W {
             row_screw[component] = screws.rows[component].to_array();
@@ -163,13 +176,13 @@ impl<V: Lanes> Fronts<V> {
                 left[k] = sum;
             }
         }
-        self.inverse = pivot;
+        self.inverse[..active].copy_from_slice(&pivot[..active]);
     }
 
     /// One column of the pivot's row: the twist's rows of that column, projected on the joint axis.
     #[inline(always)]
     fn take_row<const W: usize>(&mut self, level: usize, screw: &[V::Array; W], slot: usize) {
-        let active = self.active;
+        let active = self.active();
         let right = &mut self.right[slot * V::COUNT..slot * V::COUNT + active];
         right.fill(V::zero());
         for component in 0..W {
@@ -185,25 +198,28 @@ impl<V: Lanes> Fronts<V> {
     /// The pivot's row before the elimination: a stage's entry of a column slot.
     #[inline(always)]
     pub fn right_block(&mut self, slot: usize) -> &mut [V] {
-        &mut self.right[slot * V::COUNT..slot * V::COUNT + self.active]
+        let active = self.active();
+        &mut self.right[slot * V::COUNT..slot * V::COUNT + active]
     }
 
     /// The pivot's column before the elimination: a stage's entry of a row slot.
     #[inline(always)]
     pub fn left_block(&mut self, slot: usize) -> &mut [V] {
-        &mut self.left[slot * self.active..(slot + 1) * self.active]
+        let active = self.active();
+        &mut self.left[slot * active..(slot + 1) * active]
     }
 
     /// The pivot itself; its inverse once it is eliminated.
     #[inline(always)]
     pub fn pivot(&mut self) -> &mut [V] {
-        &mut self.inverse[..self.active]
+        let active = self.active();
+        &mut self.inverse[..active]
     }
 
     /// Gathers the pivot's column, row and block for the multiplier in a slot.
     #[inline(always)]
     pub fn take_multiplier(&mut self, level: usize, slot: usize, columns: &[Column]) {
-        let active = self.active;
+        let active = self.active();
         for other in columns.iter().map(|column| column.slot).chain([self.slots]) {
             let source = self.at(level, slot, other);
             self.right[other * V::COUNT..other * V::COUNT + active]
@@ -221,7 +237,7 @@ impl<V: Lanes> Fronts<V> {
     /// the stages in use.
     #[inline(always)]
     pub fn eliminate(&mut self, level: usize, columns: &[Column], kept: &mut [V]) {
-        let active = self.active;
+        let active = self.active();
         invert(&mut self.inverse, active);
         let mut inverse = [V::zero_array(); MAX];
         for k in 0..active {
@@ -295,5 +311,5 @@ fn invert<V: Lanes>(matrix: &mut [V; MAX], active: usize) {
             inverse[row] = inverse[pivot].neg_mul_add(factor, inverse[row]);
         }
     }
-    *matrix = inverse;
+    matrix[..active].copy_from_slice(&inverse[..active]);
 }

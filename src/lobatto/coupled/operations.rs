@@ -1,6 +1,6 @@
 //! The operations of the elimination, one function each, compiled for the vectors on its own.
 
-use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::front::{Fronts, Screws, active};
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Coupled, Geometry, IMPLIED, PROXIMAL, Resistance, first_lane};
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
@@ -24,7 +24,7 @@ impl<V: Lanes> Coupled<V> {
             let right = self.fronts.right_hand_side();
             for &(row, slot) in gaps {
                 let gap = self.gaps[row].to_array();
-                for k in 0..self.mixing.active {
+                for k in 0..active::<V>(self.mixing.active) {
                     self.fronts.block(level, slot, right)[k] = first_lane::<V>(-gap.as_ref()[k]);
                     if row >= self.mimic_rows.end {
                         self.fronts.add(level, slot, slot, k, self.unit[k]);
@@ -54,7 +54,7 @@ impl<V: Lanes> Coupled<V> {
     /// One equation at one end of its loop: (row, slot, sign).
     #[inline(always)]
     fn end(&mut self, level: usize, (row, slot, sign): (usize, usize, f64)) {
-        let active = self.mixing.active;
+        let active = active::<V>(self.mixing.active);
         let mut by_gap = self.unit;
         if row >= self.mimic_rows.end {
             let row = row - self.mimic_rows.end;
@@ -151,7 +151,7 @@ impl<V: Lanes> Coupled<V> {
                     None => self.proximal * self.scales[row],
                 };
                 let proximal = V::splat(proximal);
-                for k in 0..self.mixing.active {
+                for k in 0..active::<V>(self.mixing.active) {
                     let pivot = self.fronts.pivot();
                     pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);
                 }
@@ -189,7 +189,7 @@ impl<V: Lanes> Coupled<V> {
     /// Adds the forces along the freedom itself: efforts, the resistance of joint springs and dampers, rotors, and mimics: (row, slot, coefficient).
     #[inline(always)]
     fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
-        let active = self.mixing.active;
+        let active = active::<V>(self.mixing.active);
         let right = self.fronts.right_hand_side();
         let mut effort = self.efforts[freedom];
         for &(row, slot, coefficient) in direct {
@@ -270,7 +270,7 @@ impl<V: Lanes> Coupled<V> {
     /// The value of an eliminated unknown from the later ones.
     #[inline(always)]
     fn substitute(&self, kept_at: usize, columns: &[Column]) -> V {
-        let active = self.mixing.active;
+        let active = active::<V>(self.mixing.active);
         let mut sums = [V::zero(); MAX_LANES];
         for (number, column) in columns.iter().enumerate() {
             let value = match column.unknown {

@@ -10,7 +10,7 @@
 //! about the common origin, x the centre of mass (m). D_ki is the derivative of the residual of row k (`equations/residual.rs`) by the twist at stage
 //! i, less the curvature.
 
-use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::front::{Fronts, Screws, active};
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Geometry, Screw};
 use crate::coupled::touching::Touching;
@@ -255,7 +255,7 @@ fn own_inertia<V: Lanes>(fronts: &mut Fronts<V>, level: usize, mixing: &Mixing<V
     // Row c of R_k Σ is column c of Σ R_kᵀ.
     let spread = spread_rows(&body.moved[1].turn, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
     let row_center = [row.0[0].to_array(), row.0[1].to_array(), row.0[2].to_array()];
-    for k in 0..mixing.active {
+    for k in 0..active::<V>(mixing.active) {
         let weight = mixing.mass[k];
         let heavy = weight * V::splat(body.mass);
         let at = [

@@ -10,7 +10,7 @@
 //! with the centre of mass x (m), the moment of inertia I_c about it, and the turn `(κ, σ)` since the start of the step. These are the first, second
 //! and last component of [`crate::coupled::space::Space`].
 
-use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::front::{Fronts, Screws, active};
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Geometry, Screw};
 use crate::equations::loops::{Displaced, evaluate};
@@ -183,7 +183,7 @@ impl<V: Lanes> Geometry<V> for Flat<V> {
         let (anchor, arm, lever) = (arrays(anchors[1]), arrays(row_heavy), arrays(row_moment));
         let inertia = V::splat(known.inertia);
         let turn = arrays(Vector2([(rows.cosine + one) * inertia, rows.sine * inertia]));
-        for k in 0..mixing.active {
+        for k in 0..active::<V>(mixing.active) {
             let weight = mixing.mass[k];
             // About the anchor I cos(φ_i − φ_k), and the contribution of the anchor's own place.
             let ([along, across], [mx, my]) = (of_row::<V>(&turn, k).0, of_row::<V>(&lever, k).0);
