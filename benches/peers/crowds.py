@@ -70,6 +70,9 @@ def dominoes(count):
     return [body("box", size, place, (0, lean, 0))] + [body("box", size, (0.1 * x, 0, 0.1)) for x in range(1, count)]
 
 
+BALL = body("sphere", (0.15,), (0.05, -0.9, 0.55), velocity=(0, 7, 0.5), density=3000.0)
+"""It strikes a wall."""
+
 SCENES = {
     "boxes8": (grid("box", 2, 2), []),
     "boxes27": (grid("box", 3, 3), []),
@@ -81,6 +84,7 @@ SCENES = {
     "bin_balls64": (grid("sphere", 4, 4), walls(4)),
     "heap300": (grid("sphere", 5, 12), walls(5)),
     "wall": (bricks(32, 8), []),
+    "wall_struck": (bricks(3, 4) + [BALL], []),
     "dominoes": (dominoes(20), []),
 }
 
@@ -125,7 +129,9 @@ def model(name, bodies, sides, step=0.002):
         shape = f'type="{one["shape"]}" size="{text(x / 2 if one["shape"] == "box" else x for x in one["size"])}"'
         pose = f'pos="{text(one["place"])}" quat="{text(quaternion(one["turn"]))}"'
         out.append(f'<body {pose}><freejoint/><geom {shape} density="{one["density"]}"/></body>')
-    out.append("</worldbody></mujoco>")
+    start = text(x for one in bodies for x in (*one["velocity"], 0, 0, 0))
+    places = text(x for one in bodies for x in (*one["place"], *quaternion(one["turn"])))
+    out.append(f'</worldbody><keyframe><key qpos="{places}" qvel="{start}"/></keyframe></mujoco>')
     return "\n".join(out)
 
 
@@ -135,6 +141,7 @@ def run_mujoco(path, duration):
 
     loaded = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(loaded)
+    mujoco.mj_resetDataKeyframe(loaded, data, 0)
     start = time.process_time()
     while data.time < duration:
         mujoco.mj_step(loaded, data)

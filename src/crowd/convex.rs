@@ -1,5 +1,4 @@
-//! The solver of an island: Newton's method, an interior point where it stalls, and last a sequence of convex problems, each with a friction cone that is
-//! shifted by the last slip.
+//! A sequence of convex problems, each with friction cones that are shifted by the last slip: the last way to solve an island.
 //!
 //! ```text
 //!     min ½|v − v_f|²_M̃ + Σ ε/(2ρ) |Π_K(r₀ − (ρ/ε)(u + s n))|²          Newton with the derivative of the projection, exact line search
@@ -10,32 +9,20 @@
 //!
 //! Source: R. T. Rockafellar, Augmented Lagrangians and the proximal point algorithm (1976); G. De Saxcé, Z.-Q. Feng (1998) for the shift.
 
-use crate::interior::interior;
 use crate::newton::{Workspace, newton};
 use crate::problem::Problem;
 use nalgebra::Vector3;
 
-/// The residual at which an island counts as solved, and the one at which the last rounds stop.
-pub const TOLERANCE: f64 = 5e-9;
-const ENOUGH: f64 = 1e-7;
-/// The residual of a coarse solution.
-pub const COARSE: f64 = 1e-3;
-/// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
-const NEARLY: f64 = 1e-5;
-/// Blocks are added this often at most.
-const WIDENED: usize = 10;
-/// Iterations of Newton's method at first, after a round, and of one convex problem.
-const NEWTON: f64 = 30.0;
+/// Iterations of Newton's method after a round, and of one convex problem.
 const AFTER: f64 = 8.0;
 const CONVEX: usize = 20;
 const ROUNDS: usize = 12;
-/// The rounds end if this many of them have not made the residual smaller by this factor, or one of them if it is small. Before this number of rounds the
-/// proximal part is too large for an answer.
+/// The rounds end if this many of them have not made the residual smaller by this factor, or one of them if it is below [`ENOUGH`]. Before this number
+/// of rounds the proximal part is too large for an answer.
 const STALLED: usize = 3;
 const HALVED: f64 = 0.5;
 const LEAST_ROUNDS: usize = 4;
-/// How far inside the cones interior points start.
-const DEPTH: f64 = 10.0;
+const ENOUGH: f64 = 1e-7;
 /// The proximal part of the first round, and the least one.
 const FIRST: f64 = 1e-3;
 const LEAST: f64 = 1e-6;
@@ -45,77 +32,8 @@ const SEARCHES: usize = 12;
 /// A convex problem is solved when the decrement of Newton's method is this part of the first.
 const SOLVED: f64 = 1e-4;
 
-/// Solves the problem of an island from these impulses until its residual is below `tolerance`; returns the residual. Blocks that exert no impulse and do
-/// not close are left out, until the others make them close: hundreds of points of a hull are near a floor, and few of them press. Which of them take
-/// part is found out with a coarse solution.
-pub fn solve(
-    problem: &mut Problem,
-    impulses: &mut [Vector3<f64>],
-    v: &mut Vec<f64>,
-    tolerance: f64,
-    room: &mut Workspace,
-) -> f64 {
-    let all = std::mem::take(&mut problem.blocks);
-    let nearly = NEARLY * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    let mut part: Vec<usize> = (0..all.len())
-        .filter(|&number| {
-            impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
-        })
-        .collect();
-    let (mut residual, mut within) = (0.0, tolerance.max(COARSE));
-    for _ in 0..WIDENED {
-        problem.blocks.clear();
-        problem.blocks.extend(part.iter().map(|&number| all[number]));
-        let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
-        residual = solve_all(problem, &mut own, v, within, room);
-        part.iter().zip(own).for_each(|(&number, impulse)| impulses[number] = impulse);
-        let before = part.len();
-        let mut inside = part.iter().copied().peekable();
-        let others = (0..all.len()).filter(|number| inside.next_if_eq(number).is_none());
-        let more: Vec<usize> = others.filter(|&number| problem.is_called(&all[number], v, 0.0)).collect();
-        part.extend(more);
-        part.sort_unstable();
-        if part.len() == before {
-            if residual <= tolerance || within <= tolerance {
-                break;
-            }
-            within = tolerance;
-        }
-    }
-    problem.blocks = all;
-    residual
-}
-
-/// The same with all blocks.
-fn solve_all(
-    problem: &Problem,
-    impulses: &mut [Vector3<f64>],
-    v: &mut Vec<f64>,
-    tolerance: f64,
-    room: &mut Workspace,
-) -> f64 {
-    let mut residual = newton(problem, impulses, v, [tolerance, NEWTON], room);
-    if residual <= tolerance || impulses.is_empty() {
-        return residual;
-    }
-    let (mut best, mut rates) = (impulses.to_vec(), Vec::new());
-    let mut near = impulses.to_vec();
-    if interior(problem, &mut near, DEPTH, room) {
-        let found = newton(problem, &mut near, &mut rates, [tolerance, NEWTON], room);
-        if found < residual {
-            (residual, best) = (found, near);
-        }
-    }
-    if residual > ENOUGH {
-        rounds(problem, impulses, (&mut residual, &mut best), v, tolerance, room);
-    }
-    impulses.copy_from_slice(&best);
-    problem.velocity(impulses, v);
-    residual
-}
-
 /// The convex problems, from impulses to better ones with a smaller residual, if there are any.
-fn rounds(
+pub(crate) fn rounds(
     problem: &Problem,
     impulses: &[Vector3<f64>],
     (residual, best): (&mut f64, &mut Vec<Vector3<f64>>),

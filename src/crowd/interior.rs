@@ -6,14 +6,16 @@
 //!     all         y = H v + b + c r,  M̃ (v − v_f) = Hᵀ r,   ν → 0
 //! ```
 //!
-//! One iteration linearises a block as `P δy + Q δr = g`, so that `δr = K⁻¹(g − P off) − S H δv` with `K = Q + P (c + ε/ρ)`, `S = K⁻¹ P` and the
+//! The products are taken after the scaling of Nesterov and Todd, `W z̃ = W⁻¹ r̃`, which keeps them equal to rounding however near the cones' borders
+//! are. One iteration linearises a block as `P δy + Q δr = g`, so that `δr = K⁻¹(g − P off) − S H δv` with `K = Q + P (c + ε/ρ)`, `S = K⁻¹ P` and the
 //! defect `off = H v + b + c r − y`. The matrix `M̃ + Σ Hᵀ S H` has the places of that of `newton.rs`; it is factored once and solved twice: for ν = 0,
 //! which says how far ν may fall, and with the terms of second order (Mehrotra). The start are the impulses of nearly rigid sticking, lifted into the
 //! cones, with equal products. Lengths are measured in `√ρ u` and `r/√ρ`.
 //!
-//! Source: S. J. Wright, Primal-Dual Interior-Point Methods, SIAM 1997, chapter 10; the shift of G. De Saxcé is in z̃ and in its derivative.
+//! Source: S. J. Wright, Primal-Dual Interior-Point Methods, SIAM 1997, chapter 10; Y. E. Nesterov, M. J. Todd (1997) as in `jordan.rs`; the shift of
+//! G. De Saxcé is in z̃ and in its derivative.
 
-use crate::jordan::{arrow, to_border};
+use crate::jordan::{arrow, scaling, to_border};
 use crate::laws::Law;
 use crate::newton::Workspace;
 use crate::problem::{Block, Problem};
@@ -22,7 +24,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Most iterations.
 const ITERATIONS: usize = 50;
 /// ν and the defects below this part of their sizes are small enough for Newton's method.
-const ENOUGH: f64 = 1e-8;
+const ENOUGH: f64 = 1e-10;
 /// ε: keeps blocks apart that always hold.
 const COMPLIANCE: f64 = 1e-10;
 /// The same of sticking at the start.
@@ -214,9 +216,11 @@ fn linear(block: &Block, number: usize, point: &Point) -> Option<Linear> {
     let (mut right, mut by_product) = (Vector3::zeros(), Vector3::zeros());
     if let Some(friction) = friction(block) {
         let (force, lifted_rate, slope) = lifted(friction, impulse, rate);
-        by_rate = arrow(&force) * slope;
-        by_force = arrow(&lifted_rate) * Matrix3::from_diagonal(&Vector3::new(friction, 1.0, 1.0));
-        right = -arrow(&force) * lifted_rate;
+        let [scale, back] = scaling(&force, &lifted_rate);
+        let even = scale * lifted_rate;
+        by_rate = arrow(&even) * scale * slope;
+        by_force = arrow(&even) * back * Matrix3::from_diagonal(&Vector3::new(friction, 1.0, 1.0));
+        right = -arrow(&even) * even;
         by_product.x = 1.0;
     } else {
         let rooms = bounds(block, impulse.x);
@@ -284,8 +288,9 @@ fn second_order(problem: &Problem, number: usize, point: &Point, step: &Point) -
     let block = &problem.blocks[number];
     let (impulse, rate) = (&point.impulses[number], &point.rates[number]);
     if let Some(friction) = friction(block) {
-        let slope = lifted(friction, impulse, rate).2;
-        return arrow(&lift(friction, &step.impulses[number])) * slope * step.rates[number];
+        let (force, lifted_rate, slope) = lifted(friction, impulse, rate);
+        let [scale, back] = scaling(&force, &lifted_rate);
+        return arrow(&(back * lift(friction, &step.impulses[number]))) * (scale * slope * step.rates[number]);
     }
     // Both bounds: (δr δp)/room and −(−δr δq)/room.
     let rooms = bounds(block, impulse.x).into_iter().zip(step.pushes[number]).filter(|(room, _)| room.is_finite());

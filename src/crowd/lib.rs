@@ -3,12 +3,12 @@
 //! - [`trees`]: mass matrices in joint rates;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
 //! - [`laws`], [`problem`]: the equations;
-//! - `elimination`, `block_factors`, [`newton`], `interior` (with [`jordan`]), [`convex`]: the solvers.
+//! - `elimination`, `block_factors`, [`newton`], `interior` (with [`jordan`]), `convex`, [`solver`]: the solvers and their order.
 
 #![deny(unsafe_code)]
 
 mod block_factors;
-pub mod convex;
+mod convex;
 mod elimination;
 mod interior;
 pub mod islands;
@@ -17,4 +17,5 @@ pub mod laws;
 pub mod newton;
 pub mod problem;
 pub mod rows;
+pub mod solver;
 pub mod trees;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! ε is a proximal part: without it contacts that stick at places that do not fit together have no bounded impulses. A step is halved until the sum of
-//! the squared natural maps falls; because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is
-//! 30 times as large, twice, because redundant contacts pull against each other; then the full step is taken, a few times at most. The best impulses of all
+//! the squared natural maps falls; because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is ten
+//! times as large, up to five times, because redundant contacts pull against each other; then the full step is taken once. The best impulses of all
 //! iterations are the answer.
 //!
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
@@ -24,10 +24,10 @@ const PROXIMAL: [f64; 2] = [1e-8, 0.1];
 const FALLS: f64 = 0.9;
 const HALVINGS: usize = 5;
 /// k grows by this factor after a step without success, this often in a row, and falls by its root after a success.
-const FIRMER: f64 = 30.0;
-const FIRM: usize = 2;
+const FIRMER: f64 = 10.0;
+const FIRM: usize = 5;
 /// Then full steps without success are taken this often in a row, if the merit grows by this factor at most.
-const UNSUCCESSFUL: usize = 3;
+const UNSUCCESSFUL: usize = 1;
 const GROWS: f64 = 100.0;
 
 /// Room for the iterations of any island, and their count.

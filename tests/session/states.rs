@@ -71,32 +71,35 @@ fn a_run_that_is_placed_elsewhere_is_a_new_run_from_there_bit_for_bit() {
 }
 
 #[test]
-fn a_run_that_begins_at_one_start_again_and_again_is_a_new_run_each_time_bit_for_bit() {
+fn a_run_that_begins_at_known_starts_again_and_again_is_a_new_run_each_time_bit_for_bit() {
     for (model, time) in models() {
         let name = &model.description().mechanism.name;
         let mut before = Simulation::new(&model).tolerance(1e-6);
         before.step_to(time).expect("it runs");
         // On closed loops and on the ground, but for roundings.
         let (q, v) = before.coordinates().expect("coordinates");
-        let new = || Simulation::new(&model).tolerance(1e-6).start_from(&q, &v).expect("a start");
+        let slower: Vec<f64> = v.iter().map(|rate| 0.5 * rate).collect();
         let pushed: Vec<f64> = (0..v.len()).map(|freedom| 0.1 * (freedom + 1) as f64).collect();
-        let expected = [None, Some(&pushed)].map(|efforts| {
-            let mut simulation = new();
-            simulation.step_to(0.0).expect("it begins");
-            if let Some(efforts) = efforts {
+        let starts = [(&v, None), (&v, Some(&pushed)), (&slower, None)];
+        let go_on_from = |simulation: &mut Simulation, start: usize| {
+            if let Some(efforts) = starts[start].1 {
                 simulation.set_efforts(efforts).expect("efforts");
             }
-            go_on(&mut simulation, 0.0)
+            go_on(simulation, 0.0)
+        };
+        let new =
+            |start: usize| Simulation::new(&model).tolerance(1e-6).start_from(&q, starts[start].0).expect("a start");
+        let expected = [0, 1, 2].map(|start| {
+            let mut simulation = new(start);
+            simulation.step_to(0.0).expect("it begins");
+            go_on_from(&mut simulation, start)
         });
-        let mut simulation = new();
+        let mut simulation = new(0);
         go_on(&mut simulation, 0.0);
         // The third run from the same start under the same efforts is the first to find it known.
-        for efforts in [0, 0, 0, 0, 1, 0, 1, 1, 1, 1, 0] {
-            simulation.place(0.0, &q, &v).expect("it is placed");
-            if efforts == 1 {
-                simulation.set_efforts(&pushed).expect("efforts");
-            }
-            assert_eq!(go_on(&mut simulation, 0.0), expected[efforts], "{name}, efforts {efforts}");
+        for start in [0, 0, 0, 0, 2, 1, 0, 1, 1, 1, 1, 0, 2] {
+            simulation.place(0.0, &q, starts[start].0).expect("it is placed");
+            assert_eq!(go_on_from(&mut simulation, start), expected[start], "{name}, start {start}");
         }
     }
 }

@@ -6,10 +6,10 @@
 //!
 //! It is a jump of position beside the mechanics. The report tells the largest one, and the energy that it adds is taken from the motion.
 
-use crate::crowd::convex::{TOLERANCE, solve};
 use crate::crowd::islands::islands;
 use crate::crowd::laws::Law;
 use crate::crowd::problem::{Given, Problem};
+use crate::crowd::solver::{TOLERANCE, solve};
 use crate::events::crowd::contacts::{Candidate, Scene};
 use crate::events::crowd::step::Crowd;
 use crate::mechanism::motion::kinematics::place_bodies;

@@ -11,11 +11,11 @@
 //! together, and at the start they are not. φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law
 //! exact for positions. It is first taken from a coarse solution. The velocity s [m/s] is the velocity of belts along the tangents.
 
-use crate::crowd::convex::{COARSE, TOLERANCE, solve};
 use crate::crowd::islands::{Island, islands};
 use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
 use crate::crowd::rows::Rows;
+use crate::crowd::solver::{COARSE, TOLERANCE, solve};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Contacts, Key, Scene};
 use crate::mechanism::description::body_state::BodyState;

@@ -7,11 +7,11 @@
 //! H and M are at the end of the step, v at its start; e is the restitution of a contact that has closed in this step. An approach that is slower than a
 //! fall of two steps has no rebound. There is no gap in it. Belts with the velocity s along the tangents do the work `−s · r`.
 
-use crate::crowd::convex::{TOLERANCE, solve};
 use crate::crowd::islands::islands;
 use crate::crowd::laws::Law;
 use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
+use crate::crowd::solver::{TOLERANCE, solve};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::mechanism::motion::state::State;
