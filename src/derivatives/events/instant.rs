@@ -86,6 +86,10 @@ impl<T: Number> Instant<'_, T> {
 
     /// G v of velocities (n).
     pub fn closure_rates(&self, velocities: &[T]) -> Vec<T> {
+        let plain = &self.figures.plain;
+        if plain.loops.is_empty() && plain.mimics.is_empty() && self.closed.is_empty() {
+            return Vec::new();
+        }
         let [first, second] = self.jets(velocities, &vec![T::zero(); velocities.len()]);
         let anchors: Vec<LoopFigures<Jet<T>>> = self.closed.anchors.iter().map(with_rates).collect();
         let offsets = self.offsets_of(&first, &second);
@@ -119,6 +123,9 @@ impl<T: Number> Instant<'_, T> {
         forces: &[(Option<usize>, Vector<T>, Vector<T>)],
     ) -> Vec<T> {
         let plain = &self.figures.plain;
+        if multipliers.is_empty() && forces.is_empty() {
+            return vec![T::zero(); plain.freedoms];
+        }
         let moving = self.placed(velocities);
         let placed = still(&moving);
         let mut loads = vec![Load { force: Vector::zero(), torque: Vector::zero() }; placed.len()];
