@@ -56,6 +56,7 @@ fn report(model: &Model) -> Report {
         catena: "",
         input: String::new(),
         scene: String::new(),
+        start: 0.0,
         duration: 1.0,
         method: MethodReport::new(&finished.method),
         model: ModelReport::default(),
