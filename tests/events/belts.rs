@@ -2,6 +2,7 @@
 
 use crate::common::scratch;
 use crate::scene_files::report;
+use catena::mechanism::motion::integrator::Rejected;
 use catena::report::{LinkReport, Report};
 use std::path::PathBuf;
 
@@ -45,6 +46,9 @@ fn a_box_on_a_belt_slides_until_it_moves_with_the_belt_and_then_rides() {
     // Then it has the speed of the belt, and the drive has no more work to do.
     let end = run("belt_rides", &text, 1.5);
     let own = link(&end, "box");
+    // Four corners hold all freedoms of a box that rides, and none of these is still.
+    assert_eq!((end.method.first_order_steps, end.rejected_by.0.of(Rejected::EnergyJump)), (0, 0));
+    assert!(end.steps < 20, "{} steps", end.steps);
     near("x", (own.position[0], 0.5 * acceleration * rides * rides + speed * (1.5 - rides)));
     near("z", (own.position[2], 0.05));
     near("kinetic energy", (end.energy.parts.kinetic, 0.5 * mass * speed * speed));

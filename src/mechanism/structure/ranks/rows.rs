@@ -38,7 +38,7 @@ pub struct Row {
     pub entries: Vec<(usize, f64)>,
     /// Its error, dimensionless like the entries.
     pub gap: f64,
-    /// Whether it moves its freedoms in time: they are not still, however many equations they have.
+    /// Whether it moves its freedoms, as a joint that is moved in time or a belt does: they are not still, however many equations they have.
     pub moves: bool,
 }
 
@@ -164,15 +164,16 @@ fn touch_rows(
     }
     let TouchMotion { gap, normal, point, .. } = touch_motion(joint, bodies);
     let rounding = f64::EPSILON * point.amax();
-    let row = |direction: &Vector3<f64>, gap: f64| Row {
+    let row = |direction: &Vector3<f64>, gap: f64, moves: bool| Row {
         closure,
         entries: entries(direction, &point),
         gap: gap.max(rounding) / size,
-        moves: false,
+        moves,
     };
-    let mut rows = vec![row(&normal, gap.abs())];
+    let mut rows = vec![row(&normal, gap.abs(), false)];
     if joint.touch.grip == Grip::Rolls {
-        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0)));
+        // A belt carries what it holds.
+        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0, joint.is_belt())));
     }
     if joint.moments.rows() > 0 {
         let held = joint.held_turns(&normal, &tangents(&normal));
