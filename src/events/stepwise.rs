@@ -16,6 +16,7 @@
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
+use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
 use crate::events::finding::speeds::speed_at;
 use crate::events::integrator::Eventful;
@@ -29,6 +30,7 @@ use crate::instant::start::assembly::assemble;
 use crate::mechanism::description::body_state::WORLD;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::distance::distance;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
@@ -109,6 +111,7 @@ impl Eventful {
         self.tally.leave_out(rebounds.0, rebounds.1, &self.model.whole, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         let moving = State { velocity: state.velocity.clone(), ..start.clone() };
+        self.tally.left_of_steps += step * self.speed_in_doubt(&start, &moving, &free, step);
         let loads = work_of_forces(&self.model.whole, &moving, step);
         state.displace(&self.model.whole, &moved);
         state.time = start.time + step;
@@ -139,6 +142,17 @@ impl Eventful {
         self.tally.steps += 1;
         self.tally.stepped += step;
         StepOutcome::new(step, 1, Exchange { work, impacts, ..Exchange::default() })
+    }
+
+    /// The speed by which bodies may move otherwise within a step of first order [m/s]: blows and pushes come somewhere in it, and its motion is in doubt
+    /// by what they change, from the velocity before or from that of a fall, and the larger counts.
+    fn speed_in_doubt(&self, start: &State, moving: &State, free: &[f64], step: f64) -> f64 {
+        let whole = &self.model.whole;
+        let falling = start.velocity.iter().zip(free).map(|(rate, acceleration)| rate + step * acceleration).collect();
+        let falling = State { velocity: falling, ..start.clone() };
+        let after = probe_velocities(whole, moving);
+        let change = |before: &State| distance(&probe_velocities(whole, before), &after);
+        change(start).max(change(&falling))
     }
 
     /// Rebounds that a step leaves out, and the energy that they would give back, `½ e² P |γ⁻|` each (J). An impact slower than the fall in one step

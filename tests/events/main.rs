@@ -51,6 +51,7 @@ mod mechanisms;
 mod motions;
 mod motors;
 mod orders;
+mod over_edges;
 mod pendulum;
 mod reactions;
 mod robots;

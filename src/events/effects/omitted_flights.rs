@@ -60,7 +60,7 @@ pub(crate) fn speed_in_doubt(
 }
 
 /// The velocities of the probes of all bodies [m/s]: a probe `x + ρ R e` has the velocity `v + ρ [ω]× R e`.
-fn probe_velocities(mechanism: &Mechanism, state: &State) -> Vec<Vector3<f64>> {
+pub(crate) fn probe_velocities(mechanism: &Mechanism, state: &State) -> Vec<Vector3<f64>> {
     let mut rates: Vec<BodyState> = body_states(mechanism, state);
     for body in &mut rates {
         body.position = body.velocity;

@@ -36,6 +36,8 @@ pub(crate) struct Tally {
     pub cut: (usize, f64),
     /// The distance by which the ends of accumulating impacts can have moved bodies or joints so far (m or rad).
     pub left_of_impacts: f64,
+    /// The distance by which single steps of first order can have moved bodies otherwise so far (m).
+    pub left_of_steps: f64,
     /// `Σ δv` [m/s] and `Σ δv t` (m) of blows that came while elements would still bounce
     /// ([`omitted_flights`](crate::events::effects::omitted_flights)).
     pub in_doubt: [f64; 2],
@@ -48,9 +50,9 @@ impl Tally {
     }
 
     /// The distance by which the ends of accumulating impacts can have moved bodies or joints up to an instant (s), and by which blows in flights that
-    /// are left out can have (m or rad).
+    /// are left out and single steps of first order can have (m or rad).
     pub fn error_of_impacts(&self, time: f64) -> f64 {
-        self.left_of_impacts + (self.in_doubt[0] * time - self.in_doubt[1]).max(0.0)
+        self.left_of_impacts + self.left_of_steps + (self.in_doubt[0] * time - self.in_doubt[1]).max(0.0)
     }
 
     /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic
