@@ -111,7 +111,7 @@ impl Eventful {
         self.tally.leave_out(rebounds.0, rebounds.1, &self.model.whole, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         let moving = State { velocity: state.velocity.clone(), ..start.clone() };
-        self.tally.left_of_steps += step * self.speed_in_doubt(&start, &moving, &free, step);
+        self.tally.left_of_steps += step * self.speed_in_doubt(&start, &free, step);
         let loads = work_of_forces(&self.model.whole, &moving, step);
         state.displace(&self.model.whole, &moved);
         state.time = start.time + step;
@@ -144,15 +144,13 @@ impl Eventful {
         StepOutcome::new(step, 1, Exchange { work, impacts, ..Exchange::default() })
     }
 
-    /// The speed by which bodies may move otherwise within a step of first order [m/s]: blows and pushes come somewhere in it, and its motion is in doubt
-    /// by what they change, from the velocity before or from that of a fall, and the larger counts.
-    fn speed_in_doubt(&self, start: &State, moving: &State, free: &[f64], step: f64) -> f64 {
+    /// The speed by which bodies may move otherwise within a step of first order [m/s]: its pushes are those of its end, and may be those of its start, so
+    /// that the motion is in doubt by what forces without contacts change in it.
+    fn speed_in_doubt(&self, start: &State, free: &[f64], step: f64) -> f64 {
         let whole = &self.model.whole;
         let falling = start.velocity.iter().zip(free).map(|(rate, acceleration)| rate + step * acceleration).collect();
         let falling = State { velocity: falling, ..start.clone() };
-        let after = probe_velocities(whole, moving);
-        let change = |before: &State| distance(&probe_velocities(whole, before), &after);
-        change(start).max(change(&falling))
+        distance(&probe_velocities(whole, start), &probe_velocities(whole, &falling))
     }
 
     /// Rebounds that a step leaves out, and the energy that they would give back, `½ e² P |γ⁻|` each (J). An impact slower than the fall in one step
