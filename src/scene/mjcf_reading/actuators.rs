@@ -78,7 +78,7 @@ impl Reader<'_> {
         let pulled = self.pulled(actuator);
         let [constant, per_position, mut per_rate] = bias;
         if per_rate > 0.0 && per_position < 0.0 && gain == -per_position {
-            let joints: Vec<_> = pulled.iter().map(|(joint, own)| (joint.clone(), gear * own)).collect();
+            let joints: Vec<_> = pulled.iter().map(|(joint, own)| (joint.as_str(), gear * own)).collect();
             per_rate = -self.damping_of_ratio(actuator, gain, per_rate, &joints);
         }
         let driven = self.driven(actuator, pulled, per_position != 0.0 || per_rate != 0.0)?;
@@ -143,15 +143,14 @@ impl Reader<'_> {
     ) -> Result<Vec<Driven>, SceneError> {
         let mut driven = Vec::with_capacity(pulled.len());
         for (joint, coefficient) in pulled {
-            let Some(&(tree, reference)) = self.references.get(&joint) else {
+            let Some(&(_, reference)) = self.references.get(&joint) else {
                 if self.free_names.contains(&joint) {
                     self.not_simulated(actuator, "actuators on free joints are not simulated".to_string());
                     return Ok(Vec::new());
                 }
                 return Err(actuator.error("joint", "there is no such joint".to_string()));
             };
-            let mut joints = self.trees[tree].joints.iter().filter_map(|(_, joint)| joint.as_ref());
-            if joints.any(|own| own.name == joint && own.kind == UrdfJointKind::Spherical) {
+            if self.joint_of(&joint).is_some_and(|joint| joint.kind == UrdfJointKind::Spherical) {
                 self.not_simulated(actuator, "actuators on ball joints are not simulated".to_string());
                 return Ok(Vec::new());
             }

@@ -10,6 +10,7 @@ use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+use std::cell::OnceCell;
 
 /// A body in another: its pose there, and the class of its elements.
 type Inner = (Element, Pose, Option<String>);
@@ -62,6 +63,7 @@ impl Reader<'_> {
             damping,
             links: Vec::new(),
             joints: Vec::new(),
+            inertias: OnceCell::new(),
         });
         if let Some(free) = free {
             self.order.push(Moving::Free(index));

@@ -4,6 +4,8 @@ use crate::scene::mjcf_reading::grips::Grip;
 use crate::scene::mjcf_reading::mass::MassOf;
 use crate::scene::robot::{Geometry, Pose, UrdfJointKind};
 use nalgebra::Vector3;
+use std::cell::OnceCell;
+use std::collections::HashMap;
 
 /// A child of the world with all that it carries.
 #[derive(Debug)]
@@ -18,6 +20,8 @@ pub(crate) struct Tree {
     pub damping: f64,
     pub links: Vec<Link>,
     pub joints: Vec<(Between, Option<Joint>)>,
+    /// The inertia of each joint at the start ([`super::tuning`]), once it was asked for.
+    pub inertias: OnceCell<HashMap<String, f64>>,
 }
 
 /// A link, read.

@@ -176,15 +176,16 @@ impl<'r> Reader<'r> {
 
     /// Lists an element that says nothing of the motion.
     pub fn ignore(&mut self, element: &Element, parent: &str) {
-        let what =
-            format!("<{}>{}", element.name, if parent == "mujoco" { String::new() } else { format!(" of <{parent}>") });
-        let entry = self.ignored.entry(what).or_insert_with(|| (element.file.to_path_buf(), element.line, 0));
-        entry.2 += 1;
+        let parent = if parent == "mujoco" { String::new() } else { format!(" of <{parent}>") };
+        self.list_ignored(element, format!("<{}>{parent}", element.name));
     }
 
     /// Lists an attribute that has no counterpart, because contacts are rigid.
     pub fn ignored_attribute(&mut self, element: &Element, name: &str) {
-        let what = format!("{name} of <{}>", element.name);
+        self.list_ignored(element, format!("{name} of <{}>", element.name));
+    }
+
+    fn list_ignored(&mut self, element: &Element, what: String) {
         let entry = self.ignored.entry(what).or_insert_with(|| (element.file.to_path_buf(), element.line, 0));
         entry.2 += 1;
     }

@@ -16,6 +16,13 @@ use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use nalgebra::Point3;
 
+/// How a tendon pulls by itself: the bounds of its length (m, or as its joints are counted), its stiffness and its damping.
+struct Pull {
+    range: Option<(f64, f64)>,
+    stiffness: f64,
+    damping: f64,
+}
+
 impl Reader<'_> {
     /// All tendons of a `<tendon>`.
     pub fn tendons(&mut self, tendons: &Element) -> Result<(), SceneError> {
@@ -35,7 +42,11 @@ impl Reader<'_> {
     /// A tendon through points of bodies.
     fn spatial(&mut self, tendon: &Element) -> Result<(), SceneError> {
         let name = tendon.text("name").map(str::to_string);
-        let Some(range) = self.range_of(tendon)? else { return Ok(()) };
+        let Pull { range, stiffness, damping } = self.pull_of(tendon)?;
+        let is_sprung = stiffness != 0.0 || damping != 0.0;
+        if range.is_none() && !is_sprung {
+            return Ok(());
+        }
         if tendon.children.iter().any(|child| child.name != "site") || tendon.children.len() != 2 {
             let message = "tendons around geoms, over pulleys or through more than two sites are not simulated";
             self.not_simulated(tendon, message.to_string());
@@ -58,9 +69,7 @@ impl Reader<'_> {
             }
             self.ropes.push(Rope { name, ends: ends.clone(), length: upper });
         }
-        let [stiffness, damping] = ["stiffness", "damping"].map(|key| tendon.number(key));
-        let (stiffness, damping) = (stiffness?.unwrap_or(0.0), damping?.unwrap_or(0.0));
-        if stiffness != 0.0 || damping != 0.0 {
+        if is_sprung {
             let rest = match tendon.list("springlength", 1, 2)?.as_deref() {
                 Some([free]) if *free >= 0.0 => *free,
                 Some([shortest, longest]) if shortest == longest && *shortest >= 0.0 => *shortest,
@@ -92,30 +101,30 @@ impl Reader<'_> {
         if let Some(name) = tendon.text("name") {
             self.fixed_tendons.insert(name.to_string(), terms);
         }
-        if self.range_of(tendon)?.is_some_and(|range| range.is_some()) {
+        let Pull { range, stiffness, damping } = self.pull_of(tendon)?;
+        if range.is_some() {
             self.not_simulated(tendon, "limits of fixed tendons are not simulated".to_string());
         }
-        let pulls = |key: &str| tendon.number(key).map(|number| number.is_some_and(|number| number != 0.0));
-        if pulls("stiffness")? || pulls("damping")? {
+        if stiffness != 0.0 || damping != 0.0 {
             self.not_simulated(tendon, "stiffness and damping of fixed tendons are not simulated".to_string());
         }
         Ok(())
     }
 
-    /// The bounds of its length, if it has any; `None` if nothing of it means anything. Warns of what no tendon has here.
-    fn range_of(&mut self, tendon: &Element) -> Result<Option<Option<(f64, f64)>>, SceneError> {
+    /// How a tendon pulls. Warns of what no tendon has here.
+    fn pull_of(&mut self, tendon: &Element) -> Result<Pull, SceneError> {
         let range = tendon.list("range", 2, 2)?;
         let is_limited = tendon.flag("limited").unwrap_or(range.is_some() && self.auto_limits);
-        let range = range.filter(|_| is_limited).map(|range| (range[0], range[1]));
-        let mut pulls = false;
-        for key in ["stiffness", "damping", "frictionloss", "armature"] {
-            let is_set = tendon.number(key)?.is_some_and(|number| number != 0.0);
-            pulls |= is_set;
-            if is_set && matches!(key, "frictionloss" | "armature") {
+        for key in ["frictionloss", "armature"] {
+            if tendon.number(key)?.is_some_and(|number| number != 0.0) {
                 self.not_simulated(tendon, format!("{key} of tendons is not simulated"));
             }
         }
-        Ok((range.is_some() || pulls).then_some(range))
+        Ok(Pull {
+            range: range.filter(|_| is_limited).map(|range| (range[0], range[1])),
+            stiffness: tendon.number("stiffness")?.unwrap_or(0.0),
+            damping: tendon.number("damping")?.unwrap_or(0.0),
+        })
     }
 
     /// Two fixed tendons that keep their relation, or one that keeps its length.

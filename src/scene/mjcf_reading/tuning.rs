@@ -13,7 +13,7 @@
 //!
 //! Source: MuJoCo documentation, XML reference, `joint/springdamper` and `actuator/position/dampratio`, and what MuJoCo 4.0 computes.
 
-use crate::scene::mjcf_reading::parts::Tree;
+use crate::scene::mjcf_reading::parts::{Joint, Tree};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::{Pose, UrdfJointKind};
@@ -29,8 +29,12 @@ struct Freedom {
 }
 
 impl Tree {
-    /// The inertia of each joint at the start [kg m² or kg]; none if something moves without a mass.
-    pub fn inertias_at_start(&self) -> HashMap<&str, f64> {
+    /// The inertia of a joint at the start [kg m² or kg]; `None` if something moves without a mass. All masses are known by then.
+    fn inertia_at_start(&self, joint: &str) -> Option<f64> {
+        self.inertias.get_or_init(|| self.inertias_at_start()).get(joint).copied()
+    }
+
+    fn inertias_at_start(&self) -> HashMap<String, f64> {
         let mut freedoms: Vec<Freedom> = Vec::new();
         // Its pose in the tree, and the freedoms that move it.
         let mut placed: HashMap<&str, (Pose, Vec<usize>)> = HashMap::new();
@@ -91,7 +95,7 @@ impl Tree {
         let inertia = |range: std::ops::Range<usize>| {
             range.len() as f64 / range.map(|index| inverse[(index, index)]).sum::<f64>()
         };
-        own_freedoms.into_iter().map(|(name, range)| (name, inertia(range))).collect()
+        own_freedoms.into_iter().map(|(name, range)| (name.to_string(), inertia(range))).collect()
     }
 }
 
@@ -99,19 +103,10 @@ impl Reader<'_> {
     /// Gives joints with a time constant and a damping ratio their stiffness and damping.
     pub fn tune_joints(&mut self) {
         for tree in &mut self.trees {
-            if tree.joints.iter().filter_map(|(_, joint)| joint.as_ref()).all(|joint| joint.spring_damper.is_none()) {
-                continue;
-            }
-            let found = tree.inertias_at_start();
-            let inertias: Vec<Option<f64>> = tree
-                .joints
-                .iter()
-                .map(|(_, joint)| joint.as_ref().and_then(|joint| found.get(joint.name.as_str()).copied()))
-                .collect();
-            for ((_, joint), inertia) in tree.joints.iter_mut().zip(inertias) {
-                if let Some(joint) = joint
-                    && let (Some([time, ratio, rest]), Some(inertia)) = (joint.spring_damper, inertia)
-                {
+            for at in 0..tree.joints.len() {
+                let tuned = |joint: &Joint| Some((joint.spring_damper?, tree.inertia_at_start(&joint.name)?));
+                let tuned = tree.joints[at].1.as_ref().and_then(tuned);
+                if let (Some(joint), Some(([time, ratio, rest], inertia))) = (&mut tree.joints[at].1, tuned) {
                     joint.spring = Some((inertia / (time * ratio).powi(2), rest));
                     joint.damping = 2.0 * inertia / time;
                 }
@@ -120,10 +115,10 @@ impl Reader<'_> {
     }
 
     /// The damping kv of an actuator of the stiffness kp with a damping ratio, on joints with gears; zero with a warning if a joint moves no mass.
-    pub fn damping_of_ratio(&mut self, actuator: &Element, kp: f64, ratio: f64, joints: &[(String, f64)]) -> f64 {
-        let inertia = |(joint, gear): &(String, f64)| {
+    pub fn damping_of_ratio(&mut self, actuator: &Element, kp: f64, ratio: f64, joints: &[(&str, f64)]) -> f64 {
+        let inertia = |&(joint, gear): &(&str, f64)| {
             let (tree, _) = self.references.get(joint)?;
-            Some(self.trees[*tree].inertias_at_start().get(joint.as_str())? / (gear * gear))
+            Some(self.trees[*tree].inertia_at_start(joint)? / (gear * gear))
         };
         let geared = joints.iter().filter(|(_, gear)| *gear != 0.0);
         match geared.map(inertia).sum::<Option<f64>>() {
