@@ -100,8 +100,14 @@ fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
     let instant = LogInstant { log: log.clone(), time };
     let (state, _) = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?;
     let model = Model::of_loaded(recorded.loaded, log.clone(), recorded.arguments.input.world.world());
-    let (start, _) =
-        start_of(&LogInstant { log: log.clone(), time: 0.0 }, model.description()).map_err(Failure::input)?;
+    // Motors may have their targets from the start of the run.
+    let start = match model.description().at_start.is_empty() {
+        true => state.clone(),
+        false => {
+            let instant = LogInstant { log: log.clone(), time: 0.0 };
+            start_of(&instant, model.description()).map_err(Failure::input)?.0
+        }
+    };
     Ok(model.linear_of_run(&start, &state, &[], args.at == Some(At::Rest))?)
 }
 

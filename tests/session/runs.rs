@@ -253,5 +253,9 @@ fn a_formula_that_ends_within_a_run_is_an_error_with_its_name_and_time() {
         let error = Simulation::new(&model).duration(2.5).run().expect_err("an error").to_string();
         assert!(error.contains(said), "{error}");
         Simulation::new(&model).duration(0.9).run().expect("a run that ends before");
+        // A program that makes steps of its own hears it when it gets there.
+        let mut steps = Simulation::new(&model).duration(2.5);
+        let error = (1..=25).find_map(|step| steps.step_to(0.1 * f64::from(step)).err()).expect("an error").to_string();
+        assert!(error.contains(said), "{error}");
     }
 }

@@ -64,6 +64,11 @@ impl Course {
         Course { from, until, ..self }
     }
 
+    /// Whether its factor is a formula of time.
+    pub fn has_formula(&self) -> bool {
+        matches!(&self.values, Values::Table(table) if table.as_formula().is_some())
+    }
+
     /// Whether it never changes.
     pub fn is_constant(&self) -> bool {
         let still = match &self.values {

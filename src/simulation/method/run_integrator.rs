@@ -150,7 +150,8 @@ impl RunIntegrator {
         }
     }
 
-    /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints up to an instant (s) (m or rad).
+    /// The distance by which flights that were left out of accumulating impacts, and single steps of first order, can have moved bodies or joints up to
+    /// an instant (s) (m or rad).
     pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {
         match self {
             RunIntegrator::Eventful(eventful) => eventful.error_of_impacts(time),

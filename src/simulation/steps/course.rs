@@ -187,10 +187,6 @@ impl Course {
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
-        let until = self.end.min(aim.until).min(aim.horizon);
-        if let Some((of, time)) = undefined(mechanism, state.time, until) {
-            return Err(RunError::Undefined { of, time });
-        }
         if !self.figures {
             return self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
         }
@@ -217,6 +213,10 @@ impl Course {
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
+        let until = self.end.min(aim.until).min(aim.horizon);
+        if let Some((of, time)) = undefined(mechanism, state.time, until) {
+            return Err(RunError::Undefined { of, time });
+        }
         let end = self.end.min(aim.until);
         while state.time < end && state.time < aim.horizon {
             if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {

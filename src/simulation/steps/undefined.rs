@@ -3,7 +3,6 @@
 //! A formula is looked at at instants at most 0.02 s apart, and halved between the last instant at which it is finite and the first at which it is
 //! not. A pole between two instants is not seen: steps then fail at it, or go past it.
 
-use crate::mechanism::description::course::Course as Factor;
 use crate::mechanism::description::mechanism::Mechanism;
 
 /// The longest time between two instants (s), and how many instants there are at least and at most.
@@ -23,13 +22,12 @@ pub(crate) fn undefined(mechanism: &Mechanism, from: f64, to: f64) -> Option<(St
             first = Some((name(), time));
         }
     };
-    let joint = |freedom: usize| {
-        let body = mechanism.body_of_freedom(freedom);
-        body.map_or_else(String::new, |body| mechanism.bodies[body].joint.name.clone())
-    };
     for motor in mechanism.nonsmooth.motors.iter().filter(|motor| motor.target.as_formula().is_some()) {
         let finite = |time: f64| motor.target.motion(time, time).iter().all(|value| value.is_finite());
-        look(&|| format!("the target of the motor on {:?}", joint(motor.coordinate.freedom)), &finite);
+        look(
+            &|| format!("the target of the motor on {:?}", mechanism.joint_of_freedom(motor.coordinate.freedom)),
+            &finite,
+        );
     }
     for mimic in &mechanism.mimics {
         if let Some(motion) = mimic.over_time.as_ref().filter(|motion| motion.as_formula().is_some()) {
@@ -37,13 +35,12 @@ pub(crate) fn undefined(mechanism: &Mechanism, from: f64, to: f64) -> Option<(St
             look(&|| format!("the motion of {:?}", mimic.name), &finite);
         }
     }
-    let changing = |course: &Factor| !course.is_constant();
-    for load in mechanism.forces.joint_courses.iter().filter(|load| changing(&load.course)) {
-        look(&|| format!("the load in joint {:?}", joint(load.freedom)), &|time| {
+    for load in mechanism.forces.joint_courses.iter().filter(|load| load.course.has_formula()) {
+        look(&|| format!("the load in joint {:?}", mechanism.joint_of_freedom(load.freedom)), &|time| {
             load.course.value(time, time).is_finite()
         });
     }
-    for load in mechanism.forces.link_loads.iter().filter(|load| changing(&load.course)) {
+    for load in mechanism.forces.link_loads.iter().filter(|load| load.course.has_formula()) {
         let name = || format!("the load on the body of joint {:?}", mechanism.bodies[load.body].joint.name);
         look(&name, &|time| load.course.value(time, time).is_finite());
     }
