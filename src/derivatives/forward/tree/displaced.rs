@@ -29,7 +29,7 @@ impl Displaced {
         Displaced { bodies: vec![Twist::NONE; bodies], carriers: vec![[Twist::NONE; 2]; bodies] }
     }
 
-    /// By the motions of freedoms, and by those of the frames of a body's joint, if they vary.
+    /// The displacements by the motions of freedoms, and of the frames of a body's joint if they vary.
     pub fn of(family: &Family, freedom: impl Fn(usize) -> Twist, frames: Option<impl Fn(usize) -> [Twist; 2]>) -> Self {
         let count = family.parents.len();
         let mut found = Displaced { bodies: Vec::with_capacity(count), carriers: Vec::with_capacity(count) };
