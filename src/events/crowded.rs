@@ -125,7 +125,7 @@ impl Eventful {
         }
         let before = self.progress.crowding;
         self.progress.crowding.enter(state.time);
-        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, length) else {
+        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, self.model.coarser * length) else {
             self.progress.crowding = before;
             return None;
         };
@@ -143,7 +143,7 @@ impl Eventful {
         }
         let next = self.model.next_instant(state.time, until);
         let (length, _) = self.crowd_length();
-        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, next, length) else {
+        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, next, self.model.coarser * length) else {
             self.progress.in_crowd = false;
             self.pass_anew(inputs, state);
             return None;
@@ -249,6 +249,7 @@ impl Eventful {
         self.trial.overlap = self.trial.overlap.max(overlap);
         self.tally.crowd_figures = (self.tally.crowd_figures.0.max(residual), self.tally.crowd_figures.1.max(lifted));
         self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
+        self.tally.over_events += step * step;
         // An impact within the step is at its end for samples inside it.
         self.workspaces.between = larger(self.workspaces.between, Some(0.25 * step * made.jump + lifted));
         self.progress.stepped_over = Some(state.clone());

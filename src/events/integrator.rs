@@ -156,6 +156,16 @@ impl Eventful {
         self.model.leave_of_impacts(part, least);
     }
 
+    /// Makes steps over events longer by a factor, as in a run with which another is compared.
+    pub(crate) fn coarsen_over_events(&mut self, factor: f64) {
+        self.model.coarser = factor;
+    }
+
+    /// The sum of the squared lengths of steps over events so far (s²).
+    pub(crate) fn over_events(&self) -> f64 {
+        self.tally.over_events
+    }
+
     /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints up to an instant (s) (m or rad).
     pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {
         self.tally.error_of_impacts(time)

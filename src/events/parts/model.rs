@@ -26,6 +26,8 @@ pub(crate) struct HybridModel {
     pub recipe: PieceRecipe,
     /// The height that accumulating impacts may leave (rad or m).
     pub height: f64,
+    /// Steps over events have this many times their length: more than one in a run with which another is compared.
+    pub coarser: f64,
 }
 
 impl HybridModel {
@@ -36,6 +38,7 @@ impl HybridModel {
             touching: Arc::new(Touching::new(mechanism)),
             recipe,
             height: HEIGHT,
+            coarser: 1.0,
         };
         model.leave_of_impacts(1.0, 1.0);
         model

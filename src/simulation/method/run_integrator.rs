@@ -150,6 +150,30 @@ impl RunIntegrator {
         }
     }
 
+    /// Makes steps over events longer by a factor, as in a run with which another is compared.
+    #[must_use]
+    pub(crate) fn coarser_over_events(mut self, factor: f64) -> Self {
+        self.coarsen_over_events(factor);
+        self
+    }
+
+    fn coarsen_over_events(&mut self, factor: f64) {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.coarsen_over_events(factor),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.coarsen_over_events(factor),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => {}
+        }
+    }
+
+    /// The sum of the squared lengths of steps over events so far (s²), to which the error that they add is in proportion.
+    pub(crate) fn over_events(&self) -> f64 {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.over_events(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.over_events(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
+        }
+    }
+
     /// The distance by which flights that were left out of accumulating impacts, and single steps of first order, can have moved bodies or joints up to
     /// an instant (s) (m or rad).
     pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {

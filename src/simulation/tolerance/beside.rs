@@ -13,6 +13,8 @@ use crate::stepping::length::stage_choice::StageChoice;
 pub(crate) const RATIO: f64 = 30.0;
 /// The least energy change that may be made, over the stop. If it had the bound of the run, a coarse companion would take more steps than the run.
 const ENERGY: f64 = 300.0;
+/// Length of its steps over events over those of the run beside it.
+const OVER_EVENTS: f64 = 2.0;
 
 /// Why a separate run has not reached the time that was asked for.
 pub(crate) enum Behind {
@@ -47,8 +49,18 @@ impl Beside {
         };
         let run = coarser.run(mechanism, stop, stages).ok()?;
         // Impacts of both that end at the same height would hide what that leaves.
-        let run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
+        let run = run.leaving(stop / coarser.first_stop(mechanism), RATIO).coarser_over_events(OVER_EVENTS);
         Some(Beside { run, state: state.clone(), events: Vec::new() })
+    }
+
+    /// The part of the distance of both runs that is the error of the finer one, as far as steps over events have made it.
+    ///
+    /// ```text
+    ///     e = C Σ h²,    e′ − e = C (Σ h′² − Σ h²)        first order: the error of each step is in proportion to h² (m)
+    /// ```
+    pub(crate) fn share_over_events(&self, finer: &RunIntegrator) -> f64 {
+        let [own, coarser] = [finer, &self.run].map(RunIntegrator::over_events);
+        if own > 0.0 { own / (coarser - own).max(own) } else { 0.0 }
     }
 
     /// Advances to a time (s), at which a step ends. The steps of the finer run do not end there, so the steps of the two runs differ.
