@@ -12,7 +12,16 @@ use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::motion::inputs::Inputs;
 
+/// An instant that ends a step is approached to this part of its time, or of a second: further than instants are told apart.
+const BEFORE: f64 = 4e-12;
+
 impl Eventful {
+    /// Whether forces or moved joints change their law at the instant (s) that ends a step from `since` (s).
+    pub(super) fn ends_at_change(&self, since: f64, time: f64) -> bool {
+        let whole = &self.model.whole;
+        whole.changes() && time >= whole.next_instant(since) - BEFORE * time.abs().max(1.0)
+    }
+
     /// Places the sample and its bodies at an instant of the last step.
     pub(crate) fn place(&mut self, instant: Inside) {
         self.go_to(instant);
@@ -72,6 +81,7 @@ impl Eventful {
         which: &[usize],
         values: &mut [f64],
     ) {
+        let changes = self.ends_at_change(since, time);
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
             workspaces: Workspaces { response, pieces, current, .. },
@@ -82,7 +92,13 @@ impl Eventful {
         if !evaluated.efforts && which.iter().any(|&index| watched[index].needs_efforts()) {
             mode.efforts_at(elements, inputs, since, sample, efforts);
             let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+            // The forces of the step are those before the instant that ends it.
+            let end = sample.time;
+            if changes {
+                sample.time -= BEFORE * end.abs().max(1.0);
+            }
             holding.evaluate(&present, response, sample, efforts);
+            sample.time = end;
             evaluated.efforts = true;
         }
         if !evaluated.margin && which.iter().any(|&index| watched[index] == Watched::Margin) {

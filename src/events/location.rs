@@ -357,6 +357,7 @@ impl Eventful {
     ) -> Result<bool, StepError> {
         let which = [bracket.watched];
         let full = self.workspaces.active().small.time - since;
+        let bounded = self.ends_at_change(since, since + full);
         let scale = self.trial.watched[bracket.watched].scale(&self.model.elements, &self.model.touching, &self.mode);
         let (mut low, mut high) = (bracket.low - since, (bracket.high - since).max(bracket.root - since));
         let mut length = bracket.root - since;
@@ -452,6 +453,8 @@ impl Eventful {
             let wanted = length + change;
             // The dense output that has bracketed the root may be off by its error.
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
+            // Beyond an instant at which forces change they are others.
+            let to = if bounded { to.min(full) } else { to };
             length = if wanted > from.max(0.0) && wanted < to {
                 wanted
             } else if stops && !passed && wanted >= to && high < full {

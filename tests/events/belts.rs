@@ -135,3 +135,24 @@ fn an_impact_on_a_belt_gives_the_body_the_impulse_of_its_friction() {
     let across = impulse * speed - impulse * impulse / (2.0 * mass) * (1.0 + 2.5);
     near("loss", (end.energy.impacts, 0.5 * mass * down * down * (1.0 - restitution * restitution) + across));
 }
+
+#[test]
+fn a_push_that_begins_makes_a_box_slip_on_its_belt_at_that_instant_whatever_the_tolerance() {
+    // 20 N against a grip of 14.7 N from 1 s to 1.2 s: the step that ends there has the forces before it.
+    let (mass, grip, speed) = (3.0, 0.5 * GRAVITY, 1.0);
+    let text = format!(
+        "[[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.2, 0.2, 0.1] }}\nmass = {mass}\nfriction = 0.5\n\
+         pose.position = [0, 0, 0.05]\n[[load]]\nlink = \"box\"\nforce = [-20, 0, 0]\nfrom = 1\nuntil = 1.2\n\
+         [[obstacle]]\nname = \"belt\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.5\nsurface_velocity = [{speed}, 0, 0]\n"
+    );
+    let lost = 0.2 * (20.0 / mass - grip);
+    // Behind the belt by ½ v²/(μ g) each time that it is brought to its speed, and by half of the speed that is lost while it is pushed.
+    let expected = 2.0 * speed - 0.5 * (speed * speed + lost * lost) / grip - 0.5 * 0.2 * lost;
+    for power in 2..12 {
+        let tolerance = 10_f64.powi(-power);
+        let end = report(&scene("belt_pushed", &text), &[], &[], Some(2.0), tolerance);
+        // Accelerations are constant between events, so that steps of any length are exact.
+        near(&format!("x at {tolerance:e}"), (link(&end, "box").position[0], expected));
+        assert!(end.steps < 12, "{} steps", end.steps);
+    }
+}

@@ -1,7 +1,8 @@
-//! A cylinder that rolls off the edge of a box: its line of contact becomes the edge, in a step of first order where no other can be made.
+//! Errors of steps of first order are estimated: of a cylinder that rolls off the edge of a box, where its line of contact becomes the edge, and of
+//! boxes that tumble over each other.
 
 use crate::common::scratch;
-use crate::scene_files::report;
+use crate::scene_files::{apart, report};
 
 #[test]
 fn a_step_of_first_order_at_an_edge_is_in_the_estimated_error() {
@@ -12,14 +13,52 @@ fn a_step_of_first_order_at_an_edge_is_in_the_estimated_error() {
     let file = scratch("over_an_edge").join("scene.toml");
     std::fs::write(&file, text).expect("a scene");
     let mut steps = 0;
-    for tolerance in [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-11] {
+    for tolerance in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-11] {
         let end = report(&file, &[], &[], Some(1.0), tolerance);
         let accuracy = end.accuracy.expect("an accuracy");
         // From the closed form until it tips, and an integration of its own of the pendulum about the edge and the slip that follows (±4e-13 m).
         let off = (end.links[0].1.position[0] - 0.320_107_740_462_5).abs();
         let told = if accuracy.reached { tolerance } else { accuracy.estimated };
         assert!(off <= told.max(1e-12), "{tolerance:e}: off by {off:e}, told {:e}", accuracy.estimated);
+        // Estimates are orders of magnitude. Coarse runs step over the edge, with an error of first order.
+        assert!(
+            off <= 3.0 * accuracy.estimated.max(1e-12),
+            "{tolerance:e}: {off:e}, estimated {:e}",
+            accuracy.estimated
+        );
         steps += end.method.first_order_steps;
     }
     assert!(steps > 0, "the scene shows nothing any more");
+}
+
+#[test]
+fn boxes_that_tumble_over_each_other_in_steps_over_events_tell_that_their_end_is_not_known() {
+    let mut text = "[[obstacle]]\nname = \"floor\"\nfriction = 0.5\nshape = { type = \"half_space\" }\n".to_owned();
+    for (number, [x, y, z, roll, pitch]) in [
+        [-0.010, 0.002, 0.2, 0.370, 0.604],
+        [0.195, 0.0066, 0.2, 0.014, 0.838],
+        [0.0104, 0.1898, 0.2, 0.234, 0.973],
+        [0.2033, 0.2101, 0.2, 0.503, 0.119],
+        [-0.0059, -0.0133, 0.45, 0.830, 0.421],
+        [0.1864, -0.0142, 0.45, 0.287, 0.696],
+        [0.0069, 0.2064, 0.45, 0.645, 0.350],
+        [0.2127, 0.1812, 0.45, 0.871, 0.112],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        text += &format!(
+            "[[body]]\nname = \"b{number}\"\nshape = {{ type = \"box\", size = [0.1, 0.1, 0.1] }}\nmass = 1\nfriction = 0.5\n\
+             pose = {{ position = [{x}, {y}, {z}], rpy = [{roll}, {pitch}, 0.2] }}\n"
+        );
+    }
+    let file = scratch("tumbling_boxes").join("scene.toml");
+    std::fs::write(&file, text).expect("a scene");
+    let [coarse, fine] = [1e-3, 1e-5].map(|tolerance| report(&file, &[], &[], Some(1.5), tolerance));
+    let off = apart(&coarse, &fine);
+    let told = coarse.accuracy.expect("an accuracy");
+    assert!(coarse.method.first_order_time > 0.3, "the scene shows nothing any more");
+    assert!(off > 1e-3 && !told.reached, "{off:e} apart, told {:e}", told.estimated);
+    assert!(told.estimated > off / 3.0, "{off:e} apart, told {:e}", told.estimated);
+    assert!(told.holds_until < 0.5, "{}", told.holds_until);
 }
