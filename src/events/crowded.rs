@@ -249,7 +249,7 @@ impl Eventful {
         self.trial.overlap = self.trial.overlap.max(overlap);
         self.tally.crowd_figures = (self.tally.crowd_figures.0.max(residual), self.tally.crowd_figures.1.max(lifted));
         self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
-        self.tally.over_events += step * step;
+        self.tally.smeared[0] += step * step;
         // An impact within the step is at its end for samples inside it.
         self.workspaces.between = larger(self.workspaces.between, Some(0.25 * step * made.jump + lifted));
         self.progress.stepped_over = Some(state.clone());

@@ -156,14 +156,14 @@ impl Eventful {
         self.model.leave_of_impacts(part, least);
     }
 
-    /// Makes steps over events longer by a factor, as in a run with which another is compared.
+    /// Makes steps over events and jams longer by a factor, as in a run with which another is compared.
     pub(crate) fn coarsen_over_events(&mut self, factor: f64) {
         self.model.coarser = factor;
     }
 
-    /// The sum of the squared lengths of steps over events so far (s²).
-    pub(crate) fn over_events(&self) -> f64 {
-        self.tally.over_events
+    /// The sums of the squared lengths of steps over events (s²), and of the lengths of steps over jams (s) so far.
+    pub(crate) fn smeared(&self) -> [f64; 2] {
+        self.tally.smeared
     }
 
     /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints up to an instant (s) (m or rad).

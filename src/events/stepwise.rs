@@ -98,7 +98,9 @@ impl Eventful {
         let efforts = self.mode.driving_efforts(&self.model.elements, inputs, state);
         let mut free = vec![0.0; self.model.whole.velocity_count];
         self.workspaces.response.accelerations(state, &efforts, &mut free);
-        let mut step = self.progress.crowding.length().min(until - start.time);
+        let jammed = self.progress.crowding.is_jammed();
+        let longer = if jammed { self.model.coarser } else { 1.0 };
+        let mut step = (longer * self.progress.crowding.length()).min(until - start.time);
         let mut rounds = 0;
         let Pushed { pressed, limits, near, rebounds, driven, .. } = loop {
             let pushed = self.pushed(step, &start, &free, &mut state.velocity);
@@ -111,6 +113,7 @@ impl Eventful {
         self.tally.leave_out(rebounds.0, rebounds.1, &self.model.whole, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         let moving = State { velocity: state.velocity.clone(), ..start.clone() };
+        self.tally.smeared[1] += if jammed { step } else { 0.0 };
         self.tally.left_of_steps += step * self.speed_in_doubt(&start, &free, step);
         let loads = work_of_forces(&self.model.whole, &moving, step);
         state.displace(&self.model.whole, &moved);

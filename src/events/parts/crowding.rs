@@ -167,6 +167,11 @@ impl Crowding {
         }
     }
 
+    /// Whether the next step of first order is one in the place of a step that jams.
+    pub fn is_jammed(&self) -> bool {
+        self.jams
+    }
+
     /// The length of the steps of first order of the last crowd, or of the one in the place of a step that jams (s).
     pub fn length(&self) -> f64 {
         if self.jams { self.jam.0 } else { self.longer() as f64 * STEP }

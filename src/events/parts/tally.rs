@@ -20,8 +20,9 @@ pub(crate) struct Tally {
     pub stepped: f64,
     /// Steps of first order, and how long they were together (s).
     pub first_order: (usize, f64),
-    /// `Σ h²` of the steps over events among them (s²), to which the error that they add is in proportion.
-    pub over_events: f64,
+    /// `Σ h²` of the steps over events among them (s²), and `Σ h` of those in the place of steps that jam (s): the errors that they add are in
+    /// proportion to them.
+    pub smeared: [f64; 2],
     /// The largest residual and the largest lift of steps over many impacts (m).
     pub crowd_figures: (f64, f64),
     /// The events since they were last taken.

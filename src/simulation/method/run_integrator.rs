@@ -150,7 +150,7 @@ impl RunIntegrator {
         }
     }
 
-    /// Makes steps over events longer by a factor, as in a run with which another is compared.
+    /// Makes steps over events and jams longer by a factor, as in a run with which another is compared.
     #[must_use]
     pub(crate) fn coarser_over_events(mut self, factor: f64) -> Self {
         self.coarsen_over_events(factor);
@@ -165,12 +165,13 @@ impl RunIntegrator {
         }
     }
 
-    /// The sum of the squared lengths of steps over events so far (s²), to which the error that they add is in proportion.
-    pub(crate) fn over_events(&self) -> f64 {
+    /// The sums of the squared lengths of steps over events (s²), and of the lengths of steps over jams (s) so far, to which the errors that they add are
+    /// in proportion.
+    pub(crate) fn smeared(&self) -> [f64; 2] {
         match self {
-            RunIntegrator::Eventful(eventful) => eventful.over_events(),
-            RunIntegrator::WithoutLocked(run) => run.0.inside.over_events(),
-            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
+            RunIntegrator::Eventful(eventful) => eventful.smeared(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.smeared(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => [0.0; 2],
         }
     }
 

@@ -9,8 +9,8 @@
 //! A tree integrates its companion with its own steps, for half of their cost. The companion has the errors that iterations leave removed
 //! ([`crate::stepping::length::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside the
 //! errors of the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop
-//! that is [`RATIO`] times coarser; errors are proportional to the stop. Its steps over events are twice as long, so that their part of the distance is
-//! the error itself ([`Beside::share_over_events`]). Motions further apart than a hundredth of the mechanism's size have parted
+//! that is [`RATIO`] times coarser; errors are proportional to the stop. Its steps of first order are twice as long, so that their part of the distance
+//! is the error itself ([`Beside::share_of_first_order`]). Motions further apart than a hundredth of the mechanism's size have parted
 //! and give no estimate.
 //!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
@@ -229,7 +229,7 @@ impl<'a> Assessed<'a> {
                     Err(Behind::Interrupted) => return None,
                 }
                 let share = if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
-                (probes(mechanism, &beside.state), share.max(beside.share_over_events(&self.run)))
+                (probes(mechanism, &beside.state), share.max(beside.share_of_first_order(&self.run)))
             }
         };
         let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
@@ -294,7 +294,7 @@ impl<'a> Assessed<'a> {
     /// When the run and its separate companion first meet different events (s). A companion that alone steps over events does not say which it met.
     fn difference(&self) -> Option<f64> {
         let By::Beside(beside) = &self.by else { return None };
-        if beside.run.over_events() > 0.0 && self.run.over_events() == 0.0 {
+        if beside.hides_events(&self.run) {
             return None;
         }
         first_difference(&self.events, &beside.events)

@@ -53,14 +53,21 @@ impl Beside {
         Some(Beside { run, state: state.clone(), events: Vec::new() })
     }
 
-    /// The part of the distance of both runs that is the error of the finer one, as far as steps over events have made it.
+    /// The part of the distance of both runs that is the error of the finer one, as far as steps of first order have made it.
     ///
     /// ```text
-    ///     e = C Σ h²,    e′ − e = C (Σ h′² − Σ h²)        first order: the error of each step is in proportion to h² (m)
+    ///     e = C Σ h²,    e′ − e = C (Σ h′² − Σ h²)        over events: the error of each step is in proportion to h² (m)
+    ///     e = C Σ h                                       over jams, which leave an error of the velocity in proportion to h
     /// ```
-    pub(crate) fn share_over_events(&self, finer: &RunIntegrator) -> f64 {
-        let [own, coarser] = [finer, &self.run].map(RunIntegrator::over_events);
-        if own > 0.0 { own / (coarser - own).max(own) } else { 0.0 }
+    pub(crate) fn share_of_first_order(&self, finer: &RunIntegrator) -> f64 {
+        let [own, coarser] = [finer, &self.run].map(RunIntegrator::smeared);
+        let shares = own.into_iter().zip(coarser).filter(|(own, _)| *own > 0.0);
+        shares.map(|(own, coarser)| own / (coarser - own).max(own)).fold(0.0, f64::max)
+    }
+
+    /// Whether it alone steps over events, so that it does not say which events it has met.
+    pub(crate) fn hides_events(&self, finer: &RunIntegrator) -> bool {
+        self.run.smeared()[0] > 0.0 && finer.smeared()[0] == 0.0
     }
 
     /// Advances to a time (s), at which a step ends. The steps of the finer run do not end there, so the steps of the two runs differ.
