@@ -53,6 +53,8 @@ const SLOWER: f64 = 0.25;
 pub(super) const JAM: f64 = 1e-7;
 /// Such a step is made in another way if more than this part of the largest kinetic energy is unaccounted for.
 const OFF: f64 = 1e-8;
+/// Energies are not known better than to this part of them.
+const ROUNDED: f64 = 1e-14;
 /// Given steps are made shorter if more than this part is unaccounted for, and more than this part of the friction loss. A step that cannot follow a
 /// slip or a jam is off by about the friction loss. Truncation errors are far smaller.
 const OFF_GIVEN: f64 = 1e-6;
@@ -187,7 +189,12 @@ impl Eventful {
             Some(tolerance) => tolerance.max(OFF) * largest,
             None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
         };
-        off > most || exchange.friction < -OFF * largest
+        // One that slides without friction may not move at all: its energy has the roundings of its weight.
+        let rounded = |off: f64| {
+            let turned = self.pushes(inputs, end) * size(&self.model.whole, &self.trial.origin);
+            off <= ROUNDED * (before.total().abs() + turned)
+        };
+        off > most && !rounded(off) || exchange.friction < -OFF * largest
     }
 
     /// Whether a closed contact overlaps at the end of the step by more than roundings: if sliding contacts nearly jam, the iteration of the stages

@@ -112,11 +112,14 @@ impl Eventful {
         let contacts = self.mode.contacts.len();
         let piece = self.workspaces.active_mut();
         let unknowns = piece.moving.mechanism.velocity_count + 3 * contacts;
+        let rests = piece.steps.is_none();
         if let Some(steps) = &mut piece.steps {
             steps.expect_instant(given);
         }
         piece.begin(&self.model.whole, inputs, &self.trial.efforts, &self.trial.origin);
-        Attempt { since, until: until.min(soon), passing, given, shortest, unknowns, slow, stopped }
+        let until = until.min(soon);
+        let until = if rests { self.model.next_extreme(since, until) } else { until };
+        Attempt { since, until, passing, given, shortest, unknowns, slow, stopped }
     }
 
     /// Makes the step, ends it at its first event, and says how it ended.

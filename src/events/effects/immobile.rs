@@ -22,6 +22,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::{DMatrix, DMatrixView};
+use std::iter::successors;
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
@@ -68,8 +69,9 @@ pub(crate) fn held_bodies(
     state: &State,
 ) -> Vec<bool> {
     let mut held = mode.held_bodies(elements, whole.bodies.len());
-    // A body that a belt carries is not at rest.
-    let holds = |closed: &&Closed| closed.slides.is_none() && !closed.contact.joint.is_belt();
+    // A body that a belt or a joint that is moved in time carries is not at rest.
+    let carries = |joint: &TouchJoint| joint.is_belt() || [&joint.a, &joint.b].iter().any(|end| is_moved(whole, end.body));
+    let holds = |closed: &&Closed| closed.slides.is_none() && !carries(&closed.contact.joint);
     let sticks = mode.contacts.iter().any(|closed| holds(&closed));
     // Joints that follow a held joint are held with it; loops and contacts may hold more.
     if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
@@ -104,6 +106,12 @@ pub(crate) fn held_bodies(
         whole.body_of_freedom(freedom).into_iter().for_each(|body| held[body] = false);
     }
     held
+}
+
+/// Whether a joint above a body, or its own, is moved in time.
+fn is_moved(whole: &Mechanism, body: Option<usize>) -> bool {
+    let moved = |body: usize| whole.mimics.iter().any(|mimic| mimic.is_moved() && mimic.follower.body == body);
+    whole.moves_joints() && successors(body, |&body| whole.bodies[body].parent).any(moved)
 }
 
 /// The rows of the turnings that rolling and spinning friction hold at a closed contact.

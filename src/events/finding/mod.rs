@@ -4,6 +4,7 @@ pub(crate) mod approach;
 pub mod cover;
 pub(crate) mod cycle;
 pub(crate) mod detection;
+pub(crate) mod extremes;
 pub(crate) mod reserves;
 pub(crate) mod speeds;
 pub(crate) mod travel;

@@ -2,6 +2,7 @@
 //!
 //! Invariants: `elements` and `touching` are those of `whole`; only a run that hands over another mechanism changes them, between two steps.
 
+use crate::events::finding::extremes::next_extreme;
 use crate::events::modes::piece_steps::PieceRecipe;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::Touching;
@@ -58,6 +59,20 @@ impl HybridModel {
     pub fn replace(&mut self, mechanism: &Mechanism) {
         self.whole = Arc::new(mechanism.clone());
         self.touching = Arc::new(Touching::new(mechanism));
+    }
+
+    /// The next instant (s) at which a load, or the law of a motor at rest, is largest or least, or the end.
+    pub fn next_extreme(&self, since: f64, until: f64) -> f64 {
+        let forces = &self.whole.forces;
+        let courses = forces.joint_courses.iter().map(|load| &load.course);
+        let courses = courses.chain(forces.link_loads.iter().map(|load| &load.course));
+        let loads = courses.filter(|course| !course.is_constant());
+        let first = loads.fold(until, |first, load| next_extreme(since, first, |time| load.value(since, time)));
+        let motors = self.elements.motors.iter().filter(|motor| motor.period == 0.0 && !motor.target.is_constant());
+        motors.fold(first, |first, motor| {
+            let first = next_extreme(since, first, |time| motor.target.piece(since, time).0);
+            next_extreme(since, first, |time| motor.target.piece(since, time).1)
+        })
     }
 
     /// The next instant at which an effort changes its law, or the end.
