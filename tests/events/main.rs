@@ -54,6 +54,7 @@ mod orders;
 mod over_edges;
 mod pendulum;
 mod reactions;
+mod rests_under_loads;
 mod robots;
 mod robots_on_floor;
 mod ropes;

@@ -354,3 +354,44 @@ fn a_ball_on_a_plate_that_is_shaken_rides_hops_and_is_struck_with_its_energy_acc
     // The first blow, from rest onto a speed of 0.6 m/s, loses as much as it gives: ½ m u².
     assert!(end.energy.impacts > 0.5 * 2.0 * 0.36, "{:?}", end.energy);
 }
+
+#[test]
+fn a_box_rides_on_a_table_that_is_moved_and_slips_on_it_where_its_friction_is_not_enough() {
+    // A table of 5 kg that slides along x, whose top is at 0.05 m, and a box on it with four corners.
+    let urdf = "<robot name='r'><link name='base'/><link name='table'><inertial><mass value='5'/><inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' \
+                ixz='0' iyz='0'/></inertial><collision><geometry><box size='9 2 0.1'/></geometry></collision></link>\
+                <joint name='slide' type='prismatic'><parent link='base'/><child link='table'/><axis xyz='1 0 0'/>\
+                <limit lower='-9' upper='9' effort='0' velocity='0'/></joint></robot>";
+    let folder = scratch("on_a_moved_table");
+    std::fs::write(folder.join("table.urdf"), urdf).expect("a robot");
+    let end = |formula: &str, speed: f64, duration: f64| {
+        let text = format!(
+            "[[robot]]\nurdf = \"table.urdf\"\n[[motion]]\njoint = \"slide\"\nposition = {{ formula = \"{formula}\" }}\n\
+             [[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.2, 0.2, 0.2] }}\nmass = 1\npose.position = [0, 0, 0.15]\n\
+             velocity.linear = [{speed}, 0, 0]\n[contact]\nfriction = 0.3\n"
+        );
+        let file = folder.join("scene.toml");
+        std::fs::write(&file, text).expect("a scene");
+        let end = report(&file, &[], &[], Some(duration), 1e-9);
+        assert_eq!(end.method.first_order_steps, 0, "{formula}");
+        end.links.iter().find(|(name, _)| name == "box").expect("a box").1.position[0]
+    };
+    let near =
+        |formula: &str, is: f64, wanted: f64| assert!((is - wanted).abs() < 1e-10, "{formula}: {is}, not {wanted}");
+    near("even", end("0.5*t", 0.5, 1.0), 0.5);
+    near("faster", end("0.5*t^2", 0.0, 1.0), 0.5);
+    near("sine below the grip", end("0.05*sin(7*t)", 0.35, 1.0), 0.05 * 7.0_f64.sin());
+    // 0.1 sin(7 t) needs 4.9 m/s² of a grip of 2.943: it slips where that is not enough, and sticks where their speeds meet.
+    let (amplitude, rate, grip) = (0.1, 7.0, 0.3 * GRAVITY);
+    let table = |time: f64| amplitude * (rate * time).sin();
+    let speed = |time: f64| amplitude * rate * (rate * time).cos();
+    let slips = (grip / (amplitude * rate * rate)).asin() / rate;
+    let own = |time: f64| speed(slips) - grip * (time - slips);
+    let (mut low, mut high) = (0.3, 0.6);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if own(middle) > speed(middle) { low = middle } else { high = middle }
+    }
+    let slid = 0.5 * (speed(slips) + own(low)) * (low - slips);
+    near("sine beyond the grip", end("0.1*sin(7*t)", 0.7, 0.53), slid + table(slips) + table(0.53) - table(low));
+}

@@ -70,7 +70,8 @@ pub(crate) fn held_bodies(
 ) -> Vec<bool> {
     let mut held = mode.held_bodies(elements, whole.bodies.len());
     // A body that a belt or a joint that is moved in time carries is not at rest.
-    let carries = |joint: &TouchJoint| joint.is_belt() || [&joint.a, &joint.b].iter().any(|end| is_moved(whole, end.body));
+    let carries =
+        |joint: &TouchJoint| joint.is_belt() || [&joint.a, &joint.b].iter().any(|end| is_moved(whole, end.body));
     let holds = |closed: &&Closed| closed.slides.is_none() && !carries(&closed.contact.joint);
     let sticks = mode.contacts.iter().any(|closed| holds(&closed));
     // Joints that follow a held joint are held with it; loops and contacts may hold more.
