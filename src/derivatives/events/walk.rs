@@ -49,7 +49,7 @@ type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
 /// Derivatives along a run.
 pub(crate) struct Walk<'w> {
     pub(super) subject: &'w Subject<'w>,
-    figures: BothFigures<f64>,
+    pub(super) figures: BothFigures<f64>,
     pub(super) constant: BothFigures<Part>,
     pub(super) varied: Varied,
     /// Where it is.
