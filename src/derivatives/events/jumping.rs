@@ -1,8 +1,9 @@
 //! Velocities that jump at one instant: the impact of the run at its active set, with its derivatives.
 
 use crate::derivatives::equations::laws::Laws;
-use crate::derivatives::events::impact::{Impact, Met};
+use crate::derivatives::events::impact::Impact;
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::meet::Met;
 use crate::derivatives::events::struck::struck;
 use crate::derivatives::events::walk::{Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;

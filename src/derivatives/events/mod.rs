@@ -7,6 +7,7 @@ mod impact;
 pub mod instant;
 mod jumping;
 mod locating;
+mod meet;
 pub mod parameter;
 pub(crate) mod reverse;
 mod struck;

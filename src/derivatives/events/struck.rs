@@ -8,8 +8,8 @@
 //!
 //! M, W and G do not depend on the unknowns: they are found once.
 
-use crate::derivatives::events::impact::{Meet, Met};
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::meet::{Meet, Met};
 use crate::instant::cone::impact::Round;
 use crate::instant::cone::problem::{Answer, BlockState};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
