@@ -171,8 +171,7 @@ impl Elimination {
     /// `A⁻¹ B`.
     pub fn solve_all(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
         let mut found = right.clone();
-        for (to, column) in found.column_iter_mut().zip(right.column_iter()) {
-            let mut to = to;
+        for (mut to, column) in found.column_iter_mut().zip(right.column_iter()) {
             to.copy_from(&DVector::from_vec(self.solve(column.as_slice())));
         }
         found
@@ -214,7 +213,11 @@ mod tests {
 
     /// A matrix whose rows have sizes from 1e-12 to 1e12.
     fn matrix(count: usize) -> DMatrix<f64> {
-        let entry = |row: usize, column: usize| ((row * 7919 + column * 104_729 + 13) % 1009) as f64 / 504.5 - 1.0;
+        let entry = |row: usize, column: usize| {
+            let seed = (64 * row + column) as u64;
+            let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            (mixed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
         DMatrix::from_fn(count, count, |row, column| entry(row, column) * 10.0_f64.powi(row as i32 % 25 - 12))
     }
 
