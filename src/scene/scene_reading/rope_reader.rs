@@ -1,4 +1,4 @@
-//! Ropes, from the tables `[[rope]]`: names resolved, and the winches of those whose length changes in time ([`super::winch`]).
+//! Ropes, from the tables `[[rope]]`: names resolved, and the winches that pay ropes out ([`super::winch`]).
 
 use crate::mechanism::description::target::Interpolation;
 use crate::scene::coupling::{JointReference, LinkReference, Point, SceneRope};

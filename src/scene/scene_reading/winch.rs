@@ -5,7 +5,7 @@
 //! ```
 //!
 //! P_0 is the first point of the rope, which is in the world, L the most of it (m), l the position of the slide, and e its direction. The slide has
-//! 1e-12 kg, as an equation of motion needs some: its kinetic energy is a rounding of that of the bodies. The work of the motion is the tension times l̇.
+//! 1e-12 kg, as an equation of motion needs some: its kinetic energy is a rounding. The work of the motion is the tension times l̇.
 
 use crate::mechanism::description::target::Target;
 use crate::scene::description::SceneRobot;
