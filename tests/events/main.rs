@@ -55,6 +55,7 @@ mod over_edges;
 mod pendulum;
 mod reactions;
 mod rests_under_loads;
+mod reeved;
 mod robots;
 mod robots_on_floor;
 mod ropes;
