@@ -2,7 +2,7 @@
 
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::mechanism::motion::contact_point::{ContactPoint, OutsideCone};
-use crate::model::Model;
+use crate::model::{Model, Owner};
 use crate::simulation::Finished;
 use serde::Serialize;
 
@@ -23,6 +23,9 @@ pub struct ContactReport {
     pub gap: f64,
     /// `stick` or `slip`.
     pub state: &'static str,
+    /// Whether it is a rope that is taut: its force is the tension.
+    #[serde(skip)]
+    pub is_rope: bool,
 }
 
 /// The contacts of a run.
@@ -54,6 +57,7 @@ impl ContactReport {
             force: point.force.into(),
             gap: point.gap,
             state: state_name(point),
+            is_rope: is_rope(model, point.pair),
         }
     }
 }
@@ -79,8 +83,14 @@ impl ContactsReport {
 
     /// The contacts at the end and the worst of all contacts, in words.
     pub(crate) fn words(&self) -> String {
-        let slipping = self.points.iter().filter(|point| point.state == "slip").count();
-        contact_words(self.points.len(), slipping, self.max_penetration, Some(self.max_cone_violation))
+        let touching = self.points.iter().filter(|point| !point.is_rope);
+        let slipping = touching.clone().filter(|point| point.state == "slip").count();
+        let touching = touching.count();
+        let ropes = match self.points.len() - touching {
+            0 => String::new(),
+            taut => format!("{} taut, ", counted(taut, "rope", "ropes")),
+        };
+        ropes + &contact_words(touching, slipping, self.max_penetration, Some(self.max_cone_violation))
     }
 }
 
@@ -126,6 +136,12 @@ pub(crate) fn pair_names(model: &Model, number: usize) -> (&str, &str) {
     pair.map_or(("", ""), |pair| (&nonsmooth.colliders[pair.a].name, &nonsmooth.colliders[pair.b].name))
 }
 
+/// Whether a pair, by its number, is a rope.
+fn is_rope(model: &Model, number: usize) -> bool {
+    let pair = model.mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number);
+    pair.and_then(|pair| model.contact.owners.get(pair.a)).is_some_and(|owner| matches!(owner, Owner::Rope(_)))
+}
+
 /// The names `a|b` of the shapes of a pair, by its number, as events have them.
 pub(crate) fn pair_name(model: &Model, number: usize) -> String {
     let (a, b) = pair_names(model, number);
@@ -146,6 +162,7 @@ mod tests {
             force: [0.0; 3],
             gap: 0.0,
             state,
+            is_rope: state == "rope",
         };
         let words = |states: &[&'static str]| {
             let points = states.iter().map(|state| point(state)).collect();
@@ -156,6 +173,7 @@ mod tests {
         assert_eq!(words(&["stick"]), format!("1 contact at the end{worst}"));
         assert_eq!(words(&["stick", "slip"]), format!("2 contacts at the end, 1 of them slips{worst}"));
         assert_eq!(words(&["slip", "slip"]), format!("2 contacts at the end, 2 of them slip{worst}"));
+        assert_eq!(words(&["slip", "rope"]), format!("1 rope taut, 1 contact at the end, 1 of them slips{worst}"));
         // The words of a log that was cut off.
         assert_eq!(contact_words(1, 0, 2e-16, None), "1 contact at the end; deepest overlap 2.0e-16 m");
     }
