@@ -80,7 +80,7 @@ impl Eventful {
 
     /// Whether a pair has rolling or spinning friction, which steps over events leave out.
     fn resists_turning(&self) -> bool {
-        self.model.touching.pairs.iter().any(|pair| !pair.moments.are_zero())
+        self.model.touching.pairs.resist_turning()
     }
 
     /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.

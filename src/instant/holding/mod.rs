@@ -5,5 +5,8 @@ pub(crate) mod elements;
 pub(crate) mod held;
 pub mod locked;
 pub(crate) mod moments;
+pub(crate) mod near;
+pub(crate) mod pairs;
+pub(crate) mod per_pair;
 pub mod statuses;
 pub(crate) mod touching;

@@ -5,6 +5,7 @@
 
 use crate::description::closure::{Coordinate, JointLimit};
 use crate::description::contact::{Collider, ContactPair};
+use crate::description::contact_pairs::ContactPairs;
 use crate::description::target::Target;
 
 /// Dry (Coulomb) friction along one scalar joint coordinate: the effort `τ` on the child is
@@ -129,7 +130,7 @@ pub struct Nonsmooth {
     /// Shapes that may touch.
     pub colliders: Vec<Collider>,
     /// Which of them may, and how.
-    pub pairs: Vec<ContactPair>,
+    pub pairs: ContactPairs,
 }
 
 impl Nonsmooth {
@@ -155,6 +156,10 @@ impl Nonsmooth {
             stays
         });
         let colliders = &self.colliders;
+        let moves = |pair: &ContactPair| colliders[pair.a].body.or(colliders[pair.b].body).is_some();
+        if places.iter().enumerate().all(|(number, place)| *place == Some(number)) && self.pairs.iter().all(moves) {
+            return;
+        }
         self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
             (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
                 (pair.a, pair.b) = (a, b);
