@@ -21,7 +21,6 @@ use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::Inside;
 use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
-use crate::instant::holding::pairs::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -128,9 +127,7 @@ impl Eventful {
                 | Watched::Slips(contact)
                 | Watched::Resists(contact, _)
                 | Watched::Turns(contact, _)
-                | Watched::Feature(contact) => {
-                    self.trial.fresh_pairs.holds(self.mode.contacts[contact].contact.pair)
-                }
+                | Watched::Feature(contact) => self.trial.fresh_pairs.holds(self.mode.contacts[contact].contact.pair),
             };
             if fresh { f64::INFINITY } else { zero }
         }));
@@ -180,15 +177,15 @@ impl Eventful {
             if std::mem::take(&mut sampled) {
                 self.sample_speeds([since, end], &mut speeds);
             }
-            let of @ Pair { bodies, reach, breadth, .. } = &self.model.touching.pairs[pair];
-            let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
+            let of = &self.model.touching.pairs[pair];
+            let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
             let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
             let measure = Measure {
                 closed: if self.trial.fresh_pairs.holds(pair) { f64::INFINITY } else { zero },
                 zero,
-                speed: speeds.closing(*bodies, *reach),
+                speed: speeds.closing_of(of),
                 resolution,
-                changing: speeds.changing(*bodies, *reach, end - since),
+                changing: speeds.changing_of(of, end - since),
             };
             let roughly = self.is_known_roughly(pair);
             let mut gap = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
@@ -220,6 +217,7 @@ impl Eventful {
             // A closed pair has the gap of its other features.
             if let (None, Some(at_end)) = (found, gap.at_end)
                 && !self.is_closed(pair)
+                && !self.model.touching.pairs[pair].is_reeved()
             {
                 self.trial.reserves.note(pair, at_end);
             }
@@ -248,12 +246,13 @@ impl Eventful {
 
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
     fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
-        let Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
-        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds.
-        if self.trial.fresh_pairs.holds(pair) || self.is_closed(pair) {
+        let of = &self.model.touching.pairs[pair];
+        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds. The travel of two bodies is not
+        // that of all which a rope goes through.
+        if self.trial.fresh_pairs.holds(pair) || self.is_closed(pair) || of.is_reeved() {
             return None;
         }
-        self.trial.reserves.lasts(pair, length * speeds.closing(*bodies, *reach))
+        self.trial.reserves.lasts(pair, length * speeds.closing_of(of))
     }
 
     /// Whether the last step is a span that is short beside the steps of the motion.
@@ -297,8 +296,7 @@ impl Eventful {
 
     /// The most that a pair can close by in the last step [m/s].
     pub(super) fn fastest_of(&self, pair: usize) -> f64 {
-        let Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
-        self.trial.speeds.closing(*bodies, *reach)
+        self.trial.speeds.closing_of(&self.model.touching.pairs[pair])
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.

@@ -54,8 +54,8 @@ impl Eventful {
     /// Whether the bodies of a pair move against each other in the mode.
     pub(super) fn moves_apart(&self, pair: usize) -> bool {
         let moving = &self.workspaces.active().moving;
-        let [a, b] = self.model.touching.pairs.bodies_of(pair).map(|body| body.and_then(|body| moving.group(body)));
-        a != b
+        let groups = |bodies: [Option<usize>; 2]| bodies.map(|body| body.and_then(|body| moving.group(body)));
+        self.model.touching.pairs[pair].parts.iter().map(|(bodies, _)| groups(*bodies)).any(|[a, b]| a != b)
     }
 
     /// Looks for bodies that may come near in the last step, before its functions are looked at.

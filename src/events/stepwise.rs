@@ -18,7 +18,7 @@
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
 use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
-use crate::events::finding::speeds::speed_at;
+use crate::events::finding::speeds::{speed_at, speed_of};
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
@@ -226,11 +226,13 @@ impl Eventful {
         let mut seen = Vec::with_capacity(self.trial.near.pairs().len());
         for &pair in self.trial.near.pairs() {
             let of = &self.model.touching.pairs[pair];
-            let speed = of.bodies.iter().zip(of.reach).filter_map(|(body, reach)| {
+            let ends = of.parts.iter().flat_map(|(bodies, reach)| bodies.iter().zip(reach));
+            let speed = ends.filter_map(|(body, reach)| {
                 let state = &bodies[(*body)?];
                 Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
-            let within = (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider.get(pair).copied().unwrap_or(0.0));
+            let within =
+                (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider.get(pair).copied().unwrap_or(0.0));
             let distance = self.model.touching.distance_within(pair, &bodies, within);
             seen.push(Looked { pair, distance, near: distance <= within });
             if distance > within {
@@ -280,12 +282,10 @@ impl Eventful {
                 limits = limits_in(&blocks, &gaps, &sides, &impulses);
             }
             let moving = body_states(&self.model.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
-            let state_of = |body: Option<usize>| body.map_or(WORLD, |body| moving[body]);
             let (mut part, mut widened) = (1.0_f64, false);
             for &Looked { pair, distance, near } in &seen {
                 let of = &self.model.touching.pairs[pair];
-                let reach = [0, 1].map(|side| of.bodies[side].map_or(f64::INFINITY, |_| of.reach[side]));
-                let moves = MOVES * step * speed_at(of.bodies.map(state_of), reach);
+                let moves = MOVES * step * speed_of(of, &moving);
                 if near {
                     let through = of.breadth.max(THIN * of.size());
                     part = part.min(if moves > through { 0.5 * through / moves } else { 1.0 });

@@ -90,7 +90,9 @@ impl PreparedShape {
             }
         }
         let [first, second] = if self.convex().is_some() { [other, self] } else { [self, other] };
-        let Some(second) = second.convex() else { return Err(GeometryError::Obstacles { a: self.kind, b: other.kind }) };
+        let Some(second) = second.convex() else {
+            return Err(GeometryError::Obstacles { a: self.kind, b: other.kind });
+        };
         if matches!(first.side, First::Hollow(_)) && second.size > 0.0 {
             return Err(GeometryError::Obstacles { a: self.kind, b: other.kind });
         }

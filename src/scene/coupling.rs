@@ -77,13 +77,13 @@ pub struct SceneSpring {
     pub line: usize,
 }
 
-/// A `[[rope]]`: it holds two points together, up to its length.
+/// A `[[rope]]`: it runs from its first point to its last through those between, and is no longer than its length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRope {
     /// Name, unique among the ropes of the file.
     pub name: String,
-    /// Its ends.
-    pub ends: [Point; 2],
+    /// Its points in their order, two or more: its ends, and the eyelets between.
+    pub points: Vec<Point>,
     /// m.
     pub length: f64,
     /// e of the blow with which it goes taut, 0 to 1.

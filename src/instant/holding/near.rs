@@ -16,13 +16,10 @@
 //! Computer "experiments" on classical fluids I, Physical Review 159 (1967) (lists of neighbours with a margin).
 
 use crate::instant::holding::pairs::Pairs;
+use crate::instant::holding::sparse::Sparse;
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::description::contact::ContactPair;
-use crate::mechanism::description::mechanism::Mechanism;
 use nalgebra::Vector3;
 
-/// Scenes with fewer pairs have all of them.
-const FEW: usize = 1000;
 /// A new home lets a body move by this part of its reach, by this multiple of its margin, and by its speed for this time (s).
 const OF_REACH: f64 = 0.25;
 const OF_MARGIN: f64 = 1.5;
@@ -32,21 +29,6 @@ const ROUNDED: f64 = 1e-12;
 /// Up to this part of all bodies that have left their homes are compared one by one.
 const ONE_BY_ONE: usize = 16;
 
-/// Which pairs can be left out: constant data of a scene.
-#[derive(Clone, Default)]
-pub(crate) struct Sparse {
-    /// R of each body (m); `None` for bodies without bounded convex shapes.
-    reach: Vec<Option<f64>>,
-    /// The first body of the robot of each body.
-    roots: Vec<usize>,
-    /// The colliders of each body that can be left out.
-    colliders: Vec<Vec<usize>>,
-    /// Where the pairs of each collider with later ones begin in the list of all.
-    rows: Vec<usize>,
-    /// The pairs that are always there.
-    always: Vec<usize>,
-}
-
 /// The pairs that may be near, in the order of their numbers.
 #[derive(Clone, Default)]
 pub(crate) struct Near {
@@ -54,64 +36,6 @@ pub(crate) struct Near {
     /// c and s of each body; empty before the first look.
     homes: Vec<(Vector3<f64>, f64)>,
     known: bool,
-}
-
-impl Sparse {
-    /// For the pairs of a mechanism; `None` if there are few, or in no order.
-    pub fn new(mechanism: &Mechanism, pairs: &Pairs) -> Option<Self> {
-        let given = &pairs.given;
-        let ascending = |two: &[ContactPair]| (two[0].a, two[0].b) < (two[1].a, two[1].b);
-        if given.len() < FEW || !given.windows(2).all(ascending) {
-            return None;
-        }
-        let bodies = mechanism.bodies.len();
-        let mut sparse = Sparse { reach: vec![None; bodies], colliders: vec![Vec::new(); bodies], ..Sparse::default() };
-        for (index, body) in mechanism.bodies.iter().enumerate() {
-            sparse.roots.push(body.parent.map_or(index, |parent| sparse.roots[parent]));
-        }
-        for (collider, side) in pairs.sides.iter().enumerate() {
-            if let (Some(body), Some(reach)) = (side.body, side.reach) {
-                sparse.reach[body] = Some(sparse.reach[body].map_or(reach, |known| known.max(reach)));
-                sparse.colliders[body].push(collider);
-            }
-        }
-        let mut first = 0;
-        for collider in 0..=pairs.sides.len() {
-            first += given[first..].partition_point(|pair| pair.a < collider);
-            sparse.rows.push(first);
-        }
-        sparse.always = (0..given.len()).filter(|&pair| sparse.apart(pairs, pair).is_none()).collect();
-        // Nothing is gained if most pairs are always there.
-        (2 * sparse.always.len() < given.len()).then_some(sparse)
-    }
-
-    pub fn reach_of(&self, body: usize) -> Option<f64> {
-        self.reach[body]
-    }
-
-    /// The bodies of a pair that can be left out.
-    fn apart(&self, pairs: &Pairs, pair: usize) -> Option<[usize; 2]> {
-        let ContactPair { a, b, .. } = pairs.given[pair];
-        let [one, other] = [a, b].map(|side| &pairs.sides[side]);
-        let (Some(of_a), Some(of_b)) = (one.body, other.body) else { return None };
-        let bounded = one.reach.is_some() && other.reach.is_some();
-        (bounded && self.roots[of_a] != self.roots[of_b]).then_some([of_a, of_b])
-    }
-
-    /// Adds the numbers of the pairs of two bodies.
-    fn add(&self, pairs: &Pairs, [a, b]: [usize; 2], out: &mut Vec<usize>) {
-        if self.roots[a] == self.roots[b] {
-            return;
-        }
-        for &one in &self.colliders[a] {
-            for &other in &self.colliders[b] {
-                let (first, second) = (one.min(other), one.max(other));
-                let row = self.rows[first]..self.rows[first + 1];
-                let found = pairs.given[row.clone()].binary_search_by_key(&second, |pair| pair.b);
-                out.extend(found.ok().map(|place| row.start + place));
-            }
-        }
-    }
 }
 
 impl Near {
@@ -139,12 +63,12 @@ impl Near {
             return new && !self.pairs.is_empty();
         };
         if !self.known {
-            self.pairs.clone_from(&sparse.always);
+            self.pairs = sparse.always().to_vec();
             self.homes = vec![(Vector3::zeros(), f64::NEG_INFINITY); bodies.len()];
         }
         let mut moved = Vec::new();
         for (body, state) in bodies.iter().enumerate() {
-            let Some(reach) = sparse.reach[body] else { continue };
+            let Some(reach) = sparse.reach_of(body) else { continue };
             let (centre, slack) = self.homes[body];
             let margin = margin(body);
             let is_home = (state.position - centre).norm() + margin <= slack;
@@ -158,7 +82,7 @@ impl Near {
             return false;
         }
         let mut found = Vec::new();
-        self.compare(sparse, &moved, |pair| sparse.add(all, pair, &mut found));
+        self.compare(sparse, &moved, |pair| sparse.add(pair, &mut found));
         let before = self.pairs.len();
         self.pairs.append(&mut found);
         self.pairs.sort_unstable();
@@ -171,7 +95,7 @@ impl Near {
         let Some(sparse) = all.sparse.as_ref().filter(|_| self.known) else { return false };
         let homes = &self.homes;
         let before = self.pairs.len();
-        self.pairs.retain(|&pair| sparse.apart(all, pair).is_none_or(|of| overlap(sparse, homes, of)));
+        self.pairs.retain(|&pair| sparse.apart(pair).is_none_or(|of| overlap(sparse, homes, of)));
         self.pairs.len() < before
     }
 
@@ -182,7 +106,7 @@ impl Near {
             let (centre, slack) = self.homes[body];
             (bodies[body].position - centre).norm() + margin(body) <= slack
         };
-        sparse.apart(all, pair).is_some_and(|of| of.into_iter().all(at_home) && !overlap(sparse, &self.homes, of))
+        sparse.apart(pair).is_some_and(|of| of.into_iter().all(at_home) && !overlap(sparse, &self.homes, of))
     }
 
     /// Calls a function with the bodies whose homes overlap with those of `moved`, which ascend.
@@ -198,7 +122,7 @@ impl Near {
         }
         let mut is_moved = vec![false; count];
         moved.iter().for_each(|&body| is_moved[body] = true);
-        let present = (0..count).filter(|&body| sparse.reach[body].is_some());
+        let present = (0..count).filter(|&body| sparse.reach_of(body).is_some());
         let place = |body: usize, axis: usize| self.homes[body].0[axis];
         let spread = |axis: usize| {
             let places = present.clone().map(|body| place(body, axis));
@@ -211,7 +135,11 @@ impl Near {
         let mut sorted: Vec<(f64, f64, usize)> = present
             .clone()
             .map(|body| (place(body, axis) - half(body), place(body, axis) + half(body), body))
-            .map(|(low, high, body)| if low <= high { (low, high, body) } else { (f64::NEG_INFINITY, f64::INFINITY, body) })
+            .map(
+                |(low, high, body)| {
+                    if low <= high { (low, high, body) } else { (f64::NEG_INFINITY, f64::INFINITY, body) }
+                },
+            )
             .collect();
         sorted.sort_by(|one, other| one.0.total_cmp(&other.0));
         for (number, &(_, high, one)) in sorted.iter().enumerate() {
@@ -230,16 +158,115 @@ impl Near {
 /// R + s of a body, and a little more for roundings (m).
 fn size(sparse: &Sparse, homes: &[(Vector3<f64>, f64)], body: usize) -> f64 {
     let (centre, slack) = homes[body];
-    let size = sparse.reach[body].unwrap_or(0.0) + slack;
+    let size = sparse.reach_of(body).unwrap_or(0.0) + slack;
     size + ROUNDED * (size + centre.amax())
 }
 
 /// Whether two homes overlap, or may.
 fn overlap(sparse: &Sparse, homes: &[(Vector3<f64>, f64)], [one, other]: [usize; 2]) -> bool {
-    if sparse.reach[one].is_none() || sparse.reach[other].is_none() {
+    if sparse.reach_of(one).is_none() || sparse.reach_of(other).is_none() {
         return false;
     }
     let apart = (homes[one].0 - homes[other].0).norm();
     let is_apart = apart > size(sparse, homes, one) + size(sparse, homes, other);
     !is_apart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instant::cone::scenes::Random;
+    use crate::mechanism::description::body_state::WORLD;
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::{Body, Mechanism};
+
+    const RADIUS: f64 = 0.1;
+
+    /// Free balls, and a floor: everything may touch everything.
+    fn balls(count: usize) -> Pairs {
+        let body = |_| {
+            let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
+            Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint }
+        };
+        let bodies = (0..count).map(body).collect();
+        let mut mechanism = Mechanism::new("balls", Vector3::zeros(), bodies).expect("free bodies");
+        let nonsmooth = &mut mechanism.nonsmooth;
+        for ball in 0..count {
+            let shape = Shape::Sphere { radius: RADIUS };
+            nonsmooth.colliders.push(Collider::still("ball", Some(ball), Pose::identity(), shape));
+        }
+        nonsmooth.colliders.push(Collider::still("floor", None, Pose::identity(), Shape::HalfSpace));
+        for (a, b) in (0..count).flat_map(|a| (a + 1..=count).map(move |b| (a, b))) {
+            let number = nonsmooth.pairs.len();
+            nonsmooth.pairs.push(ContactPair::without_moments(number, [a, b], 0.5, 0.0));
+        }
+        Pairs::new(&mechanism)
+    }
+
+    fn at(position: Vector3<f64>, velocity: Vector3<f64>) -> BodyState {
+        BodyState { position, velocity, ..WORLD }
+    }
+
+    #[test]
+    fn pairs_that_are_left_out_are_farther_apart_than_their_margins_wherever_bodies_go() {
+        let (count, mut random) = (60, Random::new(3));
+        let pairs = balls(count);
+        let mut near = Near::default();
+        let mut any = || Vector3::new(random.signed(), random.signed(), random.signed());
+        let mut bodies: Vec<BodyState> = (0..count).map(|_| at(any() * 2.0, any() * 3.0)).collect();
+        let mut counts = [0, 0];
+        for round in 0..400 {
+            for (body, state) in bodies.iter_mut().enumerate() {
+                // Now and then one is put elsewhere, and all are: a few are compared one by one, and many in a sweep.
+                let jumps = round % 100 == 99 || (round % 7 == 0 && body == round % count);
+                state.position = if jumps { any() * 2.0 } else { state.position + state.velocity * 0.003 };
+            }
+            let margin = |body: usize| 1e-3 * (1 + body % 50) as f64;
+            near.see(&pairs, &bodies, margin);
+            if round % 20 == 10 {
+                near.leave_out(&pairs);
+            }
+            for pair in 0..pairs.len() {
+                let is_near = near.pairs().binary_search(&pair).is_ok();
+                let [Some(a), Some(b)] = pairs.bodies_of(pair) else {
+                    assert!(is_near, "a pair with the floor is always there");
+                    continue;
+                };
+                let gap = (bodies[a].position - bodies[b].position).norm() - 2.0 * RADIUS;
+                counts[usize::from(is_near)] += 1;
+                assert!(is_near || gap > margin(a) + margin(b), "round {round}: {a} and {b} are {gap} m apart");
+                assert!(is_near || near.proves_apart(&pairs, pair, &bodies, margin), "round {round}: {a} and {b}");
+            }
+        }
+        // Balls in 64 m³, each with 0.4 m around it at most: 8 % of the pairs are near in a still picture, and more while they move through it.
+        assert!(counts[1] * 3 < counts[0], "{counts:?} far and near");
+    }
+
+    #[test]
+    fn a_body_that_is_not_at_home_is_no_certificate() {
+        let pairs = balls(60);
+        let mut bodies: Vec<BodyState> =
+            (0..60).map(|ball| at(Vector3::x() * f64::from(ball), Vector3::zeros())).collect();
+        let near = Near::within(&pairs, &bodies, |_| 0.0);
+        // Balls 0 and 2, which are 2 m apart.
+        assert!(near.proves_apart(&pairs, 1, &bodies, |_| 0.0));
+        bodies[0].position.y = 0.03;
+        assert!(!near.proves_apart(&pairs, 1, &bodies, |_| 0.0));
+    }
+
+    #[test]
+    fn a_grid_of_balls_has_pairs_in_proportion_to_its_balls() {
+        for side in [10, 20, 30] {
+            let pairs = balls(side * side);
+            let place = |ball: usize| Vector3::new(0.22 * (ball % side) as f64, 0.22 * (ball / side) as f64, 0.1);
+            let bodies: Vec<BodyState> = (0..side * side).map(|ball| at(place(ball), Vector3::zeros())).collect();
+            let near = Near::within(&pairs, &bodies, |_| 0.0);
+            // One pair of each ball with the floor, and one of each two neighbours: homes of 0.125 m do not reach those across the corner, at 0.31 m.
+            let wanted = side * side + 2 * side * (side - 1);
+            assert_eq!(near.pairs().len(), wanted);
+            near.pairs().iter().for_each(|&pair| assert!(pairs[pair].within(1.0) > 0.0));
+            assert_eq!(pairs.prepared(), wanted);
+        }
+    }
 }

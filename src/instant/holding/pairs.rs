@@ -4,10 +4,12 @@
 //! [`crate::instant::holding::near`] says which of them are to be asked.
 
 use crate::geometry::{Extents, PairGeometry, PreparedShape};
-use crate::instant::holding::near::Sparse;
-use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths};
+use crate::instant::holding::rope::{Part, Rope};
+use crate::instant::holding::sparse::Sparse;
+use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths, Shape};
 use crate::mechanism::description::contact_pairs::ContactPairs;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::Reeving;
 use nalgebra::Vector3;
 use std::ops::Index;
 use std::sync::OnceLock;
@@ -28,6 +30,10 @@ pub(crate) struct Pair {
     pub(super) surfaces: [Vector3<f64>; 2],
     /// The largest distance of each from the centre of mass of its body (m); infinite for a half space.
     pub reach: [f64; 2],
+    /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or those of every part of a rope through several points.
+    pub parts: Vec<Part>,
+    /// The rope through several points that it is, if it is one.
+    pub(super) rope: Option<Rope>,
     /// μ and e.
     pub friction: f64,
     pub restitution: f64,
@@ -42,6 +48,11 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
+    /// Whether it is a rope through several points.
+    pub fn is_reeved(&self) -> bool {
+        self.rope.is_some()
+    }
+
     /// The tolerance that is this part of its size (m).
     pub fn within(&self, part: f64) -> f64 {
         self.extents.within(part)
@@ -70,11 +81,11 @@ impl Pair {
 
 /// A collider of a mechanism.
 #[derive(Clone)]
-pub(super) struct Sided {
-    pub body: Option<usize>,
-    pub shape: PreparedShape,
+struct Sided {
+    body: Option<usize>,
+    shape: PreparedShape,
     /// Its reach, if it is bounded and convex (m).
-    pub reach: Option<f64>,
+    reach: Option<f64>,
     surface: Vector3<f64>,
 }
 
@@ -85,11 +96,13 @@ type Page = Box<[OnceLock<Box<Pair>>; PAGE]>;
 #[derive(Clone, Default)]
 pub(crate) struct Pairs {
     /// The colliders that belong to pairs.
-    pub(super) sides: Vec<Sided>,
-    pub(super) given: ContactPairs,
+    sides: Vec<Sided>,
+    given: ContactPairs,
     pages: Vec<OnceLock<Page>>,
-    /// Whether any pair has rolling or spinning friction.
-    resist_turning: bool,
+    /// The ropes through several points, with their lengths (m).
+    ropes: Vec<(Reeving, f64)>,
+    /// Whether steps over events leave something out.
+    need_events: bool,
     /// Which pairs can be left out; `None` if all are few.
     pub(super) sparse: Option<Sparse>,
 }
@@ -113,10 +126,16 @@ impl Pairs {
             Sided { body: collider.body, reach: shape.reach(), shape, surface: collider.surface_velocity }
         };
         let sides = shapes.into_iter().zip(colliders).map(sided).collect();
-        let resist_turning = given.iter().any(|pair| !pair.moments.are_zero());
+        let ropes = nonsmooth.reevings.iter().filter_map(|rope| match nonsmooth.colliders[rope.collider].shape {
+            Shape::Hollow { radius: length } => Some((rope.clone(), length)),
+            _ => None,
+        });
+        let ropes: Vec<(Reeving, f64)> = ropes.collect();
+        let need_events = !ropes.is_empty() || given.iter().any(|pair| !pair.moments.are_zero());
         let pages = (0..given.len().div_ceil(PAGE)).map(|_| OnceLock::new()).collect();
-        let mut pairs = Pairs { sides, given, pages, resist_turning, sparse: None };
-        pairs.sparse = Sparse::new(mechanism, &pairs);
+        let mut pairs = Pairs { sides, given, pages, ropes, need_events, sparse: None };
+        let colliders = pairs.sides.iter().map(|side| (side.body, side.reach));
+        pairs.sparse = Sparse::new(mechanism, &pairs.given, colliders);
         pairs
     }
 
@@ -130,9 +149,9 @@ impl Pairs {
         self.given.is_empty()
     }
 
-    /// Whether any pair has rolling or spinning friction.
-    pub fn resist_turning(&self) -> bool {
-        self.resist_turning
+    /// Whether steps over events leave something out: rolling and spinning friction, and ropes through several points.
+    pub fn need_events(&self) -> bool {
+        self.need_events
     }
 
     /// Whether they are few, so that none is left out.
@@ -153,12 +172,17 @@ impl Pairs {
 
     fn prepare(&self, number: usize) -> Pair {
         let ContactPair { friction, restitution, moments, number, a, b } = self.given[number];
+        let rope = self.ropes.iter().find(|(rope, _)| rope.collider == a);
         let [a, b] = [a, b].map(|side| &self.sides[side]);
         let geometry = PairGeometry::of(&a.shape, &b.shape);
+        let rope = rope.and_then(|(rope, length)| Rope::new(&rope.points, *length, &geometry));
+        let (bodies, reach) = ([a.body, b.body], geometry.reach());
         Pair {
-            bodies: [a.body, b.body],
+            bodies,
             surfaces: [a.surface, b.surface],
-            reach: geometry.reach(),
+            parts: rope.as_ref().map_or_else(|| vec![(bodies, reach)], Rope::parts),
+            reach,
+            rope,
             extents: geometry.extents(),
             breadth: geometry.breadth(),
             geometry,

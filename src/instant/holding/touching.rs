@@ -5,6 +5,7 @@
 
 use crate::geometry::{FeatureId, PlaceId, TouchPlace};
 use crate::instant::holding::pairs::{Pair, Pairs};
+use crate::instant::holding::rope::ROUNDED;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Grip, Moments, Touch, TouchJoint};
@@ -104,7 +105,10 @@ impl Touching {
 
     /// The distance of a pair (m); negative where it overlaps.
     pub fn distance(&self, pair: usize, bodies: &[BodyState]) -> f64 {
-        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        if let Some(rope) = rope {
+            return rope.gap(bodies);
+        }
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
     }
 
@@ -133,7 +137,10 @@ impl Touching {
 
     /// A lower bound of the distance of a pair (m) for little work, and for a little more if the first one is at most `enough` (m).
     pub fn least_distance(&self, pair: usize, bodies: &[BodyState], enough: f64) -> f64 {
-        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        if let Some(rope) = rope {
+            return rope.gap(bodies) - ROUNDED * rope.length;
+        }
         geometry.least_distance(&pose(*a, bodies), &pose(*b, bodies), enough)
     }
 
@@ -142,7 +149,11 @@ impl Touching {
         if self.least_distance(pair, bodies, within) > within {
             return Vec::new();
         }
-        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: of, rope, .. } = &self.pairs[pair];
+        if let Some(rope) = rope {
+            let gap = rope.gap(bodies);
+            return if gap < within { vec![(self.contact(pair, rope.place.clone()), gap)] } else { Vec::new() };
+        }
         let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
         let contacts = places.into_iter().map(|place| (place.gap, place));
         contacts.map(|(gap, place)| (self.contact(pair, place), gap)).collect()
@@ -151,7 +162,11 @@ impl Touching {
     /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
     /// of the distance (m), if it is known. `likely` tells whether there were contacts a moment ago.
     pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {
-        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: of, rope, .. } = &self.pairs[pair];
+        if rope.is_some() {
+            let near = self.near(pair, bodies, within);
+            return (near.into_iter().map(|(contact, _)| contact).collect(), self.distance(pair, bodies));
+        }
         let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, likely);
         (places.into_iter().map(|place| self.contact(pair, place)).collect(), apart)
     }
@@ -216,14 +231,15 @@ impl Touching {
 
     /// The contact of a pair at a place.
     fn contact(&self, pair: usize, place: TouchPlace) -> Contact {
-        let Pair { bodies, surfaces, .. } = &self.pairs[pair];
+        let Pair { bodies, surfaces, rope, .. } = &self.pairs[pair];
         let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
         let swapped = usize::from(place.swapped);
         let [a, b] = [0, 1].map(|side: usize| {
             let (own, frame) = (side ^ swapped, place.frames[side]);
             (Attachment { body: bodies[own], frame }, frame.rotation.inverse() * surfaces[own])
         });
-        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1], moments: Moments::default() };
+        let reeved = rope.as_ref().map_or(Vec::new(), |rope| rope.points.clone());
+        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1], moments: Moments::default(), reeved };
         Contact { pair, features: place.identity, joint, place }
     }
 }

@@ -3,7 +3,7 @@
 //! All of it is constant data; the state of each element at an instant belongs to the run. Limits are [`JointLimit`]s of
 //! [`crate::description::closure`], because the assembly of closed loops respects them, too.
 
-use crate::description::closure::{Coordinate, JointLimit};
+use crate::description::closure::{Attachment, Coordinate, JointLimit};
 use crate::description::contact::{Collider, ContactPair};
 use crate::description::contact_pairs::ContactPairs;
 use crate::description::target::Target;
@@ -131,6 +131,17 @@ pub struct Nonsmooth {
     pub colliders: Vec<Collider>,
     /// Which of them may, and how.
     pub pairs: ContactPairs,
+    /// The ropes among the colliders that go through more than two points.
+    pub reevings: Vec<Reeving>,
+}
+
+/// The course of a rope through more than two points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reeving {
+    /// The collider that is the rope: the first of its pair.
+    pub collider: usize,
+    /// Its points in their order.
+    pub points: Vec<Attachment>,
 }
 
 impl Nonsmooth {
@@ -157,15 +168,25 @@ impl Nonsmooth {
         });
         let colliders = &self.colliders;
         let moves = |pair: &ContactPair| colliders[pair.a].body.or(colliders[pair.b].body).is_some();
-        if places.iter().enumerate().all(|(number, place)| *place == Some(number)) && self.pairs.iter().all(moves) {
-            return;
+        let same = places.iter().enumerate().all(|(number, place)| *place == Some(number));
+        // Pairs that stay as they are stay shared with the copies of this.
+        if !(same && self.pairs.iter().all(moves)) {
+            self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
+                (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
+                    (pair.a, pair.b) = (a, b);
+                    true
+                }
+                _ => false,
+            });
         }
-        self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
-            (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
-                (pair.a, pair.b) = (a, b);
-                true
-            }
-            _ => false,
+        self.reevings.retain_mut(|rope| {
+            let Some(collider) = places[rope.collider] else { return false };
+            rope.collider = collider;
+            rope.points.iter_mut().all(|point| {
+                let own = point.body.map(&number);
+                point.body = own.flatten();
+                own != Some(None)
+            })
         });
     }
 }

@@ -4,6 +4,7 @@
 //! robots. The last `[[contact.pair]]` that
 //! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
 
+use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths};
 use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within_limits};
 use crate::model::description::contact_reach::ContactReach;
@@ -34,14 +35,16 @@ pub enum Owner {
     RopeEnd(usize),
 }
 
-/// A rope between two points.
+/// A rope through two points or more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RopeRecord {
     /// Its name.
     pub name: String,
-    /// The links of its ends.
-    pub links: [String; 2],
-    /// The ball in which it holds its second end, and that end.
+    /// The links of its points, in their order.
+    pub links: Vec<String>,
+    /// Its points.
+    pub points: Vec<Attachment>,
+    /// The ball in which it holds its second end, and that end; of a rope through more points, two of them on different bodies.
     pub colliders: [Collider; 2],
     /// m.
     pub length: f64,

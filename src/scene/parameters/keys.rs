@@ -299,7 +299,7 @@ impl Keys {
         for (rope, one) in scene.ropes.iter().enumerate() {
             self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
             self.put("rope", &format!("{}.restitution", one.name), Range::Fraction, Place::RopeRestitution(rope));
-            for end in 0..one.ends.len() {
+            for end in 0..one.points.len() {
                 let rest = format!("{}.points.{}.position", one.name, end + 1);
                 self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
             }

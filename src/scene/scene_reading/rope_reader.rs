@@ -1,6 +1,6 @@
 //! Ropes, from the tables `[[rope]]`: names resolved.
 
-use crate::scene::coupling::SceneRope;
+use crate::scene::coupling::{Point, SceneRope};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
 use crate::scene::scene_reading::scene_schema::RopeTable;
@@ -23,15 +23,16 @@ impl CouplingReader<'_> {
                 return refuse(&span, Problem::Keys("a rope has a name without | and *"));
             }
             let place = points.span();
-            let [a, b] = points.get_ref().as_slice() else {
+            if points.get_ref().len() < 2 {
                 return refuse(
                     &place,
-                    Problem::Keys("a rope has two points; one that goes over pulleys is not simulated"),
+                    Problem::Keys("a rope has two points or more: its ends, and eyelets between them"),
                 );
-            };
-            let ends = [self.point(&a.link, &a.position, &owner)?, self.point(&b.link, &b.position, &owner)?];
+            }
+            let points = points.get_ref().iter().map(|point| self.point(&point.link, &point.position, &owner));
+            let points = points.collect::<Result<Vec<Point>, SceneError>>()?;
             let restitution = restitution.map_or(0.0, |restitution| restitution.0);
-            ropes.push(SceneRope { name, ends, length: length.0, restitution, line: self.text.line(&span) });
+            ropes.push(SceneRope { name, points, length: length.0, restitution, line: self.text.line(&span) });
         }
         Ok(ropes)
     }
