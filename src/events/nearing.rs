@@ -1,4 +1,4 @@
-//! Bodies that come near: the pairs that a run looks at grow by those whose bodies may meet in the step at hand.
+//! Bodies that come near: a run looks at more pairs when their bodies may meet in the step at hand.
 //!
 //! ```text
 //!     at home in a step:   |x(t₀) − c| + V h + z ≤ s        V: bound of the speed of the centre [m/s], h: length of the step (s), z: a gap that counts as closed (m)
@@ -16,7 +16,7 @@ use crate::mechanism::motion::state::State;
 const CLOSED: f64 = 1e-6;
 
 impl Eventful {
-    /// The pairs near the places of bodies are looked at from a state on; those that are far apart are not.
+    /// The pairs near the places of bodies are looked at from a state on.
     pub(super) fn look_around(&mut self, state: &State) {
         let pairs = &self.model.touching.pairs;
         // Bodies are not asked where all pairs are looked at.

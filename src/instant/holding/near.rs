@@ -1,4 +1,4 @@
-//! The pairs that may be near: those of bodies whose homes overlap. All others are proved apart.
+//! The pairs that may be near: their bodies have homes that overlap. All others are proved apart.
 //!
 //! ```text
 //!     home of a body:    ball(c, R + s)        c: where it was when it got its home (m), R: reach of its shapes, s: how far it may move (m)
@@ -109,7 +109,7 @@ impl Near {
         sparse.apart(pair).is_some_and(|of| of.into_iter().all(at_home) && !overlap(sparse, &self.homes, of))
     }
 
-    /// Calls a function with the bodies whose homes overlap with those of `moved`, which ascend.
+    /// Calls a function with each two bodies whose homes overlap, if one of them is among `moved`, which ascend.
     fn compare(&self, sparse: &Sparse, moved: &[usize], mut found: impl FnMut([usize; 2])) {
         let count = self.homes.len();
         if ONE_BY_ONE * moved.len() <= count {

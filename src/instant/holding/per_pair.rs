@@ -1,4 +1,4 @@
-//! Values of some pairs, by their numbers: those of pairs that something has happened to.
+//! Values of some pairs, by their numbers.
 
 /// A value for some pairs; the others have the default.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,7 +53,7 @@ impl<T: Default> PerPair<T> {
         self.known.clear();
     }
 
-    /// Gives all of these pairs, whose numbers ascend, a value; those that have one keep it.
+    /// Gives all of these pairs, whose numbers ascend, a value; known values stay.
     pub fn extend(&mut self, pairs: &[usize], make: impl Fn(usize) -> T) {
         let mut before = std::mem::take(&mut self.known).into_iter().peekable();
         let mut new = pairs.iter().copied().peekable();

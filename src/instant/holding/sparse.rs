@@ -1,4 +1,4 @@
-//! The pairs of a scene that can be left out while their bodies are far apart: those of bounded convex shapes of two robots.
+//! The pairs of a scene that can be left out while their bodies are far apart: bounded convex shapes of two robots.
 //!
 //! Pairs with the world and of one robot are few, and always there.
 
