@@ -295,6 +295,7 @@ impl Control {
             self.settle(self.memory.step, settling);
         }
         let mut guess = stepper.first_guess();
+        let mut until = until;
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
@@ -319,6 +320,14 @@ impl Control {
             {
                 self.keep_below(longest);
                 decision = Decision::Retry { guess: Guess::Longer(length), why: Rejected::NotSmooth };
+            }
+            if decision == Decision::Accept
+                && let Some(longest) = stepper.too_long_for_drag(mechanism, state, length, self.stop)
+            {
+                outcome.cost.reject(Rejected::NotSmooth);
+                until = state.time + longest;
+                guess = Guess::Longer(length);
+                continue;
             }
             match decision {
                 Decision::Accept => {
