@@ -7,13 +7,12 @@
 use crate::events::finding::approach::Approaching;
 use crate::events::finding::cover::{Cover, are_checked};
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
-use crate::events::finding::speeds::speed_at;
+use crate::events::finding::speeds::speed_of;
 use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
-use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
@@ -67,16 +66,10 @@ impl Approaching for GapInside<'_> {
         least
     }
 
-    fn bodies(&mut self, time: f64) -> [BodyState; 2] {
+    fn speed(&mut self, time: f64) -> f64 {
         let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
         let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { inside, .. }, .. } = &*self.eventful;
-        let bodies = inside.bodies(number);
-        touching.pairs[self.pair].bodies.map(|body| body.map_or(WORLD, |body| bodies[body]))
-    }
-
-    fn reach(&self) -> [f64; 2] {
-        let pair = &self.eventful.model.touching.pairs[self.pair];
-        [0, 1].map(|side| if pair.bodies[side].is_some() { pair.reach[side] } else { f64::INFINITY })
+        speed_of(&touching.pairs[self.pair], inside.bodies(number))
     }
 }
 
@@ -153,8 +146,7 @@ impl Eventful {
             for part in 0..=asked {
                 let time = since + (cover.until.min(end) - since) * part as f64 / asked as f64;
                 let mut inside = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
-                let (gap, bodies, reach) = (inside.gap(time), inside.bodies(time), inside.reach());
-                let speed = speed_at(bodies, reach);
+                let (gap, speed) = (inside.gap(time), inside.speed(time));
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);
                 let lasts = looked_at.is_some() || gap >= cover.least - allowed;
                 assert!(lasts, "pair {pair} is {gap:e} m apart at {time} s, not {:e} m at least", cover.least);

@@ -78,15 +78,15 @@ impl Eventful {
         self.progress.beyond_horizon = true;
     }
 
-    /// Whether a pair has rolling or spinning friction, which steps over events leave out.
-    fn resists_turning(&self) -> bool {
-        self.model.touching.pairs.iter().any(|pair| !pair.moments.are_zero())
+    /// Whether steps over events leave something out: rolling and spinning friction, and ropes through several points.
+    fn needs_events(&self) -> bool {
+        self.model.touching.pairs.iter().any(|pair| !pair.moments.are_zero() || pair.is_reeved())
     }
 
     /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.
     pub(super) fn bearable_labour(&self) -> Option<f64> {
         let (length, keeps) = self.crowd_length();
-        if self.workspaces.crowd.is_none() || !keeps || self.resists_turning() {
+        if self.workspaces.crowd.is_none() || !keeps || self.needs_events() {
             return None;
         }
         Some(LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) / ITERATION)
@@ -101,7 +101,7 @@ impl Eventful {
     pub(super) fn begin_in_crowd(&mut self, state: &State) -> bool {
         let (length, _) = self.crowd_length();
         let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
-        if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.resists_turning() {
+        if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.needs_events() {
             return false;
         }
         let scene = Scene { whole, elements, touching };
@@ -120,7 +120,7 @@ impl Eventful {
     /// switched off, or if the step cannot be made.
     pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
         let (length, keeps) = self.crowd_length();
-        if self.model.recipe.keeps(Rule::Crowds) || self.resists_turning() || self.progress.crowding.is_brief(keeps) {
+        if self.model.recipe.keeps(Rule::Crowds) || self.needs_events() || self.progress.crowding.is_brief(keeps) {
             return None;
         }
         let before = self.progress.crowding;

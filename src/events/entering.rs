@@ -100,8 +100,8 @@ impl Eventful {
         };
         let moving = &self.workspaces.active().moving;
         let apart = |pair: usize| {
-            let [a, b] = self.model.touching.pairs[pair].bodies.map(|body| body.and_then(|body| moving.group(body)));
-            a != b
+            let groups = |bodies: [Option<usize>; 2]| bodies.map(|body| body.and_then(|body| moving.group(body)));
+            self.model.touching.pairs[pair].parts.iter().map(|(bodies, _)| groups(*bodies)).any(|[a, b]| a != b)
         };
         let unique = self.trial.holding.is_unique();
         self.trial.watched = if self.progress.asleep {

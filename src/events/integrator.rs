@@ -15,7 +15,7 @@ use crate::events::parts::model::HybridModel;
 use crate::events::parts::previous::PreviousStep;
 use crate::events::parts::progress::Progress;
 use crate::events::parts::tally::Tally;
-use crate::events::parts::traced::{Traced, TracedJump};
+use crate::events::parts::traced::{Trace, Traced, TracedJump};
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::{Workspaces, larger};
 use crate::instant::dynamics::response::Response;
@@ -50,7 +50,7 @@ pub struct Eventful {
     /// Targets of motors that were given since the last step.
     pub(super) commands: Commands,
     /// The steps and jumps since it was taken last; `None` for a run without derivatives.
-    pub(super) trace: Option<Vec<Traced>>,
+    pub(super) trace: Option<Trace>,
 }
 
 /// The mode in use, with the room for its accelerations.
@@ -313,7 +313,7 @@ impl Eventful {
         }
         if let (Some(trace), Some(before)) = (&mut self.trace, before) {
             let (meetings, contacts) = (done.meetings, done.contacts);
-            trace.push(Traced::Jump(Box::new(TracedJump { before, after: state.clone(), meetings, contacts })));
+            trace.entries.push(Traced::Jump(Box::new(TracedJump { before, after: state.clone(), meetings, contacts })));
         }
         Exchange { impacts: done.lost, work, ..Exchange::default() }
     }

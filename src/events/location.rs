@@ -21,7 +21,6 @@ use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::Inside;
 use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
-use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -172,15 +171,15 @@ impl Eventful {
             if std::mem::take(&mut sampled) {
                 self.sample_speeds([since, end], &mut speeds);
             }
-            let of @ Pair { bodies, reach, breadth, .. } = &self.model.touching.pairs[pair];
-            let resolution = (RESOLUTION * of.size()).min(*breadth).max(FINEST * of.size());
+            let of = &self.model.touching.pairs[pair];
+            let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
             let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
             let measure = Measure {
                 closed: if self.trial.fresh_pairs[pair] { f64::INFINITY } else { zero },
                 zero,
-                speed: speeds.closing(*bodies, *reach),
+                speed: speeds.closing_of(of),
                 resolution,
-                changing: speeds.changing(*bodies, *reach, end - since),
+                changing: speeds.changing_of(of, end - since),
             };
             let roughly = self.is_known_roughly(pair);
             let mut gap = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
@@ -212,6 +211,7 @@ impl Eventful {
             // A closed pair has the gap of its other features.
             if let (None, Some(at_end)) = (found, gap.at_end)
                 && !self.is_closed(pair)
+                && !self.model.touching.pairs[pair].is_reeved()
             {
                 self.trial.reserves.note(pair, at_end);
             }
@@ -240,12 +240,13 @@ impl Eventful {
 
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
     fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
-        let Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
-        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds.
-        if self.trial.fresh_pairs[pair] || self.is_closed(pair) {
+        let of = &self.model.touching.pairs[pair];
+        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds. A rope goes through
+        // more bodies than the two whose travel is known.
+        if self.trial.fresh_pairs[pair] || self.is_closed(pair) || of.is_reeved() {
             return None;
         }
-        self.trial.reserves.lasts(pair, length * speeds.closing(*bodies, *reach))
+        self.trial.reserves.lasts(pair, length * speeds.closing_of(of))
     }
 
     /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.
@@ -271,8 +272,7 @@ impl Eventful {
 
     /// The most that a pair can close by in the last step [m/s].
     pub(super) fn fastest_of(&self, pair: usize) -> f64 {
-        let Pair { bodies, reach, .. } = &self.model.touching.pairs[pair];
-        self.trial.speeds.closing(*bodies, *reach)
+        self.trial.speeds.closing_of(&self.model.touching.pairs[pair])
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.

@@ -18,7 +18,7 @@
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
 use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
-use crate::events::finding::speeds::speed_at;
+use crate::events::finding::speeds::speed_of;
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
@@ -27,7 +27,6 @@ use crate::instant::holding::elements::inward;
 use crate::instant::holding::moments::{Turning, blocks_of_turning};
 use crate::instant::holding::touching::Contact;
 use crate::instant::start::assembly::assemble;
-use crate::mechanism::description::body_state::WORLD;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::distance;
@@ -209,7 +208,8 @@ impl Eventful {
         let bodies = body_states(&self.model.whole, start);
         let mut seen = Vec::with_capacity(self.model.touching.pairs.len());
         for (pair, of) in self.model.touching.pairs.iter().enumerate() {
-            let speed = of.bodies.iter().zip(of.reach).filter_map(|(body, reach)| {
+            let ends = of.parts.iter().flat_map(|(bodies, reach)| bodies.iter().zip(reach));
+            let speed = ends.filter_map(|(body, reach)| {
                 let state = &bodies[(*body)?];
                 Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
@@ -263,11 +263,9 @@ impl Eventful {
                 limits = limits_in(&blocks, &gaps, &sides, &impulses);
             }
             let moving = body_states(&self.model.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
-            let state_of = |body: Option<usize>| body.map_or(WORLD, |body| moving[body]);
             let (mut part, mut widened) = (1.0_f64, false);
             for ((pair, of), &(distance, near)) in self.model.touching.pairs.iter().enumerate().zip(&seen) {
-                let reach = [0, 1].map(|side| of.bodies[side].map_or(f64::INFINITY, |_| of.reach[side]));
-                let moves = MOVES * step * speed_at(of.bodies.map(state_of), reach);
+                let moves = MOVES * step * speed_of(of, &moving);
                 if near {
                     let through = of.breadth.max(THIN * of.size());
                     part = part.min(if moves > through { 0.5 * through / moves } else { 1.0 });

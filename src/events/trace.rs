@@ -7,7 +7,9 @@
 //! A run without a trace keeps none of this.
 
 use crate::events::integrator::Eventful;
+use crate::events::modes::piece::Piece;
 use crate::events::next_step::Ending;
+use crate::lobatto::tableau::butcher::Tableau;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError};
@@ -18,6 +20,7 @@ use crate::stepping::recipe::{Recipe, Steps};
 pub(crate) use crate::events::effects::impact::Meeting;
 pub(crate) use crate::events::finding::watched::Watched;
 pub(crate) use crate::events::modes::mode::{Closed, JointMode, Mode, MotorMode};
+use crate::events::parts::traced::Trace;
 pub(crate) use crate::events::parts::traced::{Traced, TracedJump, TracedStep};
 
 /// A run from instant to instant that keeps its trace.
@@ -46,7 +49,8 @@ impl TracedRun {
     pub fn new(mechanism: &Mechanism, stages: usize, longest: f64) -> Result<Self, MethodError> {
         let recipe = Recipe { steps: Steps::Fixed { stages, step: longest }, kept: Vec::new() };
         let mut eventful = Eventful::new(mechanism, recipe)?;
-        eventful.trace = Some(Vec::new());
+        let nodes = &Tableau::of(stages)?.nodes;
+        eventful.trace = Some(Trace { entries: Vec::new(), nodes: &nodes[1..stages - 1] });
         Ok(TracedRun { eventful, mechanism: mechanism.clone() })
     }
 
@@ -57,7 +61,7 @@ impl TracedRun {
     pub fn step(&mut self, state: &mut State, until: f64) -> Result<Vec<Traced>, TraceError> {
         let since = state.time;
         self.eventful.step(&self.mechanism, Inputs::NONE, state, until)?;
-        let trace = self.eventful.trace.as_mut().map(std::mem::take).unwrap_or_default();
+        let trace = self.eventful.trace.as_mut().map(|trace| std::mem::take(&mut trace.entries)).unwrap_or_default();
         let is_step = |entry: &Traced| matches!(entry, Traced::Step(_));
         if state.time > since && !trace.iter().any(is_step) {
             return Err(TraceError::FirstOrder { time: since });
@@ -70,13 +74,23 @@ impl Eventful {
     /// Keeps a step in the trace, if there is one; `state` is its end before the events there.
     pub(super) fn trace_step(&mut self, state: &State, ending: &Ending) {
         let Some(trace) = self.trace.as_mut().filter(|_| !ending.is_at_start()) else { return };
-        let key = &self.workspaces.active().key;
-        trace.push(Traced::Step(Box::new(TracedStep {
+        let since = self.trial.origin.time;
+        let (step, of_scheme) = (state.time - since, ending.is_of_scheme());
+        let Piece { key, .. } = self.workspaces.active();
+        let mut entry = TracedStep {
             end: state.clone(),
             mode: self.mode.clone(),
+            inside: Vec::new(),
             held: key.held.clone(),
             closures: key.closures.clone(),
             triggers: ending.triggers().to_vec(),
-        })));
+        };
+        let piece = self.workspaces.active_mut();
+        for node in trace.nodes.iter().filter(|_| of_scheme) {
+            let mut inside = self.trial.origin.clone();
+            piece.place(&self.model.whole, since + node * step, true, &mut inside);
+            entry.inside.push(inside);
+        }
+        trace.entries.push(Traced::Step(Box::new(entry)));
     }
 }

@@ -77,15 +77,17 @@ pub struct SceneSpring {
     pub line: usize,
 }
 
-/// A `[[rope]]`: it holds two points together, up to its length.
+/// A `[[rope]]`: it runs from its first point to its last through those between, and is no longer than its length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRope {
     /// Name, unique among the ropes of the file.
     pub name: String,
-    /// Its ends.
-    pub ends: [Point; 2],
-    /// m.
+    /// Its points in their order, two or more: its ends, and the eyelets between.
+    pub points: Vec<Point>,
+    /// m; the most of it, if a winch pays it out.
     pub length: f64,
+    /// The joint whose position is the length that is paid out, if that changes in time. The rope then begins at its end, behind its first point.
+    pub winch: Option<JointReference>,
     /// e of the blow with which it goes taut, 0 to 1.
     pub restitution: f64,
     /// Its line.

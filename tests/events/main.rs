@@ -54,6 +54,7 @@ mod orders;
 mod over_edges;
 mod pendulum;
 mod reactions;
+mod reeved;
 mod robots;
 mod robots_on_floor;
 mod ropes;

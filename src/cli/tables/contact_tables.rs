@@ -57,8 +57,13 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
         "never_touch": left_out.collect::<Value>(),
     });
     let ropes = model.contact.ropes.iter().map(|rope| {
-        let RopeRecord { name, links: [a, b], length, restitution, .. } = rope;
-        json!({"name": name, "a": a, "b": b, "length": length, "restitution": restitution})
+        let RopeRecord { name, links, length, restitution, .. } = rope;
+        let mut value =
+            json!({"name": name, "a": links.first(), "b": links.last(), "length": length, "restitution": restitution});
+        if links.len() > 2 {
+            value["through"] = json!(links[1..links.len() - 1]);
+        }
+        value
     });
     vec![("contact", contact), ("ropes", ropes.collect())]
 }
@@ -110,9 +115,18 @@ pub fn tables(model: &Model) -> [Table; 5] {
     let never = contact.left_out.iter();
     let never = never.map(|left| vec![name(left.pair.a), name(left.pair.b), left.because.reason()]);
     let [shapes, obstacles] = shapes;
-    let mut ropes = Table::new("Ropes", &["rope", "from", "to", "length [m]", "restitution"]);
-    for RopeRecord { name, links: [a, b], length, restitution, .. } in &contact.ropes {
-        ropes.row(vec![name.clone(), a.clone(), b.clone(), number(*length), number(*restitution)]);
+    let is_reeved = contact.ropes.iter().any(|rope| rope.links.len() > 2);
+    let mut ropes = match is_reeved {
+        true => Table::new("Ropes", &["rope", "from", "through", "to", "length [m]", "restitution"]),
+        false => Table::new("Ropes", &["rope", "from", "to", "length [m]", "restitution"]),
+    };
+    for RopeRecord { name, links, length, restitution, .. } in &contact.ropes {
+        let [first, through @ .., last] = &links[..] else { continue };
+        let mut row = vec![name.clone(), first.clone(), last.clone(), number(*length), number(*restitution)];
+        if is_reeved {
+            row.insert(2, through.join(", "));
+        }
+        ropes.row(row);
     }
     [
         ropes,

@@ -93,14 +93,16 @@ fn on_parent<T: Number>(body: &BodyFigures<T>, parent: &Frame<T>, offsets: &Offs
             let rotation = |of: &State| rotation_from_wxyz(&of.position[position..position + 4]);
             let (from, to) = (rotation(offsets.from), rotation(offsets.to));
             let slight = |by: &[T]| Matrix::turned_slightly(Vector([by[freedom], by[freedom + 1], by[freedom + 2]]));
+            let mut turn = Matrix::of(&from).product(&slight(offsets.first));
+            if !std::ptr::eq(offsets.from, offsets.to) {
+                turn = turn.product(&Matrix::of(&(from.transpose() * to)));
+            }
+            turn = turn.product(&slight(offsets.second));
             // Its rate is the velocity of the joint wherever the offsets put it.
-            let moved = if offsets.motion.is_empty() { Matrix::identity() } else { slight(offsets.motion) };
-            let between = Matrix::of(&(from.transpose() * to));
-            Matrix::of(&from)
-                .product(&slight(offsets.first))
-                .product(&between)
-                .product(&slight(offsets.second))
-                .product(&moved)
+            if !offsets.motion.is_empty() {
+                turn = turn.product(&slight(offsets.motion));
+            }
+            turn
         }
     };
     let joint = within(parent, &body.on_parent);

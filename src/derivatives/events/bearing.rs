@@ -32,7 +32,7 @@ impl Sight<'_> {
         let mimics = self.at.figures.plain.mimics.len();
         let before = &self.mode.contacts[..contact];
         let touch = self.touch_of(contact)?;
-        let placed = still(&self.at.placed(&vec![Part::zero(); self.velocities.len()]));
+        let placed = self.at.at_rest();
         let found = touch.at(&placed);
         if self.mode.contacts[contact].is_anchored() {
             let own = before.iter().filter(|closed| closed.is_anchored()).count();

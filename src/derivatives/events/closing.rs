@@ -124,7 +124,7 @@ impl Walk<'_> {
                 let offsets: Vec<Part> =
                     (0..n).map(|row| with(0.0, &self.tangent.positions, row, chunk * WIDTH)).collect();
                 let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &none };
-                let placed = still(&at.placed(&vec![Part::zero(); n]));
+                let placed = at.at_rest();
                 let mut joint: LoopFigures<Part> = lifted(anchor);
                 let corner = end_frame(&joint.b, &placed).origin;
                 joint.a.frame.origin = match joint.a.body {

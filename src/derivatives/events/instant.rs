@@ -14,7 +14,7 @@ use crate::derivatives::equations::placed::{Offsets, Placed, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms, residual, still};
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, momentum};
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH, constant};
-use crate::derivatives::forward::twelve::rate_of;
+use crate::derivatives::forward::twelve::{Twelve, rate_of};
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
@@ -69,15 +69,32 @@ impl<T: Number> Instant<'_, T> {
         Offsets { from: self.state, to: self.state, first, second, motion: &[] }
     }
 
+    /// The bodies without motion.
+    pub fn at_rest(&self) -> Vec<Placed<T>> {
+        let still = vec![T::zero(); self.offsets.len()];
+        let (from, to) = (self.state, self.state);
+        place(&self.figures.plain, &Offsets { from, to, first: self.offsets, second: &still, motion: &[] })
+    }
+
     /// `M v`: the momenta along the freedoms of velocities (n).
     pub fn momenta(&self, velocities: &[T]) -> Vec<T> {
         let placed = self.placed(velocities);
+        self.momenta_of(&placed, velocities, &|body| rate_of(&placed[body]))
+    }
+
+    /// `M (v⁺ − v⁻)`, from the bodies with both velocities.
+    pub fn momenta_gained(&self, placed: [&[Placed<Jet<T>>]; 2], velocities: [&[T]; 2]) -> Vec<T> {
+        let gained: Vec<T> = velocities[1].iter().zip(velocities[0]).map(|(&after, &before)| after - before).collect();
+        let rate = |body: usize| rate_of(&placed[1][body]).minus(&rate_of(&placed[0][body]));
+        self.momenta_of(placed[1], &gained, &rate)
+    }
+
+    fn momenta_of(&self, placed: &[Placed<Jet<T>>], velocities: &[T], rate: &dyn Fn(usize) -> Twelve<T>) -> Vec<T> {
         let plain = &self.figures.plain;
-        let bodies = plain.bodies.iter().zip(&placed);
-        let loads = bodies.map(|(body, at)| {
-            momentum(body, &at.frame.axes.map(|column| column.map(|entry| entry.value)), &rate_of(at))
-        });
-        let mut rows = along_freedoms(plain, &still(&placed), loads.collect());
+        let placed = still(placed);
+        let bodies = plain.bodies.iter().enumerate();
+        let loads = bodies.map(|(index, body)| momentum(body, &placed[index].frame.axes, &rate(index)));
+        let mut rows = along_freedoms(plain, &placed, loads.collect());
         for &(freedom, armature) in &plain.rotors {
             rows[freedom] = rows[freedom] + armature * velocities[freedom];
         }
@@ -115,10 +132,10 @@ impl<T: Number> Instant<'_, T> {
         rows.chain(self.closed.touches.iter().flat_map(gap)).collect()
     }
 
-    /// The efforts along the freedoms of multipliers, for the slips of velocities (n), and of forces on bodies at points of the world.
+    /// The efforts along the freedoms of multipliers, for the slips of moving bodies, and of forces on bodies at points of the world.
     pub fn pushes(
         &self,
-        velocities: &[T],
+        moving: &[Placed<Jet<T>>],
         multipliers: &[T],
         forces: &[(Option<usize>, Vector<T>, Vector<T>)],
     ) -> Vec<T> {
@@ -126,8 +143,7 @@ impl<T: Number> Instant<'_, T> {
         if multipliers.is_empty() && forces.is_empty() {
             return vec![T::zero(); plain.freedoms];
         }
-        let moving = self.placed(velocities);
-        let placed = still(&moving);
+        let placed = still(moving);
         let mut loads = vec![Load { force: Vector::zero(), torque: Vector::zero() }; placed.len()];
         let mut efforts = vec![T::zero(); plain.freedoms];
         let mut on_body = |body: Option<usize>, point: Vector<T>, force: Vector<T>, torque: Vector<T>| {
@@ -141,7 +157,7 @@ impl<T: Number> Instant<'_, T> {
         let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
         let (multipliers, mut own) = multipliers.split_at(multipliers.len() - self.closed.touch_rows());
         for closed in &self.closed.touches {
-            let found = closed.force(&moving, own);
+            let found = closed.force(moving, own);
             own = &own[closed.rows()..];
             let [a, b] = found.bodies;
             on_body(a, found.point, -found.force, Vector::zero());
@@ -165,7 +181,7 @@ impl<T: Number> Instant<'_, T> {
             let position = offsets.coordinate(drive.coordinate).value;
             motion[freedom] = motion[freedom] + drive.kp * position + drive.kd * moved.velocities[freedom];
         }
-        for (row, push) in motion.iter_mut().zip(self.pushes(moved.velocities, moved.multipliers, &[])) {
+        for (row, push) in motion.iter_mut().zip(self.pushes(&placed, moved.multipliers, &[])) {
             *row = *row - push;
         }
         let anchors: Vec<LoopFigures<Jet<T>>> = self.closed.anchors.iter().map(with_rates).collect();

@@ -1,8 +1,11 @@
 //! Velocities that jump at one instant: the impact of the run at its active set, with its derivatives.
 
-use crate::derivatives::events::impact::{Impact, Met};
+use crate::derivatives::equations::laws::Laws;
+use crate::derivatives::events::impact::Impact;
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::walk::{Subject, Walk, fastest};
+use crate::derivatives::events::meet::Met;
+use crate::derivatives::events::struck::struck;
+use crate::derivatives::events::walk::{Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH};
 use crate::derivatives::forward::tangent::with;
@@ -58,12 +61,18 @@ impl Walk<'_> {
     /// The velocities after the rounds, with their derivatives in the tangent.
     fn impact(&mut self, jump: &TracedJump, rounds: &[Round]) -> Result<Vec<f64>, SensitivityError> {
         let n = self.state.velocity.len();
-        let mut mode = StepMode { free: (0..n).collect(), ..StepMode::default() };
+        let mode = StepMode { free: (0..n).collect(), ..StepMode::default() };
         let gradient = self.gradient(&mode);
-        mode.row_count = gradient.nrows();
-        mode.rows = Independent::of(&gradient, &vec![1.0; n]).rows;
-        let mut values = self.state.velocity.clone();
-        let lost = SensitivityError::Impact { time: jump.before.time };
+        let closed = Independent::of(&gradient, &vec![1.0; n]).rows;
+        let lost = || SensitivityError::Impact { time: jump.before.time };
+        let (values, found) = {
+            let met: Option<Vec<Met<f64>>> =
+                jump.meetings.iter().map(|meeting| self.met(meeting, jump, &self.figures.laws)).collect();
+            let still = vec![0.0; n];
+            let at = Instant { figures: &self.figures, state: &self.state, offsets: &still, closed: &mode.closed };
+            let closures = gradient.select_rows(&closed);
+            struck(&at, &met.ok_or_else(lost)?, &closures, &self.state.velocity, rounds).ok_or_else(lost)?
+        };
         let mut tangent = self.tangent.velocities.clone();
         for (chunk, figures) in self.varied.chunks().iter().enumerate() {
             let first = chunk * WIDTH;
@@ -71,13 +80,11 @@ impl Walk<'_> {
             let before: Vec<Part> =
                 (0..n).map(|row| with(self.state.velocity[row], &self.tangent.velocities, row, first)).collect();
             let met: Option<Vec<Met<Part>>> =
-                jump.meetings.iter().map(|meeting| self.met(meeting, jump, chunk)).collect();
-            let Some(met) = met else { return Err(lost) };
+                jump.meetings.iter().map(|meeting| self.met(meeting, jump, &figures.laws)).collect();
             let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &mode.constant };
-            let impact = Impact { at, met: &met, closed: &mode.rows, row_count: mode.row_count };
-            let Some(after) = impact.after(&before, rounds) else { return Err(lost) };
+            let impact = Impact { at, met: &met.ok_or_else(lost)?, closed: &closed, row_count: gradient.nrows() };
+            let after = impact.after(&before, &found).ok_or_else(lost)?;
             for (row, part) in after.iter().enumerate() {
-                values[row] = part.value;
                 (first..tangent.ncols().min(first + WIDTH))
                     .for_each(|column| tangent[(row, column)] = part.parts[column - first]);
             }
@@ -87,13 +94,11 @@ impl Walk<'_> {
     }
 
     /// A limit or contact with its numbers; restitution counts if it did in the run.
-    fn met(&self, meeting: &Meeting, jump: &TracedJump, chunk: usize) -> Option<Met<Part>> {
-        let Subject { elements, .. } = *self.subject;
-        let laws = &self.varied.chunks()[chunk].laws;
-        let restitution = |of: Part| if meeting.restitution == 0.0 { Part::zero() } else { of };
+    fn met<T: Number>(&self, meeting: &Meeting, jump: &TracedJump, laws: &Laws<T>) -> Option<Met<T>> {
+        let restitution = |of: T| if meeting.restitution == 0.0 { T::zero() } else { of };
         Some(match meeting.block.of {
             Of::Joint(index) => {
-                let freedom = elements.joints[index].coordinate.freedom;
+                let freedom = self.subject.elements.joints[index].coordinate.freedom;
                 let sign = meeting.block.rows.first()?.get(freedom).copied()?;
                 Met::Joint { freedom, sign, restitution: restitution(laws.joints[index].restitution) }
             }

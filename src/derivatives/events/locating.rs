@@ -29,6 +29,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Newton iterations for the length of a step; three or four are made.
 const ATTEMPTS: usize = 12;
+/// Lengths of steps have this part of their time as roundings.
+const ROUNDINGS: f64 = 2.0 * f64::EPSILON;
 
 /// A direction in which a state varies: by the length of its step, or by some parameters.
 struct Varying<'v> {
@@ -52,9 +54,10 @@ impl Walk<'_> {
         let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
         let mut step = traced.end.time - since;
         let mut last = f64::INFINITY;
+        let mut known = None;
         let mut found = None;
-        for _ in 0..ATTEMPTS {
-            let (solved, efforts) = self.solved(traced, mode, step)?;
+        for attempt in 1..=ATTEMPTS {
+            let (solved, efforts) = self.solved(traced, mode, step, known)?;
             let (value, rate, along) = self
                 .by_length(traced, mode, step, &solved, &efforts, (trigger, contact))
                 .ok_or_else(|| unknown(traced.end.time))?;
@@ -63,11 +66,13 @@ impl Walk<'_> {
                 return Err(SensitivityError::Graze { time: traced.end.time, what: words });
             }
             // A root cannot be told from its roundings any more.
-            let ends = change == 0.0 || change.abs() <= 1e-9 * step && change.abs() >= 0.25 * last;
-            found = Some((solved, efforts, rate, along));
-            if ends {
+            let rounding = ROUNDINGS * step.max((since + step).abs());
+            let ends = change.abs() <= rounding || change.abs() <= 1e-9 * step && change.abs() >= 0.25 * last;
+            if ends || attempt == ATTEMPTS {
+                found = Some((solved, efforts, rate, along));
                 break;
             }
+            known = Some((solved, (change / step).abs()));
             step -= change;
             last = change.abs();
         }

@@ -3,12 +3,14 @@
 mod bearing;
 mod closing;
 pub mod efforts;
-pub mod impact;
+mod impact;
 pub mod instant;
 mod jumping;
 mod locating;
+mod meet;
 pub mod parameter;
 pub(crate) mod reverse;
+mod struck;
 pub mod validity;
 pub mod walk;
 pub mod watched;

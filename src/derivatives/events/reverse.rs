@@ -286,7 +286,7 @@ impl Back<'_> {
         if mode.free.is_empty() {
             return Ok(false);
         }
-        let (solved, efforts) = self.walk.solved(traced, &mode, step)?;
+        let (solved, efforts) = self.walk.solved(traced, &mode, step, None)?;
         let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
         let problem = self.walk.problem(&mode, step, &values);

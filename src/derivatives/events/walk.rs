@@ -49,7 +49,7 @@ type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
 /// Derivatives along a run.
 pub(crate) struct Walk<'w> {
     pub(super) subject: &'w Subject<'w>,
-    figures: BothFigures<f64>,
+    pub(super) figures: BothFigures<f64>,
     pub(super) constant: BothFigures<Part>,
     pub(super) varied: Varied,
     /// Where it is.
@@ -235,7 +235,7 @@ impl<'w> Walk<'w> {
             return Ok(());
         }
         let before = self.state.clone();
-        let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since)?;
+        let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since, None)?;
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(solved, traced.end.time);
@@ -254,20 +254,22 @@ impl<'w> Walk<'w> {
         DVector::from_iterator(parameters.len(), parameters.iter().map(later))
     }
 
-    /// A step of some length (s), solved, and its efforts at all stages.
+    /// A step of some length (s), solved, and its efforts at all stages; `known` is the same with another length, and the part of it that differs.
     pub(super) fn solved(
         &self,
         traced: &TracedStep,
         mode: &StepMode,
         step: f64,
+        known: Option<(SolvedStep, f64)>,
     ) -> Result<(SolvedStep, Vec<Efforts>), SensitivityError> {
         let since = self.state.time;
         let nodes = &self.subject.tableau.nodes;
         let efforts: Vec<Efforts> =
             nodes.iter().map(|node| self.efforts(&traced.mode, since, since + step * node)).collect();
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let problem = StepProblem { toward: &traced.end, ..self.problem(mode, step, &values) };
-        let solved = problem.solve().ok_or_else(|| self.failed())?;
+        let (toward, inside) = (&traced.end, &traced.inside[..]);
+        let problem = StepProblem { toward, inside, ..self.problem(mode, step, &values) };
+        let solved = problem.solve(known).ok_or_else(|| self.failed())?;
         Ok((solved, efforts))
     }
 
@@ -281,6 +283,7 @@ impl<'w> Walk<'w> {
             start: &self.state,
             step,
             toward: &self.state,
+            inside: &[],
             efforts,
         }
     }

@@ -8,7 +8,6 @@
 //! ```
 
 use crate::derivatives::equations::contacts::TouchFigures;
-use crate::derivatives::equations::residual::still;
 use crate::derivatives::events::instant::{Instant, Moved};
 use crate::derivatives::forward::step::{Part, StepMode};
 use crate::derivatives::numbers::number::Number;
@@ -66,10 +65,7 @@ impl Sight<'_> {
                 let MotorMode::Saturated(sign) = self.mode.motors[index] else { return None };
                 self.unbounded(index).times(f64::from(sign)) - laws.motors[index].bound
             }
-            Watched::Approach(_) => {
-                let placed = still(&self.at.placed(&vec![Part::zero(); self.velocities.len()]));
-                self.touch?.at(&placed).gap
-            }
+            Watched::Approach(_) => self.touch?.at(&self.at.at_rest()).gap,
             Watched::Presses(contact) => self.bearing(contact)?.normal,
             Watched::Grips(contact) => self.grip(contact)?,
             Watched::Slips(contact) => self.slip_along(contact)?,

@@ -1,6 +1,7 @@
 //! Derivatives of a run by its start and its numbers, through its own steps.
 
 pub(crate) mod between;
+mod elimination;
 pub mod failure;
 mod figure_slopes;
 mod spatial;

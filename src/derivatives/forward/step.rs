@@ -12,6 +12,7 @@
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
+use crate::derivatives::forward::elimination::Elimination;
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
 use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::derivatives::numbers::dual::Dual;
@@ -23,7 +24,7 @@ use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
-use nalgebra::{DMatrix, DVector, Dyn, LU, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Derivatives that are computed at once.
 pub const WIDTH: usize = 8;
@@ -36,6 +37,10 @@ pub(super) const ITERATIONS: usize = 60;
 pub(super) const SLOW: f64 = 0.1;
 /// Corrections this small (rad or m) that do not shrink any more are rounding.
 pub(super) const ROUNDING: f64 = 1e-10;
+/// Newton's method is at its end if the next correction, the last one times the drift of the matrix, is smaller than this (rad² or m²).
+pub(super) const SQUARE: f64 = 1e-19;
+/// Factors with less drift are those of the solution: derivatives are off by as large a part.
+pub(super) const KEPT: f64 = 1e-14;
 
 /// A step that is solved.
 pub struct SolvedStep {
@@ -45,21 +50,23 @@ pub struct SolvedStep {
     pub multipliers: Vec<Vec<f64>>,
     /// R_u, factored.
     pub factors: Factors,
+    /// How far the stages have moved since then: a part of the step, or a displacement (rad or m).
+    pub drift: f64,
 }
 
 /// A factored matrix R_u.
 pub enum Factors {
     /// Of all unknowns.
-    Whole(LU<f64, Dyn, Dyn>),
+    Whole(Elimination),
     /// Of a tree.
     Tree(Box<TreeFactors>),
 }
 
 impl Factors {
-    /// R_u⁻¹ times a matrix; `None` if it is singular.
-    pub fn solve(&self, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    /// R_u⁻¹ times a matrix.
+    pub fn solve(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
         match self {
-            Factors::Whole(factors) => factors.solve(right),
+            Factors::Whole(factors) => factors.solve_all(right),
             Factors::Tree(factors) => factors.solve(right),
         }
     }
@@ -121,8 +128,9 @@ pub struct StepProblem<'p> {
     pub start: &'p State,
     /// h (s).
     pub step: f64,
-    /// A state near the end, with its velocities.
+    /// A state near the end, with its velocities, and states near the inner stages, if they are known.
     pub toward: &'p State,
+    pub inside: &'p [State],
     /// Efforts from outside at all stages (n each).
     pub efforts: &'p [DVector<f64>],
 }
@@ -155,7 +163,7 @@ pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
 
 impl StepProblem<'_> {
     /// Solves it by the equations of all mechanisms; `None` if the iteration does not converge.
-    pub(super) fn solve_whole(&self) -> Option<SolvedStep> {
+    pub(super) fn solve_whole(&self, known: Option<(SolvedStep, f64)>) -> Option<SolvedStep> {
         let (s, StepMode { free, rows, row_count, .. }) = (self.tableau.stages, self.mode);
         let (n, m) = (free.len(), rows.len());
         let all = self.start.velocity.len();
@@ -164,28 +172,24 @@ impl StepProblem<'_> {
             free.iter().zip(moved).for_each(|(&freedom, &by)| whole[freedom] = by);
             whole
         };
-        let gather = |whole: &[f64]| -> Vec<f64> { free.iter().map(|&freedom| whole[freedom]).collect() };
-        let started = gather(&self.start.velocity);
-        let mut stages: Vec<State> = (1..s)
-            .map(|i| {
-                let mut stage = self.start.clone();
-                let gone = self.step * self.tableau.nodes[i];
-                let along: Vec<f64> = started.iter().map(|rate| gone * rate).collect();
-                stage.displace(self.mechanism, &spread(&along));
-                stage.time = self.start.time + gone;
-                stage
-            })
-            .collect();
-        let mut velocities = spread(&started);
-        let mut multipliers = vec![vec![0.0; *row_count]; s];
-        let mut factors: Option<LU<f64, Dyn, Dyn>> = None;
+        let (mut stages, mut velocities, mut multipliers, mut factors) = match known {
+            Some((SolvedStep { stages, multipliers, factors: Factors::Whole(factors), .. }, _)) => {
+                let velocities = stages.last()?.velocity.clone();
+                (stages, velocities, multipliers, Some(factors))
+            }
+            _ => {
+                let started: Vec<f64> = free.iter().map(|&freedom| self.start.velocity[freedom]).collect();
+                (self.on_a_line(&started, &spread), spread(&started), vec![vec![0.0; *row_count]; s], None)
+            }
+        };
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let matrix = match factors.take() {
                 Some(kept) => kept,
                 None => self.factors(&stages, &velocities, &multipliers)?,
             };
-            let correction = matrix.solve(&self.residual(&stages, &velocities, &multipliers))?;
+            let residual = self.residual(&stages, &velocities, &multipliers);
+            let correction = DVector::from_vec(matrix.solve(residual.as_slice()));
             let size = if n > 0 { correction.rows(0, (s - 1) * n).amax() } else { 0.0 };
             if !size.is_finite() {
                 return None;
@@ -205,7 +209,7 @@ impl StepProblem<'_> {
                 let end = stages.last_mut()?;
                 end.velocity = velocities;
                 end.time = self.start.time + self.step;
-                return Some(SolvedStep { stages, multipliers, factors: Factors::Whole(factors) });
+                return Some(SolvedStep { stages, multipliers, factors: Factors::Whole(factors), drift: 0.0 });
             }
             if size <= SLOW * last {
                 factors = Some(matrix);
@@ -213,6 +217,19 @@ impl StepProblem<'_> {
             last = size;
         }
         None
+    }
+
+    /// Stages i = 2..s on a straight line.
+    fn on_a_line(&self, started: &[f64], spread: &dyn Fn(&[f64]) -> Vec<f64>) -> Vec<State> {
+        let at = |node: &f64| {
+            let gone = self.step * node;
+            let mut stage = self.start.clone();
+            let along: Vec<f64> = started.iter().map(|rate| gone * rate).collect();
+            stage.displace(self.mechanism, &spread(&along));
+            stage.time = self.start.time + gone;
+            stage
+        };
+        self.tableau.nodes[1..].iter().map(at).collect()
     }
 
     pub(super) fn residual(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DVector<f64> {
@@ -236,9 +253,8 @@ impl StepProblem<'_> {
     }
 
     /// R_u at some stages, factored; `None` if it is singular.
-    fn factors(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> Option<LU<f64, Dyn, Dyn>> {
-        let factors = self.matrix(stages, velocities, multipliers).lu();
-        factors.is_invertible().then_some(factors)
+    fn factors(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> Option<Elimination> {
+        Elimination::new(&self.matrix(stages, velocities, multipliers))
     }
 
     /// R_u at some stages.

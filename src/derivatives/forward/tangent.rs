@@ -234,7 +234,7 @@ fn columns(
     };
     let residual = problem.mode.select(&motion.residual(), n);
     let right = DMatrix::from_fn(residual.len(), width, |row, part| -residual[row].parts[part]);
-    let mut found = solved.factors.solve(&right)?;
+    let mut found = solved.factors.solve(&right);
     for (row, &freedom) in free.iter().enumerate() {
         for part in 0..width {
             found[((stages - 2) * free.len() + row, part)] += gone[freedom].parts[part];

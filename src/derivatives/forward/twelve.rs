@@ -44,7 +44,7 @@ impl<T: Number> Twelve<T> {
     }
 
     #[inline]
-    pub(super) fn minus(&self, other: &Self) -> Self {
+    pub(in crate::derivatives) fn minus(&self, other: &Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.axes.0, other.axes.0);
         Twelve { origin: self.origin - other.origin, axes: Matrix([a - x, b - y, c - z]) }
     }

@@ -9,8 +9,7 @@
 
 use crate::events::finding::cover::Cover;
 use crate::events::finding::detection::{least_below_zero, soon_positive};
-use crate::events::finding::speeds::{speed_at, speed_between};
-use crate::mechanism::description::body_state::BodyState;
+use crate::events::finding::speeds::speed_between;
 
 /// Halvings of each interval between samples, at most: the resolution is reached before, unless bodies are as fast as light.
 const DEPTH: usize = 44;
@@ -41,16 +40,13 @@ pub(crate) trait Approaching {
         f64::NEG_INFINITY
     }
 
-    /// Its two bodies there.
-    fn bodies(&mut self, time: f64) -> [BodyState; 2];
-
-    /// Its reaches (m).
-    fn reach(&self) -> [f64; 2];
+    /// V of its bodies there [m/s].
+    fn speed(&mut self, time: f64) -> f64;
 
     /// A look at it at a time (s).
     fn look(&mut self, time: f64) -> Seen {
         let gap = self.gap(time);
-        Seen { time, gap, speed: speed_at(self.bodies(time), self.reach()) }
+        Seen { time, gap, speed: self.speed(time) }
     }
 }
 
@@ -252,8 +248,6 @@ fn dip(low: Seen, high: Seen, measure: &Measure, pair: &mut impl Approaching, co
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanism::description::body_state::WORLD;
-    use nalgebra::Vector3;
 
     #[test]
     fn a_thin_wall_is_met_however_long_the_step() {
@@ -348,11 +342,8 @@ mod tests {
             fn gap(&mut self, time: f64) -> f64 {
                 self.0(time)
             }
-            fn bodies(&mut self, _: f64) -> [BodyState; 2] {
-                [BodyState { velocity: Vector3::x() * self.1, ..WORLD }, WORLD]
-            }
-            fn reach(&self) -> [f64; 2] {
-                [0.0; 2]
+            fn speed(&mut self, _: f64) -> f64 {
+                self.1
             }
         }
         let mut cover = Cover::from(span[0]);

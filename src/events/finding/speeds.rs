@@ -15,6 +15,7 @@
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2.
 
 use crate::events::finding::detection::SAMPLES;
+use crate::instant::holding::touching::{Pair, Part};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::Vector3;
 
@@ -82,8 +83,18 @@ impl Speeds {
         })
     }
 
+    /// V of a pair [m/s].
+    pub fn closing_of(&self, pair: &Pair) -> f64 {
+        pair.parts.iter().map(|(bodies, reach)| self.closing(*bodies, *reach)).sum()
+    }
+
+    /// The most that V of a pair changes by in a second [m/s²]; `length` is the length of the step (s).
+    pub fn changing_of(&self, pair: &Pair, length: f64) -> f64 {
+        pair.parts.iter().map(|(bodies, reach)| self.changing(*bodies, *reach, length)).sum()
+    }
+
     /// V of two bodies with their reaches [m/s].
-    pub fn closing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2]) -> f64 {
+    fn closing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2]) -> f64 {
         match (a, b) {
             (Some(_), None) => self.seen_from(a, b, reach[0]),
             (None, Some(_)) => self.seen_from(b, a, reach[1]),
@@ -150,6 +161,15 @@ fn relative([own, from]: [&BodyState; 2]) -> [Vector3<f64>; 2] {
 /// V over a stretch of `long` seconds, from V at its ends and the most that V changes by in a second [m/s²].
 pub(crate) fn speed_between(ends: [f64; 2], changing: f64, long: f64) -> f64 {
     FASTER * (ends[0].max(ends[1]) + CHANGING * changing * long)
+}
+
+/// V of a pair at one instant [m/s].
+pub(crate) fn speed_of(pair: &Pair, bodies: &[BodyState]) -> f64 {
+    let of_part = |(ends, reach): &Part| {
+        let reach = [0, 1].map(|side: usize| ends[side].map_or(f64::INFINITY, |_| reach[side]));
+        speed_at(ends.map(|body| body.map_or(WORLD, |body| bodies[body])), reach)
+    };
+    pair.parts.iter().map(of_part).sum()
 }
 
 /// V of two bodies with their reaches at one instant [m/s].

@@ -13,6 +13,8 @@ pub(crate) struct TracedStep {
     /// The state of the whole mechanism at the end, before the event there.
     pub end: State,
     pub mode: Mode,
+    /// The states at the inner stages; empty if the step was made in another way.
+    pub inside: Vec<State>,
     /// For each body whether its joint is held.
     pub held: Vec<bool>,
     /// The closed contacts as closures.
@@ -36,4 +38,12 @@ pub(crate) struct TracedJump {
 pub(crate) enum Traced {
     Step(Box<TracedStep>),
     Jump(Box<TracedJump>),
+}
+
+/// The trace of a run so far.
+#[derive(Clone)]
+pub(crate) struct Trace {
+    pub entries: Vec<Traced>,
+    /// c of the inner stages of its steps.
+    pub nodes: &'static [f64],
 }

@@ -18,7 +18,7 @@ use crate::instant::cone::apart::forces_apart;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::instant::cone::{least_compliance, solve};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_rates};
+use crate::instant::holding::blocks::{Block, Of, Rows, add_pulls, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::moments::{Turning, blocks_of_turning, have_moments, solve_with_moments};
 use crate::instant::holding::touching::{Contact, Touching};
@@ -215,7 +215,11 @@ impl Exerted {
                 if touch.rate >= -AT_REST {
                     points.push(touching.reported(contact, touch, &force, touch.slip.norm() <= AT_REST));
                 }
-                for (end, sign) in [(contact.joint.a.body, -1.0), (contact.joint.b.body, 1.0)] {
+                if contact.joint.is_reeved() {
+                    add_pulls(&contact.joint, bodies, forces[first], wrenches);
+                }
+                let ends = [(contact.joint.a.body, -1.0), (contact.joint.b.body, 1.0)];
+                for (end, sign) in ends.into_iter().filter(|_| !contact.joint.is_reeved()) {
                     if let Some(body) = end {
                         wrenches[body].0 += sign * force;
                         wrenches[body].1 += sign * (touch.point - bodies[body].position).cross(&force);

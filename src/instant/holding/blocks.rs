@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     joint on a limit or with friction     one row: its degree of freedom
-//!     contact without friction              one row: its normal
+//!     contact without friction, rope        one row: its normal, its tension
 //!     contact                               three rows: normal, two tangents
 //!     rolling or spinning friction          three rows ([`crate::instant::holding::moments`]), after the rows of its contact
 //!
@@ -21,6 +21,7 @@ use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
+use crate::mechanism::motion::reeved::pulls;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{belt, tangents, touch_accelerations, touch_motion, turning_accelerations};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -120,6 +121,31 @@ pub(crate) fn row_of_force(
     row.into()
 }
 
+/// The row of a unit tension in a rope through several points.
+fn row_of_rope(mechanism: &Mechanism, bodies: &[BodyState], joint: &TouchJoint) -> Row {
+    let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    add_pulls(joint, bodies, 1.0, &mut wrenches);
+    let mut row = vec![0.0; mechanism.velocity_count];
+    efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
+    row.into()
+}
+
+/// Adds what a tension (N) in a rope through several points exerts on the bodies: forces, and torques about their centres of mass.
+pub(crate) fn add_pulls(
+    joint: &TouchJoint,
+    bodies: &[BodyState],
+    tension: f64,
+    wrenches: &mut [(Vector3<f64>, Vector3<f64>)],
+) {
+    pulls(&joint.reeved, bodies, |body, pull, place| {
+        if let Some(body) = body {
+            let force = pull * tension;
+            wrenches[body].0 += force;
+            wrenches[body].1 += (place - bodies[body].position).cross(&force);
+        }
+    });
+}
+
 /// The row of a torque on the second body about a direction of the world, and its opposite on the first.
 pub(crate) fn row_of_torque(
     mechanism: &Mechanism,
@@ -145,6 +171,9 @@ pub(crate) fn rows_of_contact(
     joint: &TouchJoint,
     friction: bool,
 ) -> Vec<Row> {
+    if joint.is_reeved() {
+        return vec![row_of_rope(mechanism, bodies, joint)];
+    }
     let touch = touch_motion(joint, bodies);
     let [first, second] = tangents(&touch.normal);
     let count = if friction { 3 } else { 1 };

@@ -201,10 +201,7 @@ impl Held {
             joint.a.body != joint.b.body
         });
         let mut touches = closures.touches.clone();
-        touches.retain_mut(|joint| {
-            (joint.a, joint.b) = (attachment(&joint.a), attachment(&joint.b));
-            joint.a.body != joint.b.body
-        });
+        touches.retain_mut(|joint| joint.move_to(attachment));
         let mut mimics = whole.mimics.clone();
         mimics.retain_mut(|mimic| match (coordinate(mimic.follower), coordinate(mimic.leader)) {
             _ if !mimic.more.is_empty() => {

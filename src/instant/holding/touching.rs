@@ -6,10 +6,12 @@
 use crate::geometry::{Extents, FeatureId, PairGeometry, PlaceId, TouchPlace};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Attachment;
-use crate::mechanism::description::contact::{ContactPair, Grip, MomentLengths, Moments, Touch, TouchJoint};
+use crate::mechanism::description::contact::{ContactPair, Grip, MomentLengths, Moments, Shape, Touch, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::{Nonsmooth, Reeving};
 use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::reeved::rope_length;
 use crate::mechanism::motion::touches::{TouchMotion, touch_motion};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
@@ -19,6 +21,8 @@ pub(crate) const TOUCHED: f64 = 1e-11;
 const TOUCHED_ANEW: f64 = 1e-9;
 /// Shapes whose gap is more than this part of the smaller one are well apart.
 const WELL_APART: f64 = 1e-3;
+/// The rounding of the gap of a rope through several points, as a part of its length.
+const ROUNDED: f64 = 1e-13;
 
 /// The pairs of a mechanism.
 #[derive(Clone, Default)]
@@ -36,6 +40,10 @@ pub(crate) struct Pair {
     surfaces: [Vector3<f64>; 2],
     /// The largest distance of each from the centre of mass of its body (m); infinite for a half space.
     pub reach: [f64; 2],
+    /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or all parts of a rope through several points.
+    pub parts: Vec<Part>,
+    /// The rope through several points that it is, if it is one.
+    rope: Option<Rope>,
     /// μ and e.
     pub friction: f64,
     pub restitution: f64,
@@ -49,7 +57,52 @@ pub(crate) struct Pair {
     pub breadth: f64,
 }
 
+/// Two bodies, and how far they reach (m).
+pub(crate) type Part = ([Option<usize>; 2], [f64; 2]);
+
+/// A rope through several points ([`crate::mechanism::motion::reeved`]).
+#[derive(Clone)]
+struct Rope {
+    /// m.
+    length: f64,
+    points: Vec<Attachment>,
+    /// Where two of its points on different bodies are, as of a rope between them.
+    place: TouchPlace,
+}
+
+impl Rope {
+    /// The course of the rope that a pair is, if it has one.
+    fn new(mechanism: &Mechanism, pair: &ContactPair, geometry: &PairGeometry) -> Option<Self> {
+        let Nonsmooth { colliders, reevings, .. } = &mechanism.nonsmooth;
+        let Reeving { points, .. } = reevings.iter().find(|rope| rope.collider == pair.a)?;
+        let Shape::Hollow { radius: length } = colliders[pair.a].shape else { return None };
+        let apart = |shift: Vector3<f64>| {
+            let moved = Pose::from_parts(Translation3::from(shift), Rotation3::identity());
+            geometry.touches(&Pose::identity(), &moved, f64::INFINITY).pop()
+        };
+        let place = [Vector3::zeros(), Vector3::x()].into_iter().find_map(apart)?;
+        Some(Rope { length, points: points.clone(), place })
+    }
+
+    /// Its parts between points on different bodies.
+    fn parts(&self) -> Vec<Part> {
+        let ends = self.points.windows(2).map(|ends| [0, 1].map(|end: usize| ends[end]));
+        let apart = ends.filter(|[one, other]| one.body != other.body);
+        apart.map(|ends| (ends.map(|end| end.body), ends.map(|end| end.frame.translation.vector.norm()))).collect()
+    }
+
+    /// φ (m).
+    fn gap(&self, bodies: &[BodyState]) -> f64 {
+        self.length - rope_length(&self.points, bodies)
+    }
+}
+
 impl Pair {
+    /// Whether it is a rope through several points.
+    pub fn is_reeved(&self) -> bool {
+        self.rope.is_some()
+    }
+
     /// The tolerance that is this part of its size (m).
     pub fn within(&self, part: f64) -> f64 {
         self.extents.within(part)
@@ -159,14 +212,32 @@ impl Touching {
             let ContactPair { friction, restitution, moments, number, .. } = *pair;
             let bodies = [a.body, b.body];
             let surfaces = [a.surface_velocity, b.surface_velocity];
-            Some(Pair { geometry, bodies, surfaces, reach, friction, restitution, moments, number, extents, breadth })
+            let rope = Rope::new(mechanism, pair, &geometry);
+            let parts = rope.as_ref().map_or_else(|| vec![(bodies, reach)], Rope::parts);
+            Some(Pair {
+                geometry,
+                bodies,
+                surfaces,
+                reach,
+                parts,
+                rope,
+                friction,
+                restitution,
+                moments,
+                number,
+                extents,
+                breadth,
+            })
         });
         Touching { pairs: pairs.collect() }
     }
 
     /// The distance of a pair (m); negative where it overlaps.
     pub fn distance(&self, pair: usize, bodies: &[BodyState]) -> f64 {
-        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        if let Some(rope) = rope {
+            return rope.gap(bodies);
+        }
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
     }
 
@@ -195,7 +266,10 @@ impl Touching {
 
     /// A lower bound of the distance of a pair (m) for little work, and for a little more if the first one is at most `enough` (m).
     pub fn least_distance(&self, pair: usize, bodies: &[BodyState], enough: f64) -> f64 {
-        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        if let Some(rope) = rope {
+            return rope.gap(bodies) - ROUNDED * rope.length;
+        }
         geometry.least_distance(&pose(*a, bodies), &pose(*b, bodies), enough)
     }
 
@@ -204,7 +278,11 @@ impl Touching {
         if self.least_distance(pair, bodies, within) > within {
             return Vec::new();
         }
-        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: of, rope, .. } = &self.pairs[pair];
+        if let Some(rope) = rope {
+            let gap = rope.gap(bodies);
+            return if gap < within { vec![(self.contact(pair, rope.place.clone()), gap)] } else { Vec::new() };
+        }
         let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
         let contacts = places.into_iter().map(|place| (place.gap, place));
         contacts.map(|(gap, place)| (self.contact(pair, place), gap)).collect()
@@ -213,7 +291,11 @@ impl Touching {
     /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
     /// of the distance (m), if it is known. `likely` tells whether there were contacts a moment ago.
     pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {
-        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        let Pair { geometry, bodies: of, rope, .. } = &self.pairs[pair];
+        if rope.is_some() {
+            let near = self.near(pair, bodies, within);
+            return (near.into_iter().map(|(contact, _)| contact).collect(), self.distance(pair, bodies));
+        }
         let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, likely);
         (places.into_iter().map(|place| self.contact(pair, place)).collect(), apart)
     }
@@ -278,14 +360,15 @@ impl Touching {
 
     /// The contact of a pair at a place.
     fn contact(&self, pair: usize, place: TouchPlace) -> Contact {
-        let Pair { bodies, surfaces, .. } = &self.pairs[pair];
+        let Pair { bodies, surfaces, rope, .. } = &self.pairs[pair];
         let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
         let swapped = usize::from(place.swapped);
         let [a, b] = [0, 1].map(|side: usize| {
             let (own, frame) = (side ^ swapped, place.frames[side]);
             (Attachment { body: bodies[own], frame }, frame.rotation.inverse() * surfaces[own])
         });
-        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1], moments: Moments::default() };
+        let reeved = rope.as_ref().map_or(Vec::new(), |rope| rope.points.clone());
+        let joint = TouchJoint { touch, a: a.0, b: b.0, surfaces: [a.1, b.1], moments: Moments::default(), reeved };
         Contact { pair, features: place.identity, joint, place }
     }
 }

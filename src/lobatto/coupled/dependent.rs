@@ -65,7 +65,11 @@ impl Dependent {
         let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
         let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
         let mut found: Vec<(Ends, Vec<Between>)> = Vec::new();
-        for (number, ([a, b], rows)) in mechanism.closing_ends().zip(rows_of_closure).enumerate() {
+        let is_reeved = |number: usize| {
+            number.checked_sub(mechanism.loops.len()).is_some_and(|touch| mechanism.touches[touch].is_reeved())
+        };
+        let closures = mechanism.closing_ends().zip(rows_of_closure).enumerate();
+        for (number, ([a, b], rows)) in closures.filter(|(number, _)| !is_reeved(*number)) {
             let trees = [first_of(a.body), first_of(b.body)];
             let sign = if trees[0] < trees[1] { 1.0 } else { -1.0 };
             // The first row of a contact is its gap; a rolling contact has more rows, of rates.

@@ -45,6 +45,7 @@ pub(crate) fn find_empty<G: Geometry<One>>(
             .flatten()
             .any(|&body| G::tree(plan).bodies[body].freedoms().any(|freedom| moves(body, freedom)));
     }
+    coupled.reeved.iter().for_each(|end| empty[end.row] = false);
     coupled.known.empty = empty;
 }
 
@@ -60,6 +61,13 @@ pub(crate) fn equations<G: Geometry<One>>(
     let loops = coupled.closure_of_row().partition_point(|&closure| closure < circuits.len());
     let row = |row: usize| {
         let (closure, direction) = (coupled.closure_of_row()[row], coupled.direction(row));
+        if coupled.reeved.iter().any(|end| end.row == row) {
+            let entries = rope_entries(coupled, geometry, plan, start, (row, &circuits[closure][0]));
+            let entries =
+                entries.into_iter().map(|(freedom, along)| (freedom, along * lengths[freedom] / sizes[closure]));
+            let gap = one(coupled.gaps[row]).abs() / sizes[closure];
+            return Row { closure, entries: entries.collect(), gap, moves: false };
+        }
         // The force part is first; without it an equation is one of angles.
         let angles = direction[..G::WIDTH.div_ceil(2)].iter().all(|&component| component == 0.0);
         let unit = if angles { 1.0 } else { sizes[closure] };
@@ -77,6 +85,30 @@ pub(crate) fn equations<G: Geometry<One>>(
         Row { closure, entries, gap: one(coupled.gaps[row]).abs() / unit, moves: false }
     };
     (0..loops).map(row).collect()
+}
+
+/// The entries of the equation of a rope through several points, along the freedoms of the bodies on its circuit.
+fn rope_entries<G: Geometry<One>>(
+    coupled: &Coupled<One>,
+    geometry: &G,
+    plan: &G::Plan,
+    start: &G::Start,
+    (row, circuit): (usize, &[usize]),
+) -> Vec<(usize, f64)> {
+    let bodies = &G::tree(plan).bodies;
+    let mut entries = Vec::new();
+    for &body in circuit {
+        let above = |end: usize| std::iter::successors(Some(end), |&own| bodies[own].parent);
+        let ends = coupled.reeved.iter().filter(|end| end.row == row && above(end.body).any(|own| own == body));
+        let pulls: Vec<usize> = ends.map(|end| end.gradient).collect();
+        for freedom in bodies[body].freedoms() {
+            let screw = geometry.screws(plan, start, &[], body, freedom).columns;
+            let along = |&pull: &usize| coupled.direction(pull).iter().zip(screw).map(|(a, b)| a * one(b)).sum::<f64>();
+            entries.push((freedom, pulls.iter().map(along).sum::<f64>()));
+        }
+    }
+    entries.sort_unstable_by_key(|(freedom, _)| *freedom);
+    entries
 }
 
 /// The number in the only lane.

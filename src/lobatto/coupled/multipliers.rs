@@ -1,6 +1,6 @@
 //! The closures' side of the coupled system: forces of the multipliers, and rates.
 
-use crate::coupled::system::{Coupled, Geometry};
+use crate::coupled::system::{Coupled, Geometry, ReevedEnd};
 use crate::coupled::touching::Touching;
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
@@ -69,6 +69,12 @@ impl<V: Lanes> Coupled<V> {
                 }
             }
         }
+        for &ReevedEnd { row, gradient, body } in &self.reeved {
+            let directions = &self.gradients[gradient][1][..self.elimination.width];
+            for (bias, direction) in self.bias[body].iter_mut().zip(directions) {
+                *bias = direction.neg_mul_add(self.multipliers[row], *bias);
+            }
+        }
     }
 
     /// For every equation the closure it belongs to.
@@ -114,6 +120,12 @@ impl<V: Lanes> Coupled<V> {
                     }
                 }
                 self.gaps[row] = rate;
+            }
+        }
+        for &ReevedEnd { row, gradient, body } in &self.reeved {
+            let directions = &self.gradients[gradient][0][..self.elimination.width];
+            for (direction, twist) in directions.iter().zip(&self.twists[body]) {
+                self.gaps[row] = direction.mul_add(*twist, self.gaps[row]);
             }
         }
     }

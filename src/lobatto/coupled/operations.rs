@@ -51,12 +51,12 @@ impl<V: Lanes> Coupled<V> {
         });
     }
 
-    /// One equation at one end of its loop: (row, slot, sign).
+    /// One equation at one end of its loop: (row, slot, sign), or of a rope through several points (gradient, slot, sign).
     #[inline(always)]
     fn end(&mut self, level: usize, (row, slot, sign): (usize, usize, f64)) {
         let active = active::<V>(self.mixing.active);
         let mut by_gap = self.unit;
-        if row >= self.mimic_rows.end {
+        if row >= self.mimic_rows.end && row < self.gaps.len() {
             let row = row - self.mimic_rows.end;
             match self.resistances.get(row) {
                 Some(resistance) => (0..active).for_each(|k| by_gap[k] = self.resistance(resistance, k)),
@@ -68,7 +68,7 @@ impl<V: Lanes> Coupled<V> {
         }
         let gradients = [0, 1].map(|side: usize| &self.gradients[row][side][..self.elimination.width]);
         couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, gradients);
-        if let Some(rolling) = &self.rolling[row] {
+        if let Some(Some(rolling)) = self.rolling.get(row) {
             let step = V::splat(self.step);
             for (component, &change) in rolling[usize::from(sign > 0.0)].iter().enumerate() {
                 let change = change * step;

@@ -19,7 +19,7 @@ use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::state::State;
-use catena_mechanism::structure::ranks::rows::{Row, circuit};
+use catena_mechanism::structure::ranks::rows::{Row, circuits};
 use nalgebra::Vector3;
 
 /// The number in the only lane.
@@ -110,7 +110,7 @@ impl<G: Geometry<One>> Projection<G> {
             near: false,
             factored: false,
             nearest: [vec![0.0; mechanism.position_count], vec![0.0; mechanism.position_count]],
-            circuits: mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect(),
+            circuits: circuits(mechanism),
             coupled,
             geometry,
             plan,

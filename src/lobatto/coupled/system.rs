@@ -106,6 +106,17 @@ pub(crate) struct Resistance {
     pub(crate) damping: f64,
 }
 
+/// A body that a rope through several points pulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReevedEnd {
+    /// The equation of the rope.
+    pub row: usize,
+    /// The number of the gradient of the body, after the gradients of all rows.
+    pub gradient: usize,
+    /// The body.
+    pub body: usize,
+}
+
 /// The linear system of a step, and its workspace.
 #[derive(Clone)]
 pub struct Coupled<V: Lanes> {
@@ -115,8 +126,9 @@ pub struct Coupled<V: Lanes> {
     pub(crate) unit: [V; MAX_LANES],
     /// The rows of the loops and contacts, then of the springs, then of the friction that turns with the slip of contacts.
     pub(crate) rows_of_loop: Vec<std::ops::Range<usize>>,
-    /// The bodies at their ends.
+    /// The bodies at their ends; none of a rope through several points, which has `reeved`.
     pub(crate) ends: Vec<[Option<usize>; 2]>,
+    pub(crate) reeved: Vec<ReevedEnd>,
     pub(crate) loops: usize,
     /// The rows of the mimics; the rows of the springs' tensions come after them, and then the rows of turning friction.
     pub(crate) mimic_rows: std::ops::Range<usize>,
@@ -141,7 +153,7 @@ pub struct Coupled<V: Lanes> {
     /// Residual of every body, about the common origin.
     pub bias: Vec<Screw<V>>,
     /// One entry a row: the direction in which its multiplier pushes on the second end of its loop, at the columns' and at the
-    /// rows' stages.
+    /// rows' stages. Then those in which ropes through several points pull each of their bodies.
     pub(crate) gradients: Vec<[Screw<V>; 2]>,
     /// The right-hand side of the closures.
     pub gaps: Vec<V>,
@@ -207,6 +219,13 @@ impl<V: Lanes> Coupled<V> {
         let mimic_rows = next(mechanism.mimics.len());
         let mut ends: Vec<_> = mechanism.closing_ends().map(|[a, b]| [a.body, b.body]).collect();
         let loops = ends.len();
+        let touches = loops - mechanism.touches.len()..;
+        let ropes = touches.zip(&mechanism.touches).filter(|(_, joint)| joint.is_reeved());
+        let mut reeved = Vec::new();
+        for (closure, joint) in ropes {
+            ends[closure] = [None; 2];
+            reeved.extend(joint.reeved_bodies().into_iter().map(|body| (rows_of_loop[closure].start, body)));
+        }
         let mut resistances = Vec::new();
         let mut in_joints = vec![Resistance::default(); mechanism.velocity_count];
         if forces {
@@ -229,6 +248,9 @@ impl<V: Lanes> Coupled<V> {
         let mut rotors = vec![0.0; mechanism.velocity_count];
         mechanism.rotors().for_each(|(freedom, armature)| rotors[freedom] = armature);
         let (bodies, rows, nothing) = (mechanism.bodies.len(), count, [V::zero(); TWIST]);
+        let reeved = reeved.into_iter().enumerate();
+        let reeved: Vec<ReevedEnd> =
+            reeved.map(|(number, (row, body))| ReevedEnd { row, gradient: rows + number, body }).collect();
         let weights = weights(mechanism);
         let weight = |row: usize| -> f64 {
             ends[elimination.closure_of_row[row]].iter().flatten().map(|&body| weights[body]).sum()
@@ -258,7 +280,8 @@ impl<V: Lanes> Coupled<V> {
             proximal: PROXIMAL,
             known: Known::default(),
             bias: vec![nothing; bodies],
-            gradients: vec![[nothing; 2]; rows],
+            gradients: vec![[nothing; 2]; rows + reeved.len()],
+            reeved,
             gaps: vec![V::zero(); rows],
             multipliers: vec![V::zero(); rows],
             multiplier_increments: vec![V::zero(); rows],

@@ -103,6 +103,10 @@ impl<V: Lanes> Touching<V> {
         }
         let still = &Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         for (number, touch) in touches.iter_mut().enumerate() {
+            if let Some(rope) = touch.rope() {
+                rope.place(moved);
+                continue;
+            }
             let ends = touch.bodies();
             touch.place([0, 1].map(|side: usize| ends.map(|end| end.map_or(still, |body| &moved[body][side]))));
             let Some(mixing) = mixing.as_ref().filter(|_| touch.feels_slip()) else { continue };
@@ -121,8 +125,8 @@ impl<V: Lanes> Touching<V> {
         }
     }
 
-    /// Writes gaps, gradients and pushes of the contacts, which have the rows `touches`, and the directions across slips, which have the rows
-    /// `rubbing`.
+    /// Writes gaps, gradients and pushes of the contacts, which have the rows `touches`, the directions across slips, which have the rows
+    /// `rubbing`, and after all rows the pulls of ropes through several points.
     #[inline(always)]
     pub(crate) fn write(
         &self,
@@ -140,6 +144,8 @@ impl<V: Lanes> Touching<V> {
         for (across, rows) in slips.chain(rolls.map(FrictionMoments::across)).zip(rubbing) {
             gradients[rows.start] = across;
         }
+        let pulls = self.touches.iter().flat_map(SpatialTouch::pulls);
+        gradients[gaps.len()..].iter_mut().zip(pulls).for_each(|(gradient, pull)| *gradient = *pull);
     }
 
     /// How far the slowest contact that slides does so in the step, at the fastest of its stages (m); infinite without friction.

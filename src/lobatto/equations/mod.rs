@@ -6,7 +6,8 @@
 //! ```
 //!
 //! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] the applied
-//! forces, [`loops`] and [`spatial_loops`] the closures, [`touches`], [`braking`], `slips` and `turning` the contacts.
+//! forces, [`loops`] and [`spatial_loops`] the closures, [`touches`], [`braking`], `slips` and `turning` the contacts, `reeved` the ropes
+//! through several points.
 
 pub mod braking;
 pub mod forces;
@@ -15,6 +16,7 @@ pub(crate) mod holding;
 pub(crate) mod loads;
 pub mod loops;
 pub mod pivot;
+pub(crate) mod reeved;
 pub mod residual;
 pub mod rotors;
 pub(crate) mod slips;

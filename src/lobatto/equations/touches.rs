@@ -17,6 +17,7 @@
 use crate::equations::braking::{Braking, Lean, Slipping};
 use crate::equations::friction_moments::FrictionMoments;
 use crate::equations::loops::Displaced;
+use crate::equations::reeved::SpatialRope;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::{End, Moved};
 use crate::numbers::algebra::{Matrix, Vector};
@@ -52,6 +53,8 @@ pub(crate) struct SpatialTouch<V> {
     braking: Braking<V>,
     /// Its rolling and spinning friction, if it has any.
     moments: Option<Box<FrictionMoments<V>>>,
+    /// The rope through several points that it is, if it is one.
+    rope: Option<Box<SpatialRope<V>>>,
 }
 
 /// An end of a contact at the start of a step, from the common origin and in the world.
@@ -99,6 +102,7 @@ impl<V: Lanes> SpatialTouch<V> {
             center: zero,
             braking: Braking::new(joint.touch.friction(), gravity),
             moments: FrictionMoments::new(joint.moments, gravity).filter(|_| joint.touch.rows() > 0),
+            rope: SpatialRope::new(joint).map(Box::new),
         };
         joints.iter().map(new).collect()
     }
@@ -144,8 +148,22 @@ impl<V: Lanes> SpatialTouch<V> {
         self.friction() != 0.0 || self.moments().is_some_and(FrictionMoments::brake)
     }
 
+    /// The rope through several points that it is, if it is one.
+    pub fn rope(&mut self) -> Option<&mut SpatialRope<V>> {
+        self.rope.as_deref_mut()
+    }
+
+    /// The pulls of a rope through several points on its bodies; empty for everything else.
+    pub fn pulls(&self) -> &[[[V; 6]; 2]] {
+        self.rope.as_ref().map_or(&[], |rope| rope.pulls())
+    }
+
     /// Takes the start of a step; `origin` is the common origin (m).
     pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
+        if let Some(rope) = &mut self.rope {
+            rope.begin(start, origin);
+            return;
+        }
         let ends = [self.joint.a, self.joint.b].map(|end| End::new(&end, start, origin));
         self.ends = ends.map(|End { point, arm, axes }| TouchEnd {
             point,
@@ -411,6 +429,10 @@ impl<V: Lanes> SpatialTouch<V> {
     #[inline(always)]
     pub fn write(&self, leans: Option<&Lean>, gaps: &mut [V], gradients: &mut [[[V; 6]; 2]]) {
         if self.pairing.is_none() {
+            return;
+        }
+        if let Some(rope) = &self.rope {
+            gaps[0] = rope.gap();
             return;
         }
         gaps[0] = self.at[0].gap;

@@ -192,8 +192,11 @@ fn pose(end: &Attachment, q: &DVector<f64>) -> Option<(usize, Vector3<f64>, Matr
     Some((first, q.fixed_rows::<3>(first).into_owned(), rotation))
 }
 
-/// The two features of a contact, placed.
+/// The two features of a contact, placed; `None` for features that make no pair, and for ropes through several points.
 fn meeting(joint: &TouchJoint, q: &DVector<f64>) -> Option<Meeting> {
+    if joint.is_reeved() {
+        return None;
+    }
     let place = |end: &Attachment| {
         let (origin, axis) = (end.frame.translation.vector, end.frame.rotation * Vector3::z());
         let axes = *end.frame.rotation.matrix();

@@ -25,7 +25,8 @@ pub enum Operation {
     Open,
     /// Clear these slots for multipliers that come in; the right-hand sides of `gaps` (row, slot) come in with them.
     Enter { slots: Vec<usize>, present: Vec<usize>, gaps: Vec<(usize, usize)> },
-    /// Add a body's inertia and residual, and its ends of loops: (row, slot, sign).
+    /// Add a body's inertia and residual, and its ends of loops: (row, slot, sign). The gradient of an end is that of its row; at a rope through
+    /// several points the first number is that of a gradient of its own, after all rows.
     Own { body: usize, ends: Vec<(usize, usize, f64)> },
     /// Eliminate a freedom: the twist of the body becomes the twist of its parent. `direct`: (row, slot, coefficient).
     Freedom { body: usize, freedom: usize, columns: Vec<Column>, direct: Vec<(usize, usize, f64)> },

@@ -45,8 +45,10 @@ impl Elimination {
 struct Closure {
     first_row: usize,
     rows: usize,
-    /// Its two ends; `None` is the world. Empty for a mimic.
+    /// Its two ends; `None` is the world. Empty for a mimic, and for a rope through several points.
     sides: [Option<usize>; 2],
+    /// The bodies that a rope through several points pulls, each with the number of its gradient.
+    reeved: Vec<(usize, usize)>,
     /// Bodies with an end of it; fewer than two if it ends in the world.
     ends: Vec<usize>,
     /// The body at which its branches meet; `None` is the world.
@@ -93,6 +95,7 @@ impl<'m> Planner<'m> {
                 first_row: closure_of_row.len(),
                 rows: count,
                 sides: [a, b],
+                reeved: Vec::new(),
                 ends: [a, b].into_iter().flatten().collect(),
                 meets,
                 on_world: false,
@@ -110,7 +113,18 @@ impl<'m> Planner<'m> {
             let all = |body: &&usize| above.iter().all(|others| others.contains(body));
             closure.meets = above.first().and_then(|first| first.iter().find(all)).copied();
         }
-        for (index, closure) in closures.iter_mut().enumerate().filter(|_| springs) {
+        // A rope through several points has a gradient for each body, after the gradients of all equations.
+        let mut gradients = closure_of_row.len()..;
+        let touches = mechanism.touches.iter().zip(&mut closures[mechanism.loops.len()..loops]);
+        for (joint, closure) in touches.filter(|(joint, _)| joint.is_reeved()) {
+            let world = joint.reeved.iter().any(|point| point.body.is_none());
+            let above: Vec<Vec<usize>> = joint.reeved.iter().map(|point| ancestors(point.body)).collect();
+            let all = |body: &&usize| above.iter().all(|others| others.contains(body));
+            let meets = above.first().filter(|_| !world).and_then(|first| first.iter().find(all));
+            (closure.sides, closure.meets, closure.ends) = ([None; 2], meets.copied(), joint.reeved_bodies());
+            closure.reeved = closure.ends.iter().copied().zip(&mut gradients).collect();
+        }
+        for (index, closure) in closures.iter_mut().enumerate().filter(|(_, own)| springs && own.reeved.is_empty()) {
             let gives = index >= springs_from || holds_a_point(mechanism, index);
             closure.on_world = gives && closure.ends.len() == 1;
         }
@@ -198,6 +212,9 @@ impl<'m> Planner<'m> {
                     let of = |row| self.slot_of(front, row).map(|slot| (row, slot, sign));
                     ends.extend(rows_of(closure).filter_map(of));
                 }
+            }
+            for &(_, gradient) in closure.reeved.iter().filter(|(own, _)| *own == body) {
+                ends.extend(self.slot_of(front, closure.first_row).map(|slot| (gradient, slot, 1.0)));
             }
         }
         self.processed[body] = true;

@@ -353,6 +353,13 @@ impl Touch {
     }
 }
 
+/// Two of the points of a rope that are on different bodies, the first of them in the world if one is; `None` if there are none.
+pub fn apart(points: &[Attachment]) -> Option<[Attachment; 2]> {
+    let first = points.iter().find(|point| point.body.is_none()).or(points.first())?;
+    let other = points.iter().find(|point| point.body != first.body)?;
+    Some([*first, *other])
+}
+
 /// A touch with the frames of its features.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TouchJoint {
@@ -366,9 +373,44 @@ pub struct TouchJoint {
     pub surfaces: [Vector3<f64>; 2],
     /// Its moments of friction.
     pub moments: Moments,
+    /// The points of a rope that goes through more than two, in their order ([`crate::motion::reeved`]); empty for everything else. Two of them on
+    /// different bodies are `a` and `b`.
+    pub reeved: Vec<Attachment>,
 }
 
 impl TouchJoint {
+    /// Whether it is a rope through more than two points.
+    pub fn is_reeved(&self) -> bool {
+        !self.reeved.is_empty()
+    }
+
+    /// The points of a rope through more than two of them, or its two ends.
+    pub fn points(&self) -> impl Iterator<Item = &Attachment> {
+        let ends = if self.is_reeved() { [None; 2] } else { [Some(&self.a), Some(&self.b)] };
+        ends.into_iter().flatten().chain(&self.reeved)
+    }
+
+    /// The bodies that a rope through more than two points pulls, in the order of its points; empty for everything else.
+    pub fn reeved_bodies(&self) -> Vec<usize> {
+        let mut bodies: Vec<usize> = Vec::new();
+        for body in self.reeved.iter().filter_map(|point| point.body) {
+            if !bodies.contains(&body) {
+                bodies.push(body);
+            }
+        }
+        bodies
+    }
+
+    /// Gives every point a new place; whether two of them are still on different bodies.
+    pub fn move_to(&mut self, place: impl Fn(&Attachment) -> Attachment) -> bool {
+        (self.a, self.b) = (place(&self.a), place(&self.b));
+        self.reeved.iter_mut().for_each(|point| *point = place(point));
+        if let Some([a, b]) = apart(&self.reeved) {
+            (self.a, self.b) = (a, b);
+        }
+        self.a.body != self.b.body
+    }
+
     /// Number of its equations: those of [`Touch::rows`], then of rolling friction that holds, then of spinning friction that holds.
     pub fn rows(&self) -> usize {
         match self.touch.rows() {

@@ -3,7 +3,7 @@
 //! All of it is constant data; the state of each element at an instant belongs to the run. Limits are [`JointLimit`]s of
 //! [`crate::description::closure`], because the assembly of closed loops respects them, too.
 
-use crate::description::closure::{Coordinate, JointLimit};
+use crate::description::closure::{Attachment, Coordinate, JointLimit};
 use crate::description::contact::{Collider, ContactPair};
 use crate::description::target::Target;
 
@@ -130,6 +130,17 @@ pub struct Nonsmooth {
     pub colliders: Vec<Collider>,
     /// Which of them may, and how.
     pub pairs: Vec<ContactPair>,
+    /// The ropes among the colliders that go through more than two points.
+    pub reevings: Vec<Reeving>,
+}
+
+/// The course of a rope through more than two points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reeving {
+    /// The collider that is the rope: the first of its pair.
+    pub collider: usize,
+    /// Its points in their order.
+    pub points: Vec<Attachment>,
 }
 
 impl Nonsmooth {
@@ -161,6 +172,15 @@ impl Nonsmooth {
                 true
             }
             _ => false,
+        });
+        self.reevings.retain_mut(|rope| {
+            let Some(collider) = places[rope.collider] else { return false };
+            rope.collider = collider;
+            rope.points.iter_mut().all(|point| {
+                let own = point.body.map(&number);
+                point.body = own.flatten();
+                own != Some(None)
+            })
         });
     }
 }

@@ -16,6 +16,8 @@ pub mod joint_accelerations;
 pub mod joint_coordinates;
 pub mod kinematics;
 pub mod level_rims;
+pub(crate) mod moving_points;
+pub mod reeved;
 pub mod rim_and_line;
 pub mod state;
 pub mod step_error;

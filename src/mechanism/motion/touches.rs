@@ -29,6 +29,8 @@ use crate::description::contact::TouchJoint;
 use crate::ground::smooth::{Jet, Triple};
 use crate::motion::contact_geometry::{Contact, Placed, contact};
 use crate::motion::kinematics::BodyAcceleration;
+use crate::motion::moving_points::{jets, moving_point, turned};
+use crate::motion::reeved::{RopeMotion, rope_acceleration, rope_motion};
 use nalgebra::Vector3;
 
 /// How the features of a contact move against each other.
@@ -49,6 +51,10 @@ pub struct TouchMotion {
 /// Gap, normal, point of contact and slip of a contact.
 pub fn touch_motion(joint: &TouchJoint, bodies: &[BodyState]) -> TouchMotion {
     let Some(pairing) = joint.touch.pairing() else { return TouchMotion::default() };
+    if joint.is_reeved() {
+        let RopeMotion { gap, rate, pull: normal, last: point } = rope_motion(pairing.reach, &joint.reeved, bodies);
+        return TouchMotion { gap, rate, normal, point, slip: Vector3::zeros() };
+    }
     let place = |end: &Attachment| {
         let (origin, axes) = end.place(bodies);
         Placed { origin: Triple(origin.into()), axis: Triple(axes.column(2).into_owned().into()) }
@@ -84,6 +90,9 @@ pub fn touch_accelerations(
     accelerations: &[BodyAcceleration],
     tangents: &[Vector3<f64>; 2],
 ) -> [f64; 3] {
+    if joint.is_reeved() {
+        return [rope_acceleration(&joint.reeved, bodies, accelerations), 0.0, 0.0];
+    }
     let Some((ends, Contact { gap, point, normal })) = moving_contact(joint, bodies, accelerations) else {
         return [0.0; 3];
     };
@@ -158,9 +167,7 @@ impl<'b> Moving<'b> {
         let acceleration = end.body.map_or((Vector3::zeros(), Vector3::zeros()), |body| accelerations[body]);
         let (linear, angular) = acceleration;
         let (origin, axes) = end.place(bodies);
-        let arm = turned(body, &angular, &(origin - body.position));
-        let center = [body.position, body.velocity, linear];
-        let origin = jets([center[0] + arm[0], center[1] + arm[1], center[2] + arm[2]]);
+        let origin = moving_point(body, [&linear, &angular], &origin);
         let axis = jets(turned(body, &angular, &axes.column(2).into_owned()));
         Moving { body, acceleration, placed: Placed { origin, axis } }
     }
@@ -178,17 +185,6 @@ impl<'b> Moving<'b> {
         let acceleration = linear + angular.cross(&arm) + angular_velocity.cross(&(moves - velocity));
         (velocity + angular_velocity.cross(&arm), acceleration)
     }
-}
-
-/// A vector fixed in a body with this angular acceleration [rad/s²], and its first and second derivatives.
-fn turned(body: &BodyState, angular: &Vector3<f64>, arm: &Vector3<f64>) -> [Vector3<f64>; 3] {
-    let rate = body.angular_velocity.cross(arm);
-    [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]
-}
-
-/// A vector with its derivatives as jets.
-fn jets([value, rate, second]: [Vector3<f64>; 3]) -> Triple<Jet> {
-    Triple([0, 1, 2].map(|i| Jet { value: value[i], rate: rate[i], second: second[i] }))
 }
 
 /// Two unit vectors that are square to a normal and to each other: the same ones for the same normal.

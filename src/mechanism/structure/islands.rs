@@ -73,7 +73,14 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
     let colliders = &mechanism.nonsmooth.colliders;
     let pairs = mechanism.nonsmooth.pairs.iter();
     let pairs = pairs.filter_map(|pair| colliders[pair.a].body.zip(colliders[pair.b].body));
-    for (one, other) in loops.chain(mimics).chain(springs).chain(pairs) {
+    let closed = mechanism.touches.iter().map(|joint| &joint.reeved);
+    let ropes = mechanism.nonsmooth.reevings.iter().map(|rope| &rope.points).chain(closed);
+    let ropes = ropes.flat_map(|points| {
+        let mut bodies = points.iter().filter_map(|point| point.body);
+        let first = bodies.next();
+        bodies.filter_map(move |body| Some((first?, body)))
+    });
+    for (one, other) in loops.chain(mimics).chain(springs).chain(pairs).chain(ropes) {
         let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
         earlier[one.max(other)] = one.min(other);
     }
@@ -175,7 +182,8 @@ impl Island {
         forces.gravity_compensations.retain(|holding| acts_here(holding.freedom));
 
         mechanism.nonsmooth.keep_bodies(|body| here(body).then(|| into.body(body)));
-        let Nonsmooth { limits, friction, motors, speeds, colliders: _, pairs: _ } = &mut mechanism.nonsmooth;
+        let Nonsmooth { limits, friction, motors, speeds, colliders: _, pairs: _, reevings: _ } =
+            &mut mechanism.nonsmooth;
         limits.retain(|limit| here(limit.coordinate.body));
         friction.retain(|friction| here(friction.coordinate.body));
         motors.retain(|motor| here(motor.coordinate.body));

@@ -20,12 +20,13 @@ impl Renumbering<'_> {
     pub fn apply(&self, mechanism: &mut Mechanism) {
         let Mechanism { bodies, loops, touches, mimics, forces, limits, nonsmooth, .. } = mechanism;
         let loop_ends = loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
-        let contact_ends = touches.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
+        let contact_ends =
+            touches.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b].into_iter().chain(&mut joint.reeved));
         let spring_ends = forces.point_springs.iter_mut().flat_map(|spring| [&mut spring.a, &mut spring.b]);
         for end in loop_ends.chain(contact_ends).chain(spring_ends) {
             end.body = end.body.map(self.body);
         }
-        let Nonsmooth { limits: stops, friction, motors, speeds, colliders: _, pairs: _ } = nonsmooth;
+        let Nonsmooth { limits: stops, friction, motors, speeds, colliders: _, pairs: _, reevings: _ } = nonsmooth;
         let coordinates = mimics.iter_mut().flat_map(|mimic| {
             let more = mimic.more.iter_mut().map(|(own, _)| own);
             [&mut mimic.follower, &mut mimic.leader].into_iter().chain(more)

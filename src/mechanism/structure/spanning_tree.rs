@@ -130,7 +130,11 @@ impl Graph {
         let only_closes =
             |ends: [Option<usize>; 2], rows: usize| Link { edge: None, ends, freedoms: 0, rows, fixed: false };
         let contacts = mechanism.touches.iter();
-        links.extend(contacts.map(|joint| only_closes([joint.a.body, joint.b.body], joint.rows())));
+        links.extend(contacts.flat_map(|joint| {
+            let next = joint.points().skip(1);
+            let parts = joint.points().zip(next).map(|(one, other)| [one.body, other.body]);
+            parts.filter(|[one, other]| one != other || !joint.is_reeved()).map(|ends| only_closes(ends, joint.rows()))
+        }));
         let mimics = mechanism.mimics.iter().filter(|mimic| !mimic.is_moved());
         links.extend(mimics.map(|mimic| only_closes([Some(mimic.follower.body), Some(mimic.leader.body)], 1)));
         let more =

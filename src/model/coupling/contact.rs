@@ -5,6 +5,7 @@
 
 use crate::geometry::kind;
 use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+use crate::mechanism::description::nonsmooth::Reeving;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::coupling::overlaps::number;
@@ -56,14 +57,19 @@ impl Model {
             }
         }
         let ropes = std::mem::take(&mut self.contact.ropes);
+        let mut reevings = Vec::new();
         for (index, rope) in ropes.iter().enumerate() {
             let (a, number) = (colliders.len(), pairs.len());
+            if rope.points.len() > 2 {
+                reevings.push(Reeving { collider: a, points: rope.points.clone() });
+            }
             colliders.extend(rope.colliders.iter().cloned());
             owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
             pairs.push(ContactPair::without_moments(number, [a, a + 1], 0.0, rope.restitution));
         }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
+        self.mechanism.nonsmooth.reevings = reevings;
         self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
         self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes, ropes };

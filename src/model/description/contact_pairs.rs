@@ -4,6 +4,7 @@
 //! robots. The last `[[contact.pair]]` that
 //! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
 
+use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths};
 use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within_limits};
 use crate::model::description::contact_reach::ContactReach;
@@ -34,19 +35,28 @@ pub enum Owner {
     RopeEnd(usize),
 }
 
-/// A rope between two points.
+/// A rope through two points or more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RopeRecord {
     /// Its name.
     pub name: String,
-    /// The links of its ends.
-    pub links: [String; 2],
-    /// The ball in which it holds its second end, and that end.
+    /// The links of its points, in their order.
+    pub links: Vec<String>,
+    /// Its points; before them the one on its winch, which has no link here, if it has a winch.
+    pub points: Vec<Attachment>,
+    /// The ball in which it holds its second end, and that end; of a rope through more points, two of them on different bodies.
     pub colliders: [Collider; 2],
     /// m.
     pub length: f64,
     /// e.
     pub restitution: f64,
+}
+
+impl RopeRecord {
+    /// Its points without the one on its winch, if it has one.
+    pub fn seen_points(&self) -> &[Attachment] {
+        &self.points[self.points.len() - self.links.len()..]
+    }
 }
 
 /// The record of the shapes of a model.

@@ -72,6 +72,7 @@ impl Model {
                 Left::Contact => {
                     mechanism.nonsmooth.colliders.clear();
                     mechanism.nonsmooth.pairs.clear();
+                    mechanism.nonsmooth.reevings.clear();
                     // The obstacles and their meshes stay: the log carries them, so that the run can be made again.
                     self.contact.settings.touching = Some(Touching::None);
                     self.contact.owners.clear();

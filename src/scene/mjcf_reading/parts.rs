@@ -135,7 +135,8 @@ pub(crate) struct Closing {
 #[derive(Debug)]
 pub(crate) struct Rope {
     pub name: Option<String>,
-    pub ends: [End; 2],
+    /// Its ends, and the sites between.
+    pub points: Vec<End>,
     /// m.
     pub length: f64,
 }

@@ -2,8 +2,8 @@
 //!
 //! | tendon | as |
 //! |---|---|
-//! | `spatial` through two sites, its upper limit | a rope: `|p₂ − p₁| ≤ L` |
-//! | its stiffness, damping and `springlength` | a spring between the two points |
+//! | `spatial` through two sites or more, its upper limit | a rope: `Σ |p_{i+1} − p_i| ≤ L` |
+//! | stiffness, damping and `springlength` of one through two sites | a spring between the two points |
 //! | `fixed`, held by `<equality><tendon>` | a coupling: `Σ c_i q_i − k Σ d_j q_j = a`, with the positions q counted from the start |
 //! | `fixed`, pulled by a motor with the effort f | efforts `c_i f` of its joints ([`super::actuators`]) |
 //!
@@ -47,13 +47,13 @@ impl Reader<'_> {
         if range.is_none() && !is_sprung {
             return Ok(());
         }
-        if tendon.children.iter().any(|child| child.name != "site") || tendon.children.len() != 2 {
-            let message = "tendons around geoms, over pulleys or through more than two sites are not simulated";
+        if tendon.children.iter().any(|child| child.name != "site") || tendon.children.len() < 2 {
+            let message = "tendons around geoms and over pulleys are not simulated";
             self.not_simulated(tendon, message.to_string());
             return Ok(());
         }
-        let mut points = Vec::with_capacity(2);
-        let mut ends: Vec<End> = Vec::with_capacity(2);
+        let mut points = Vec::with_capacity(tendon.children.len());
+        let mut ends: Vec<End> = Vec::with_capacity(tendon.children.len());
         for child in &tendon.children {
             let site = child.text("site").ok_or_else(|| child.missing("site"))?;
             let unknown = || child.error("site", "there is no such site".to_string());
@@ -62,13 +62,21 @@ impl Reader<'_> {
             ends.push(self.end(child, body.as_deref(), &point)?);
             points.push(point);
         }
-        let Ok(ends) = <[End; 2]>::try_from(ends) else { return Ok(()) };
         if let Some((lower, upper)) = range {
             if lower > 0.0 {
                 self.not_simulated(tendon, "the least length of a tendon is not simulated".to_string());
             }
-            self.ropes.push(Rope { name, ends: ends.clone(), length: upper });
+            self.ropes.push(Rope { name, points: ends.clone(), length: upper });
         }
+        let ends = match <[End; 2]>::try_from(ends) {
+            Ok(ends) => ends,
+            Err(_) if is_sprung => {
+                let message = "stiffness and damping of a tendon through more than two sites are not simulated";
+                self.not_simulated(tendon, message.to_string());
+                return Ok(());
+            }
+            Err(_) => return Ok(()),
+        };
         if is_sprung {
             let rest = match tendon.list("springlength", 1, 2)?.as_deref() {
                 Some([free]) if *free >= 0.0 => *free,

@@ -100,9 +100,10 @@ impl Reader<'_> {
             let (name, a, b) = (named(name), point(a), point(b));
             let _ = writeln!(text, "\n[[loop]]\n{name}type = \"{kind}\"\na = {a}\nb = {b}");
         }
-        for Rope { name, ends: [a, b], length } in &self.ropes {
-            let (name, a, b) = (named(name), point(a), point(b));
-            let _ = writeln!(text, "\n[[rope]]\n{name}points = [{a}, {b}]\nlength = {length:?}");
+        for Rope { name, points, length } in &self.ropes {
+            let points: Vec<String> = points.iter().map(point).collect();
+            let (name, points) = (named(name), points.join(", "));
+            let _ = writeln!(text, "\n[[rope]]\n{name}points = [{points}]\nlength = {length:?}");
         }
         for Spring { ends: [a, b], stiffness, damping, rest } in &self.springs {
             let (a, b) = (point(a), point(b));

@@ -34,6 +34,7 @@ fn feature(body: Option<usize>, place: Vector3<f64>, turn: Vector3<f64>) -> Atta
 /// A contact of two features.
 fn touch(features: [Feature; 2], grip: Grip, a: Attachment, b: Attachment) -> TouchJoint {
     TouchJoint {
+        reeved: Vec::new(),
         touch: Touch { features, side: 1.0, grip },
         a,
         b,

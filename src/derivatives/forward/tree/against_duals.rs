@@ -1,5 +1,6 @@
 //! The equations that are written out, against the same by numbers with derivatives: the oracle of this room.
 
+use crate::derivatives::forward::elimination::Elimination;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepMode, StepProblem};
 use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
@@ -113,6 +114,7 @@ impl Case {
             start: &self.start,
             step: 0.02,
             toward: &self.start,
+            inside: &[],
             efforts: &self.efforts,
         }
     }
@@ -193,15 +195,16 @@ fn derivatives_over_a_step_of_a_tree_are_those_of_numbers_with_derivatives() {
         let case = Case::new(mechanism, 4);
         let problem = case.problem();
         let n = case.mechanism.velocity_count;
-        let solved = problem.solve().expect("a step");
+        let solved = problem.solve(None).expect("a step");
         let end = solved.stages.last().expect("an end").clone();
         let multipliers = vec![Vec::new(); 4];
         let left = problem.residual(&solved.stages, &end.velocity, &multipliers).amax();
         // Roundings of places of some metres, times the mass and coefficients of some tens.
         let mass: f64 = case.mechanism.bodies.iter().map(|body| body.mass).sum();
         assert!(left < 1e-13 * mass.max(1.0), "{}: {left:.1e} and {mass} kg", case.mechanism.name);
-        let whole = problem.matrix(&solved.stages, &end.velocity, &multipliers).lu();
-        let literal = SolvedStep { stages: solved.stages.clone(), multipliers, factors: Factors::Whole(whole) };
+        let whole = Elimination::new(&problem.matrix(&solved.stages, &end.velocity, &multipliers)).expect("factors");
+        let (stages, factors) = (solved.stages.clone(), Factors::Whole(whole));
+        let literal = SolvedStep { stages, multipliers, factors, drift: 0.0 };
         // One parameter for each kind of number, and one that changes all of them, the start and the length.
         let count = std::cell::Cell::new(0);
         let _ = BothFigures::taken(&case.mechanism, &case.elements, &case.frames, |entry, value| {
@@ -269,7 +272,7 @@ fn the_transpose_of_a_step_has_the_same_products_as_its_columns() {
         let case = Case::new(mechanism, 4);
         let problem = case.problem();
         let n = case.mechanism.velocity_count;
-        let solved = problem.solve().expect("a step");
+        let solved = problem.solve(None).expect("a step");
         let Factors::Tree(factors) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
         let family = Family::new(&case.figures.plain, &case.mode.free);
         let end = solved.stages.last().expect("an end");
@@ -295,8 +298,8 @@ fn the_transpose_of_a_step_has_the_same_products_as_its_columns() {
         let right = step.right(&all, &[column]);
         let free = case.mode.free.len();
         let [left, other] = [20, 21].map(|seed| DVector::from_fn(free, |row, _| number(row * 13 + seed)));
-        let weights = factors.solve_transposed(&left, &other).expect("weights");
-        let found = factors.solve(&right).expect("a column");
+        let weights = factors.solve_transposed(&left, &other);
+        let found = factors.solve(&right);
         let forward =
             found.column(0).rows(2 * free, free).dot(&left) + found.column(0).rows(3 * free, free).dot(&other);
         let mut constant = FigureCotangents::zero(count, varied.slopes());

@@ -45,7 +45,7 @@ impl<'b> Backwards<'b> {
     fn pulled(&self, of_end: [&DVector<f64>; 2], figures: &mut FigureCotangents) -> Option<(Cotangents, DVector<f64>)> {
         let problem = self.step.problem;
         let [positions, velocities] = of_end.map(|of| of.select_rows(&problem.mode.free));
-        let weights = self.factors.solve_transposed(&positions, &velocities)?;
+        let weights = self.factors.solve_transposed(&positions, &velocities);
         let mut given = self.step.pull_back(&self.courses, &self.efforts, &weights, figures);
         let back = carried(problem.mechanism, self.end, problem.start, of_end[0]);
         for freedom in 0..back.len() {
@@ -147,7 +147,7 @@ impl TreeColumns<'_> {
         };
         let columns: Vec<Column> =
             given.iter().map(|given| given as &dyn Fn(usize, usize) -> f64).enumerate().map(of).collect();
-        let found = factors.solve(&step.right(&efforts(&step), &columns))?;
+        let found = factors.solve(&step.right(&efforts(&step), &columns));
         let [mut ends, mut rates] = [s - 2, s - 1].map(|index| found.rows(index * n, n).into_owned());
         for column in 0..positions.ncols() {
             let moved = carried(problem.mechanism, problem.start, end, &positions.column(column).into_owned());

@@ -3,11 +3,12 @@
 //! A freedom moves the bodies behind its joint. It moves the axes of the joints behind its own, and those of the rotations of its own joint: a slide
 //! takes their anchor along, and a ball joint turns about the axes of its child.
 
-use crate::derivatives::equations::figures::Figures;
-use crate::derivatives::equations::placed::Placed;
+use crate::derivatives::equations::figures::{Figures, Frame};
 use crate::derivatives::forward::spatial::{NOUGHT, Twist};
 use crate::derivatives::forward::twelve::Twelve;
-use crate::derivatives::numbers::vector::Vector;
+use crate::derivatives::numbers::vector::{Matrix, Vector};
+use crate::mechanism::description::joint::{FreeRotation, rotation_from_wxyz};
+use crate::mechanism::motion::state::State;
 
 /// A freedom of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -69,21 +70,38 @@ pub(super) struct TreeStage {
 }
 
 impl TreeStage {
-    /// Of placed bodies, seen from a point of the world.
-    pub fn new(figures: &Figures<f64>, placed: &[Placed<f64>], from: Vector<f64>) -> Self {
+    /// At the places of a state, as in [`crate::derivatives::equations::placed`], seen from a point of the world.
+    pub fn at(figures: &Figures<f64>, state: &State, from: Vector<f64>) -> Self {
+        let world = Twelve { origin: NOUGHT - from, axes: Matrix::identity() };
         let mut motions = vec![Twist::NONE; figures.freedoms];
-        let mut places = Vec::with_capacity(placed.len());
-        for (body, at) in figures.bodies.iter().zip(placed) {
-            places.push(Twelve { origin: at.frame.origin - from, axes: at.frame.axes });
-            let anchor = at.anchor - from;
+        let mut places: Vec<Twelve<f64>> = Vec::with_capacity(figures.bodies.len());
+        for body in &figures.bodies {
+            let parent = body.parent.map_or(&world, |parent| &places[parent]);
+            let joint = within(parent, &body.on_parent);
             let slides = body.kind.translation_axes();
+            let (mut anchor, slot) = (joint.origin, body.position_index + slides.len());
             for (offset, &axis) in slides.iter().enumerate() {
-                motions[body.velocity_index + offset] = Twist { turn: NOUGHT, shift: at.on_parent.0[axis] };
+                let position = body.position_index + offset;
+                anchor = anchor + joint.axes.0[axis].scaled(state.position[position] + state.compensation[position]);
+                motions[body.velocity_index + offset] = Twist { turn: NOUGHT, shift: joint.axes.0[axis] };
             }
+            let [x, y, z] = joint.axes.0;
+            let on_child = match body.kind.rotation() {
+                FreeRotation::None => joint.axes,
+                FreeRotation::AboutZ => {
+                    let (sine, cosine) = (state.position[slot] + state.compensation[slot]).sin_cos();
+                    Matrix([x.scaled(cosine) + y.scaled(sine), y.scaled(cosine) - x.scaled(sine), z])
+                }
+                FreeRotation::Ball => {
+                    joint.axes.product(&Matrix::of(&rotation_from_wxyz(&state.position[slot..slot + 4])))
+                }
+            };
             for (offset, &axis) in body.kind.rotation_axes().iter().enumerate() {
-                let turn = at.on_child.0[axis];
+                let turn = on_child.0[axis];
                 motions[body.velocity_index + slides.len() + offset] = Twist { turn, shift: anchor.cross(turn) };
             }
+            let axes = on_child.product(&body.on_child.axes.transpose());
+            places.push(Twelve { origin: anchor - axes.apply(body.on_child.origin), axes });
         }
         TreeStage { places, motions }
     }
@@ -100,4 +118,9 @@ impl TreeStage {
         }
         speeds
     }
+}
+
+/// A frame that is fixed in another.
+fn within(outer: &Twelve<f64>, inner: &Frame<f64>) -> Twelve<f64> {
+    Twelve { origin: outer.origin + outer.axes.apply(inner.origin), axes: outer.axes.product(&inner.axes) }
 }

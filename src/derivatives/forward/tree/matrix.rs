@@ -7,8 +7,9 @@
 //!     U      of the end alone: q̇(v̄) changes with the places
 //! ```
 //!
-//! All integrals are over the bodies behind both freedoms; each matrix is a sum over such bodies of nine numbers, gathered from leaves to root. The
-//! velocities at the end are in the last rows alone, so that the matrix is a block triangle.
+//! All integrals are over the bodies behind both freedoms; each matrix is a sum over such bodies of nine numbers, gathered from leaves to root. C of
+//! two stages is the transpose of C of the same stages in the other order. The velocities at the end are in the last rows alone, so that the matrix is
+//! a block triangle.
 
 use crate::derivatives::forward::spatial::{Forces, Twist, inner, shifted, sum, trace, transposed};
 use crate::derivatives::forward::tree::family::Freedom;
@@ -25,12 +26,6 @@ pub(in crate::derivatives::forward) struct TreeMatrix {
     /// Rows of the end by the same displacements, and by v̄.
     end: DMatrix<f64>,
     masses: DMatrix<f64>,
-}
-
-/// S_ki of the bodies behind each body, with their masses and first moments `∫ q dm` at both stages.
-struct Pair {
-    second: Vec<Matrix<f64>>,
-    weight: f64,
 }
 
 /// The parts of a matrix of two stages, for a body and all behind it.
@@ -93,35 +88,40 @@ impl TreeMatrix {
             .iter()
             .map(|stage| figures.bodies.iter().zip(&stage.places).map(|(body, at)| inner(body, at)).collect())
             .collect();
-        let pair = |k: usize, i: usize, weight: f64| {
-            let mut second = Vec::with_capacity(figures.bodies.len());
-            for body in 0..figures.bodies.len() {
-                second.push(shifted(&step.stages[k].places[body], &inside[i][body], single[i][body]));
-            }
-            step.family.gather(&mut second, |of, own| *of = sum(of, own));
-            Pair { second, weight }
-        };
+        let weights: Vec<Vec<f64>> = (0..s).map(|k| step.weights(k)).collect();
+        let mut second = Vec::with_capacity(figures.bodies.len());
+        let (mut block, mut own) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+        // Stages are numbered from 0; no column belongs to the start.
         for k in 0..s {
-            let weights = step.weights(k);
-            let mut own = DMatrix::zeros(n, n);
-            for i in 1..s {
-                let mut block = DMatrix::zeros(n, n);
-                let of = pair(k, i, weights[i - 1]);
-                step.add_pair(&of, [k, i], &mass, [&first[k], &first[i]], &mut block);
-                if k + 1 == s && i == k {
-                    let of = Pair { weight: 1.0, ..of };
-                    step.add_pair(&of, [k, i], &mass, [&first[k], &first[i]], &mut masses);
-                    step.add_rates(&of, &mass, &first[k], &mut own);
+            for i in k.max(1)..s {
+                second.clear();
+                let bodies = step.stages[k].places.iter().zip(&inside[i]).zip(&single[i]);
+                second.extend(bodies.map(|((at, inside), single)| shifted(at, inside, *single)));
+                step.family.gather(&mut second, |of, own| *of = sum(of, own));
+                block.fill(0.0);
+                step.add_pair(&second, [k, i], &mass, [&first[k], &first[i]], &mut block);
+                let to = if k + 1 == s { &mut end } else { &mut stages };
+                let row = if k + 1 == s { 0 } else { k * n };
+                add(to, [row, (i - 1) * n], &block, weights[k][i - 1]);
+                if i > k && k > 0 {
+                    block.transpose_mut();
+                    let to = if i + 1 == s { &mut end } else { &mut stages };
+                    let row = if i + 1 == s { 0 } else { i * n };
+                    add(to, [row, (k - 1) * n], &block, weights[i][k - 1]);
                 }
-                step.add_scalars(k, i, weights[i - 1], &mut block);
                 if i == k {
+                    own.fill(0.0);
                     step.add_own(k, &mut own);
-                    block += &own;
+                    if k + 1 == s {
+                        masses.copy_from(&block);
+                        step.add_rates(&second, &mass, &first[k], &mut own);
+                    }
+                    let to = if k + 1 == s { &mut end } else { &mut stages };
+                    add(to, [row, (i - 1) * n], &own, 1.0);
                 }
-                let to = if k + 1 == s { (0, (i - 1) * n) } else { (k * n, (i - 1) * n) };
-                let target = if k + 1 == s { &mut end } else { &mut stages };
-                target.view_mut(to, (n, n)).copy_from(&block);
             }
+            let (to, row) = if k + 1 == s { (&mut end, 0) } else { (&mut stages, k * n) };
+            step.add_scalars(k, &weights[k], |freedom, i, by| to[(row + freedom, (i - 1) * n + freedom)] += by);
         }
         for (freedom, armature, _) in step.rotors() {
             if let Some(row) = step.row(freedom) {
@@ -134,7 +134,7 @@ impl TreeMatrix {
     /// Its factors; `None` if it is singular.
     pub fn factors(self) -> Option<TreeFactors> {
         let TreeMatrix { stages, end, masses } = self;
-        TreeFactors::new(stages, end, masses)
+        TreeFactors::new(&stages, end, &masses)
     }
 
     /// The whole matrix: displacements, then v̄.
@@ -150,10 +150,10 @@ impl TreeMatrix {
 }
 
 impl TreeStep<'_> {
-    /// Adds `weight · C` of two stages: row and column.
+    /// Adds C of two stages, row and column, from S of the bodies behind each body.
     fn add_pair(
         &self,
-        of: &Pair,
+        of: &[Matrix<f64>],
         [k, i]: [usize; 2],
         mass: &[f64],
         first: [&[Vector<f64>]; 2],
@@ -162,22 +162,18 @@ impl TreeStep<'_> {
         let (rows, columns) = (&self.stages[k].motions, &self.stages[i].motions);
         for body in 0..self.family.own.len() {
             let (own, before) = (&self.family.own[body], &self.family.before[body]);
-            let behind = Behind {
-                mass: mass[body],
-                at_row: first[0][body],
-                at_column: first[1][body],
-                second: &of.second[body],
-            };
+            let behind =
+                Behind { mass: mass[body], at_row: first[0][body], at_column: first[1][body], second: &of[body] };
             for freedom in own {
                 let Some(own_row) = freedom.row else { continue };
-                let [force, torque] = behind.load(&columns[freedom.index].scaled(of.weight));
+                let [force, torque] = behind.load(&columns[freedom.index]);
                 let mut add = |other: &Freedom| {
                     let Some(row) = other.row else { return };
                     block[(row, own_row)] += rows[other.index].power(force, torque);
                 };
                 before.iter().for_each(&mut add);
                 own.iter().for_each(&mut add);
-                let [force, torque] = behind.load_back(&rows[freedom.index].scaled(of.weight));
+                let [force, torque] = behind.load_back(&rows[freedom.index]);
                 for other in before {
                     let Some(column) = other.row else { continue };
                     block[(own_row, column)] += columns[other.index].power(force, torque);
@@ -216,7 +212,7 @@ impl TreeStep<'_> {
     }
 
     /// Adds U: how q̇(v̄) changes where the places at the end do.
-    fn add_rates(&self, of: &Pair, mass: &[f64], first: &[Vector<f64>], block: &mut DMatrix<f64>) {
+    fn add_rates(&self, of: &[Matrix<f64>], mass: &[f64], first: &[Vector<f64>], block: &mut DMatrix<f64>) {
         let end = self.stages.len() - 1;
         let (figures, stage) = (&self.problem.figures.plain, &self.stages[end]);
         let bodies = figures.bodies.iter().zip(&stage.places).zip(&self.rates[1]);
@@ -226,8 +222,7 @@ impl TreeStep<'_> {
         let carriers = self.carrier_speeds(1);
         for body in 0..self.family.own.len() {
             let (own, before) = (&self.family.own[body], &self.family.before[body]);
-            let behind =
-                Behind { mass: mass[body], at_row: first[body], at_column: first[body], second: &of.second[body] };
+            let behind = Behind { mass: mass[body], at_row: first[body], at_column: first[body], second: &of[body] };
             let rate = &momenta[body];
             let load = |freedom: &Freedom| {
                 let motion = &stage.motions[freedom.index];
@@ -255,23 +250,29 @@ impl TreeStep<'_> {
         }
     }
 
-    /// Adds rotors, springs, dampers and motors.
-    fn add_scalars(&self, k: usize, i: usize, weight: f64, block: &mut DMatrix<f64>) {
+    /// Adds rotors, springs, dampers and motors of the rows of a stage: `add` gets the row, the stage of the column, and the entry.
+    fn add_scalars(&self, k: usize, weights: &[f64], mut add: impl FnMut(usize, usize, f64)) {
         let (s, factor) = (self.stages.len(), self.factor(k));
         for (freedom, armature, _) in self.rotors() {
             let Some(row) = self.row(freedom) else { continue };
-            block[(row, row)] += armature * weight;
+            (1..s).for_each(|i| add(row, i, armature * weights[i - 1]));
         }
-        let of_rate = self.problem.tableau.velocity[k * (s - 1) + i - 1] / self.problem.step;
+        let of_rates = &self.problem.tableau.velocity[k * (s - 1)..][..s - 1];
         for (freedom, coefficient) in self.dampers() {
             let Some(row) = self.row(freedom) else { continue };
-            block[(row, row)] += factor * coefficient * of_rate;
+            (1..s).for_each(|i| add(row, i, factor * coefficient * of_rates[i - 1] / self.problem.step));
         }
-        if k == i {
+        if k > 0 {
             for (freedom, coefficient) in self.springs() {
                 let Some(row) = self.row(freedom) else { continue };
-                block[(row, row)] += factor * coefficient;
+                add(row, k, factor * coefficient);
             }
         }
     }
+}
+
+/// Adds a multiple of a block whose first row and column are given.
+fn add(to: &mut DMatrix<f64>, at: [usize; 2], block: &DMatrix<f64>, weight: f64) {
+    let mut to = to.view_mut((at[0], at[1]), block.shape());
+    to.zip_apply(block, |entry, by| *entry += weight * by);
 }

@@ -8,9 +8,10 @@ use crate::derivatives::forward::tree::step::is_tree;
 use nalgebra::{DMatrix, DVector};
 
 impl StepProblem<'_> {
-    /// Solves it; `None` if the iteration does not converge.
-    pub fn solve(&self) -> Option<SolvedStep> {
-        if self.is_tree() { solve_tree(self) } else { self.solve_whole() }
+    /// Solves it, from the same step with another length if that is known, and the part of the length by which it differs; `None` if the iteration
+    /// does not converge.
+    pub fn solve(&self, known: Option<(SolvedStep, f64)>) -> Option<SolvedStep> {
+        if self.is_tree() { solve_tree(self, known) } else { self.solve_whole(known) }
     }
 
     /// Whether it has the equations of a tree alone.

@@ -1,66 +1,92 @@
 //! A step of a tree solved to rounding.
 //!
-//! Newton's method begins with stages on the cubic curve through both ends of the step of the run:
+//! Newton's method begins with the stages of the run, or on the cubic curve through both ends of its step:
 //!
 //! ```text
 //!     y(c) = h v₀ c + (3Δ − 2 h v₀ − h v₁) c² + (h v₀ + h v₁ − 2Δ) c³        Δ = y₁ − y₀
 //! ```
 
 use crate::derivatives::forward::between::motion_between;
-use crate::derivatives::forward::step::{Factors, ITERATIONS, ROUNDING, SLOW, SolvedStep, StepProblem};
+use crate::derivatives::forward::step::{Factors, ITERATIONS, KEPT, ROUNDING, SLOW, SQUARE, SolvedStep, StepProblem};
 use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
 use crate::derivatives::forward::tree::step::{TreeStep, efforts};
-use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::mechanism::motion::state::State;
 use nalgebra::DMatrix;
 
-/// Solves a step of a tree; `None` if the iteration does not converge.
-pub(in crate::derivatives::forward) fn solve_tree(problem: &StepProblem) -> Option<SolvedStep> {
+/// Solves a step of a tree, from the same step with another length if it is known, and the part of the length by which it differs; `None` if the
+/// iteration does not converge.
+pub(in crate::derivatives::forward) fn solve_tree(
+    problem: &StepProblem,
+    known: Option<(SolvedStep, f64)>,
+) -> Option<SolvedStep> {
     let (s, h, free) = (problem.tableau.stages, problem.step, &problem.mode.free);
     let (n, all) = (free.len(), problem.start.velocity.len());
     let family = Family::new(&problem.figures.plain, free);
     let mut velocities = vec![0.0; all];
     free.iter().for_each(|&freedom| velocities[freedom] = problem.toward.velocity[freedom]);
-    let mut stages = first_stages(problem);
-    let mut factors: Option<TreeFactors> = None;
+    let (mut stages, mut factors) = match known {
+        Some((SolvedStep { stages, factors: Factors::Tree(factors), drift, .. }, change)) => {
+            velocities.copy_from_slice(&stages.last()?.velocity);
+            (stages, Some((factors, drift + change)))
+        }
+        _ => (first_stages(problem), None),
+    };
+    let made = |step: &TreeStep| Some(Box::new(TreeMatrix::new(step).factors()?));
     let mut last = f64::INFINITY;
     for _ in 0..ITERATIONS {
         let step = TreeStep::new(problem, &family, &stages, &velocities);
-        let own = match factors.take() {
+        let (own, drift) = match factors.take() {
             Some(kept) => kept,
-            None => TreeMatrix::new(&step).factors()?,
+            None => (made(&step)?, 0.0),
         };
         let residual = step.residual(&efforts(&step));
-        let correction = own.solve(&DMatrix::from_column_slice(residual.len(), 1, residual.as_slice()))?;
+        let correction = own.solve(&DMatrix::from_column_slice(residual.len(), 1, residual.as_slice()));
         let size = correction.rows(0, (s - 1) * n).amax();
         if !size.is_finite() {
             return None;
         }
+        let mut moved = vec![0.0; all];
         for (index, stage) in stages.iter_mut().enumerate() {
-            let mut moved = vec![0.0; all];
             free.iter().enumerate().for_each(|(row, &freedom)| moved[freedom] = -correction[(index * n + row, 0)]);
             stage.displace(problem.mechanism, &moved);
         }
         free.iter().enumerate().for_each(|(row, &freedom)| velocities[freedom] -= correction[((s - 1) * n + row, 0)]);
-        if size < ROUNDING && size >= 0.25 * last || size == 0.0 {
-            let step = TreeStep::new(problem, &family, &stages, &velocities);
-            let factors = Box::new(TreeMatrix::new(&step).factors()?);
+        let drift = drift + size;
+        if size < ROUNDING && (size >= 0.25 * last || size * drift <= SQUARE) {
+            let (factors, drift) = match drift <= KEPT {
+                true => (own, drift),
+                false => (made(&TreeStep::new(problem, &family, &stages, &velocities))?, 0.0),
+            };
             let end = stages.last_mut()?;
             end.velocity = velocities;
             end.time = problem.start.time + h;
-            return Some(SolvedStep { stages, multipliers: vec![Vec::new(); s], factors: Factors::Tree(factors) });
+            let multipliers = vec![Vec::new(); s];
+            return Some(SolvedStep { stages, multipliers, factors: Factors::Tree(factors), drift });
         }
         if size <= SLOW * last {
-            factors = Some(own);
+            factors = Some((own, drift));
         }
         last = size;
     }
     None
 }
 
-/// Stages i = 2..s on a cubic curve through both ends.
+/// Stages i = 2..s: those of the run if they are known, otherwise on a cubic curve through both ends.
 fn first_stages(problem: &StepProblem) -> Vec<State> {
+    let count = problem.tableau.stages - 2;
+    let mut stages = match problem.inside.len() == count {
+        true => problem.inside.iter().chain([problem.toward]).cloned().collect(),
+        false => on_a_cubic(problem),
+    };
+    for (stage, node) in stages.iter_mut().zip(&problem.tableau.nodes[1..]) {
+        stage.time = problem.start.time + problem.step * node;
+    }
+    stages
+}
+
+/// Stages i = 2..s on a cubic curve through both ends.
+fn on_a_cubic(problem: &StepProblem) -> Vec<State> {
     let (tableau, h, start) = (problem.tableau, problem.step, problem.start);
     let whole = motion_between(problem.mechanism, start, problem.toward);
     let is_near = problem.toward.time > start.time;
@@ -82,7 +108,6 @@ fn first_stages(problem: &StepProblem) -> Vec<State> {
         let moved: Vec<f64> = (0..free.len()).map(along).collect();
         let mut stage = start.clone();
         stage.displace(problem.mechanism, &moved);
-        stage.time = start.time + h * c;
         stage
     };
     (1..tableau.stages).map(at).collect()

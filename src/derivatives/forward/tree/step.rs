@@ -9,8 +9,7 @@
 //! ```
 
 use crate::derivatives::equations::figures::Figures;
-use crate::derivatives::equations::placed::{Offsets, place};
-use crate::derivatives::forward::spatial::{Forces, Twist};
+use crate::derivatives::forward::spatial::{Forces, NOUGHT, Twist};
 use crate::derivatives::forward::step::StepProblem;
 use crate::derivatives::forward::tree::family::{Family, TreeStage};
 use crate::derivatives::forward::twelve::Twelve;
@@ -65,22 +64,14 @@ impl<'s> TreeStep<'s> {
     /// With the stages i = 2..s and v̄.
     pub fn new(problem: &'s StepProblem<'s>, family: &'s Family, stages: &[State], velocities: &'s [f64]) -> Self {
         let figures = &problem.figures.plain;
-        let (s, h, n) = (problem.tableau.stages, problem.step, figures.freedoms);
-        let still = vec![0.0; n];
-        let all = || std::iter::once(problem.start).chain(stages);
-        let placed = all()
-            .map(|to| place(figures, &Offsets { from: problem.start, to, first: &still, second: &still, motion: &[] }));
+        let (s, h) = (problem.tableau.stages, problem.step);
         // Moments of light bodies about a distant point would be small differences of large numbers.
         let masses = figures.bodies.iter().map(|body| body.mass).enumerate();
         let lightest = masses.min_by(|(_, one), (_, other)| one.total_cmp(other)).map_or(0, |(body, _)| body);
-        let mut from = Vector::zero();
-        let stages_of = placed.enumerate().map(|(index, placed)| {
-            if index == 0 {
-                from = placed.get(lightest).map_or(from, |body| body.frame.origin);
-            }
-            TreeStage::new(figures, &placed, from)
-        });
-        let found: Vec<TreeStage> = stages_of.collect();
+        let begin = TreeStage::at(figures, problem.start, NOUGHT);
+        let from = begin.places.get(lightest).map_or(NOUGHT, |place| place.origin);
+        let all = std::iter::once(problem.start).chain(stages);
+        let found: Vec<TreeStage> = all.map(|stage| TreeStage::at(figures, stage, from)).collect();
         let speeds = [found[0].speeds(family, &problem.start.velocity), found[s - 1].speeds(family, velocities)];
         let rates = [0, 1].map(|end| {
             let places = &found[end * (s - 1)].places;

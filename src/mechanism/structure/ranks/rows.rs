@@ -9,6 +9,7 @@
 //!     u · w = 0           −z · (u × w)               z · (u × w)                          0
 //!     (d·d − L²)/2L = 0   d · z × (P_b − p) / L      −d · z × (P_a − p) / L               ± d · t / L
 //!     contact: φ = 0      z × (p − c) · n, with p the point of contact and c that of the axis; along tangents if it rolls
+//!     rope: φ = 0         Σ z × (P_i − c) · f_i over the points that the freedom carries      ([`crate::motion::reeved`])
 //!     mimic               follower 1, leader −multiplier
 //! ```
 //!
@@ -21,6 +22,7 @@ use crate::description::contact::{Feature, Grip, TouchJoint};
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::motion::gaps::{loop_gaps, mimic_gap};
+use crate::motion::reeved::pulls;
 use crate::motion::state::State;
 use crate::motion::touches::{TouchMotion, tangents, touch_motion};
 use nalgebra::Vector3;
@@ -52,7 +54,7 @@ struct Screw {
 
 /// The size of every loop (m), and the length of every freedom: for a slide the size of its loops (m), for a turn one.
 pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64>) {
-    let circuits: Vec<[Vec<usize>; 2]> = mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect();
+    let circuits = circuits(mechanism);
     let sizes = sizes(mechanism, bodies, &circuits);
     let mut lengths = vec![0.0_f64; mechanism.velocity_count];
     for (size, circuit) in sizes.iter().zip(&circuits) {
@@ -75,7 +77,7 @@ pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64
 /// the size of its loops (m), for a turn one.
 pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> (Vec<Row>, Vec<f64>) {
     let screws = screws(mechanism, bodies);
-    let circuits: Vec<[Vec<usize>; 2]> = mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect();
+    let circuits = circuits(mechanism);
     let (sizes, lengths) = scales(mechanism, bodies);
     let mut rows = Vec::new();
     for (closure, (joint, circuit)) in mechanism.loops.iter().zip(&circuits).enumerate() {
@@ -119,6 +121,14 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
     for (number, joint) in mechanism.touches.iter().enumerate() {
         let closure = mechanism.loops.len() + number;
         let freedoms = freedoms_of(mechanism, &circuits[closure]);
+        if joint.is_reeved() {
+            let entries = rope_entries(mechanism, joint, bodies, &screws, &freedoms).into_iter();
+            let entries = entries.map(|(freedom, entry)| (freedom, entry * lengths[freedom] / sizes[closure]));
+            let TouchMotion { gap, point, .. } = touch_motion(joint, bodies);
+            let gap = gap.abs().max(f64::EPSILON * point.amax()) / sizes[closure];
+            rows.push(Row { closure, entries: entries.collect(), gap, moves: false });
+            continue;
+        }
         let turns = |direction: &Vector3<f64>| {
             let entry = |&(freedom, side): &(usize, usize)| {
                 let Screw { turns, axis, .. } = &screws[freedom];
@@ -139,6 +149,29 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
     }
     rows.extend(mimic_rows(mechanism, state, &lengths));
     (rows, lengths)
+}
+
+/// The entries of a rope through several points: what its pulls do along each of these freedoms.
+fn rope_entries(
+    mechanism: &Mechanism,
+    joint: &TouchJoint,
+    bodies: &[BodyState],
+    screws: &[Screw],
+    freedoms: &[(usize, usize)],
+) -> Vec<(usize, f64)> {
+    let mut entries: Vec<(usize, f64)> = freedoms.iter().map(|&(freedom, _)| (freedom, 0.0)).collect();
+    pulls(&joint.reeved, bodies, |body, pull, place| {
+        for body in above(mechanism, body) {
+            for freedom in mechanism.bodies[body].joint.velocity_range() {
+                if let Ok(index) = entries.binary_search_by_key(&freedom, |(freedom, _)| *freedom) {
+                    let Screw { turns, axis, point } = &screws[freedom];
+                    let motion = if *turns { axis.cross(&(place - point)) } else { *axis };
+                    entries[index].1 += motion.dot(&pull);
+                }
+            }
+        }
+    });
+    entries
 }
 
 /// The freedoms on a circuit in their order, and on which of its branches they are.
@@ -223,12 +256,34 @@ fn screws(mechanism: &Mechanism, bodies: &[BodyState]) -> Vec<Screw> {
     screws
 }
 
+/// The circuits of all loops, then of all contacts; of a rope through several points all that move it are on the first branch.
+pub fn circuits(mechanism: &Mechanism) -> Vec<[Vec<usize>; 2]> {
+    let loops = mechanism.loops.iter().map(|joint| circuit(mechanism, [&joint.a, &joint.b]));
+    let touches = mechanism.touches.iter().map(|joint| match joint.is_reeved() {
+        true => [moving_rope(mechanism, &joint.reeved), Vec::new()],
+        false => circuit(mechanism, [&joint.a, &joint.b]),
+    });
+    loops.chain(touches).collect()
+}
+
+/// The bodies whose joints move a rope through these points, in their order: those that carry one of its points but not all.
+fn moving_rope(mechanism: &Mechanism, points: &[Attachment]) -> Vec<usize> {
+    let mut carried = vec![0; mechanism.bodies.len()];
+    for point in points {
+        above(mechanism, point.body).for_each(|body| carried[body] += 1);
+    }
+    let moves = |&body: &usize| (1..points.len()).contains(&carried[body]);
+    (0..carried.len()).filter(moves).collect()
+}
+
+/// A body and all that carry it.
+fn above(mechanism: &Mechanism, body: Option<usize>) -> impl Iterator<Item = usize> {
+    std::iter::successors(body, |&body| mechanism.bodies[body].parent)
+}
+
 /// The bodies between each end of a loop or contact and where the branches meet.
-pub fn circuit(mechanism: &Mechanism, ends: [&Attachment; 2]) -> [Vec<usize>; 2] {
-    let above = |end: Option<usize>| -> Vec<usize> {
-        std::iter::successors(end, |&body| mechanism.bodies[body].parent).collect()
-    };
-    let branches = ends.map(|end| above(end.body));
+fn circuit(mechanism: &Mechanism, ends: [&Attachment; 2]) -> [Vec<usize>; 2] {
+    let branches = ends.map(|end| above(mechanism, end.body).collect::<Vec<usize>>());
     let common = branches[0].iter().rev().zip(branches[1].iter().rev()).take_while(|(one, other)| one == other).count();
     branches.map(|mut branch| {
         branch.truncate(branch.len() - common);
@@ -244,11 +299,13 @@ fn sizes(mechanism: &Mechanism, bodies: &[BodyState], circuits: &[[Vec<usize>; 2
     let touches = mechanism.touches.iter().map(|joint| {
         let point = touch_motion(joint, bodies).point;
         match joint.touch.features[0] {
-            Feature::Hollow { .. } => [joint.a.place(bodies).0, point],
-            _ => [point; 2],
+            _ if joint.is_reeved() => joint.points().map(|end| end.point(bodies).0).collect(),
+            Feature::Hollow { .. } => vec![joint.a.place(bodies).0, point],
+            _ => vec![point; 2],
         }
     });
     let own: Vec<f64> = loops
+        .map(Vec::from)
         .chain(touches)
         .zip(circuits)
         .map(|(ends, circuit)| {
