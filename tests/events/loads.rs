@@ -158,6 +158,35 @@ fn quadratic_drag_that_comes_to_a_standstill_is_as_accurate_as_the_run_says() {
 }
 
 #[test]
+fn no_pulse_and_no_kink_of_a_formula_is_jumped_over() {
+    // A pulse e^{−((t − c)/w)²}/w gives √π N s, so that a body of m kg is at √π (T − c)/m at the end: to e^{−(c/w)²}, zero in doubles.
+    let impulse = std::f64::consts::PI.sqrt();
+    for width in [0.1, 0.03, 0.01, 0.003, 0.001, 1e-5] {
+        let pulse = format!("factor = {{ formula = \"exp(-((t-3.7)/w)^2)/w\", w = {width} }}\n");
+        let on_body = format!("[[load]]\nlink = \"hull\"\nforce = [1, 0, 0]\n{pulse}");
+        let end = report(&free_body("pulse", &on_body), &[], &[], Some(10.0), 1e-6);
+        near("the place of a free body", (place(&end)[0], impulse * 6.3 / 3.0), 1e-6);
+        let on_joint = format!("[[load]]\njoint = \"rail\"\neffort = 1\n{pulse}");
+        let end = report(&cart("pulse", &on_joint), &[], &[], Some(10.0), 1e-6);
+        near("the place of a cart", (joint(&end, "rail").0, impulse * 6.3 / 2.0), 1e-6);
+        let motor = format!(
+            "[[motor]]\njoint = \"rail\"\nkind = \"effort\"\ntarget = {{ formula = \"exp(-((t-3.7)/w)^2)/w\", w = {width} }}\n"
+        );
+        let end = report(&cart("driven", &motor), &[], &[], Some(10.0), 1e-6);
+        near("the place of a driven cart", (joint(&end, "rail").0, impulse * 6.3 / 2.0), 1e-6);
+        // Its steps are few beside the hundreds of thousands of pulses in the run.
+        assert!(end.steps < 400, "{} steps for {width} s", end.steps);
+    }
+    // ∫∫ |t − c| = T c²/2 − c³/6 + (T − c)³/6.
+    let kink = "[[load]]\nlink = \"hull\"\nforce = [3, 0, 0]\nfactor = { formula = \"sqrt((t-0.533)^2)\" }\n";
+    for tolerance in [1e-6, 1e-9] {
+        let end = report(&free_body("kink", kink), &[], &[], Some(2.0), tolerance);
+        let wanted = 2.0 * 0.533_f64.powi(2) / 2.0 - 0.533_f64.powi(3) / 6.0 + 1.467_f64.powi(3) / 6.0;
+        near("the place after a kink", (place(&end)[0], wanted), tolerance);
+    }
+}
+
+#[test]
 fn what_cannot_be_a_load_is_refused_in_one_line() {
     for (scene, reason) in [
         ("[[load]]\njoint = \"rail\"\neffort = 1\nframe = \"link\"\n", "no position, force, torque or frame"),
