@@ -118,7 +118,7 @@ impl Range {
 
     fn sine(self) -> Self {
         let full = Range { low: -1.0, high: 1.0 };
-        if !(self.high - self.low < TAU) {
+        if self.high - self.low >= TAU {
             return full;
         }
         // Whether a crest or a trough is inside.

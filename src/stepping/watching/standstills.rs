@@ -207,7 +207,7 @@ mod tests {
         let speeds = std::array::from_fn(|point| speed(point as f64 / PIECES as f64));
         let found: Vec<_> = (0..PIECES).filter_map(|piece| standstill(&speeds, piece, &mut { speed })).collect();
         let inside: Vec<_> = found.iter().filter(|(instant, _)| (0.0..1.0).contains(instant)).collect();
-        let [&&(instant, delta)] = &inside[..] else { panic!("{found:?}") };
+        let [&(instant, delta)] = inside[..] else { panic!("{found:?}") };
         // The slope is a secant of the last correction, less than a hundredth of the step long.
         assert!((instant - 0.37).abs() < KINK && (delta - 0.02 / 1.37).abs() < 1e-3, "{instant} {delta}");
     }
