@@ -450,9 +450,9 @@ fn a_winch_pays_out_no_more_than_its_longest_stands_in_the_world_and_has_key_pat
 fn ropes_through_points_that_do_not_move_are_refused() {
     let balls = [("ball", 1.0, [0.0, 0.0, -1.0], [0.0; 3])];
     let points = [("ball", [0.0; 3]), ("ball", [0.01, 0.0, 0.0]), ("ball", [0.0, 0.02, 0.0])];
-    let error = Model::load(&scene("reeved_idle", "", &balls, &points, [1.0, 0.0])).expect_err("an error").to_string();
+    let error = Model::load(scene("reeved_idle", "", &balls, &points, [1.0, 0.0])).expect_err("an error").to_string();
     assert!(error.contains("rope \"rope\"") && error.contains("leave it out"), "{error}");
     let error =
-        Model::load(&scene("reeved_one", "", &balls, &points[..1], [1.0, 0.0])).expect_err("an error").to_string();
+        Model::load(scene("reeved_one", "", &balls, &points[..1], [1.0, 0.0])).expect_err("an error").to_string();
     assert!(error.contains("rope \"rope\"") && error.contains("two points or more"), "{error}");
 }
