@@ -74,7 +74,7 @@ impl Model {
             }
         }
         self.mechanism.nonsmooth.colliders = colliders;
-        self.mechanism.nonsmooth.pairs = pairs;
+        self.mechanism.nonsmooth.pairs = pairs.into();
         self.mechanism.nonsmooth.reevings = reevings;
         self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
