@@ -64,6 +64,9 @@ class Sim:
     def __init__(self, model, *, tolerance=None, stages=None, step=None, keep=(), estimate=True):
         if (stages is None) != (step is None) or (tolerance is not None and step is not None):
             raise InputError("give a tolerance, or stages and step")
+        for name, value in (("tolerance", tolerance), ("stages", stages), ("step", step)):
+            if value is not None and not 0 < value < float("inf"):
+                raise InputError(f"{name} is {value}; give a number that is finite and larger than zero")
         self.model = model
         self._how = (tolerance, stages, step, bool(estimate))
         self._keep = [keep] if isinstance(keep, str) else list(keep)

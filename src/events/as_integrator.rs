@@ -20,9 +20,23 @@ use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::stepping::integrator::StepPace;
 
 /// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;
+
+impl Eventful {
+    /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen; no later than `until`.
+    fn resolved_until(&self, time: f64, until: f64) -> f64 {
+        let step = match self.workspaces.active().steps.as_ref().map(|steps| steps.pace(time)) {
+            Some(StepPace::Step { length, .. }) if length > 0.0 => length,
+            Some(StepPace::Step { .. }) => until - time,
+            Some(StepPace::Grid { .. }) | None => return until,
+        };
+        let resolved = self.model.resolved_step(time, step, until);
+        if resolved < step.min(until - time) { time + resolved } else { until }
+    }
+}
 
 impl Integrator for Eventful {
     fn step(
@@ -47,6 +61,7 @@ impl Integrator for Eventful {
         }
         // Efforts of a program change at ticks, to which it asks for steps.
         self.progress.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
+        next = next.min(self.resolved_until(state.time, next));
         self.progress.stepped_over = None;
         let advanced = match self.next_step(state) {
             NextStep::FirstOrder => {

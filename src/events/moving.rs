@@ -1,14 +1,17 @@
 //! The mechanism that moves in a state: for equations that hold until the next event.
 //!
 //! The mode of a state is decided as at the start of a run ([`crate::events::modes::mode`]): held joints are parts of their parents, motors are
-//! springs, dampers and efforts, closed contacts that stick are closures. Sampled motors count as motors that follow their laws at every instant.
+//! springs, dampers and efforts, closed contacts that stick and taut ropes are closures. Sampled motors count as motors that follow their laws at every instant.
 
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::Drives;
 use crate::events::modes::mode::{Closed, JointMode, MotorMode};
 use crate::instant::holding::held::Held;
+use crate::mechanism::description::closure::{LoopJoint, LoopKind};
+use crate::mechanism::description::contact::{Cores, TouchJoint};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::mechanism::ground::words::counted;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
 use crate::mechanism::motion::integrator::StepError;
@@ -79,10 +82,18 @@ pub enum MovingError {
     State(#[from] StepError),
     /// Contacts slide or roll.
     #[error(
-        "{count} closed contacts slide or roll here, and linear equations know contacts that stick at a point alone; \
-         leave contact out with --contact none, or take an instant without these contacts"
+        "{} here, and linear equations know contacts that stick at a point alone; \
+         leave contact out with --contact none, or take an instant without these contacts",
+        counted(*count, "closed contact slides or rolls", "closed contacts slide or roll")
     )]
     Contacts { count: usize },
+    /// Ropes through several points are taut.
+    #[error(
+        "{} here, and linear equations know ropes between two points alone; \
+         take an instant at which they are slack",
+        counted(*count, "taut rope through several points pulls", "taut ropes through several points pull")
+    )]
+    Reeved { count: usize },
 }
 
 impl Moving {
@@ -97,6 +108,7 @@ impl Moving {
         let mut eventful = Eventful::new(&whole, recipe)?;
         let mut state = state.clone();
         eventful.begin(&whole, Inputs::constant(efforts), &mut state)?;
+        eventful.wake(&mut state);
         eventful.moving(whole, &state, efforts)
     }
 
@@ -137,11 +149,35 @@ impl Moving {
     }
 }
 
+/// The closure of a rope between two points that is taut: their distance.
+fn taut(joint: &TouchJoint) -> Option<LoopJoint> {
+    let pairing = joint.touch.pairing().filter(|pairing| pairing.cores == Cores::Hollow && !joint.is_reeved())?;
+    let kind = LoopKind::Distance(pairing.reach);
+    Some(LoopJoint { name: "rope".into(), kind, a: joint.a, b: joint.b })
+}
+
 impl Eventful {
+    /// Takes a state at rest as one that may move: all that equations know may.
+    fn wake(&mut self, state: &mut State) {
+        if std::mem::take(&mut self.progress.asleep) {
+            self.enter(state);
+        }
+    }
+
     /// The mechanism that moves in the mode of a state.
     fn moving(&self, whole: Mechanism, state: &State, efforts: &[f64]) -> Result<Moving, MovingError> {
         let piece = &self.workspaces.active();
-        let held = piece.moving.clone();
+        let mut held = piece.moving.clone();
+        if held.mechanism.touches.iter().any(|touch| taut(touch).is_some()) {
+            let mechanism = &mut Arc::make_mut(&mut held).mechanism;
+            let ropes = mechanism.touches.iter().filter_map(taut);
+            mechanism.loops.extend(ropes.collect::<Vec<_>>());
+            mechanism.touches.retain(|touch| taut(touch).is_none());
+        }
+        let reeved = held.mechanism.touches.iter().filter(|touch| touch.is_reeved()).count();
+        if reeved > 0 {
+            return Err(MovingError::Reeved { count: reeved });
+        }
         let slides_or_rolls = held.mechanism.touches.len();
         if slides_or_rolls > 0 {
             return Err(MovingError::Contacts { count: slides_or_rolls });

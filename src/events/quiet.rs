@@ -14,6 +14,9 @@ const SHORTEST_REST: f64 = 1e-3;
 /// Steps in a row at rest before the mechanism sleeps.
 pub(super) const QUIET: usize = 10;
 
+/// Rates below this part of the largest speed so far are roundings of an event that has stopped all motion.
+const STANDING: f64 = 1e-14;
+
 /// Accelerations below this part of the terms that cancel in them are zero.
 const ROUNDING: f64 = 1e-14;
 
@@ -27,7 +30,7 @@ impl Eventful {
             || self.model.whole.changes()
             || !self.is_driven_evenly()
             || self.rides_or_rubs()
-            || state.velocity.iter().any(|&rate| rate != 0.0)
+            || state.velocity.iter().any(|rate| rate.abs() > STANDING * self.memory.fastest)
         {
             return false;
         }

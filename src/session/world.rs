@@ -153,6 +153,7 @@ impl World {
         let (mut model, start) = Model::from_scene(&scene)?;
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));
+        model.warnings.extend(self.hold.and_then(|_| nothing_to_hold(&scene)));
         Ok(Loaded { model, start, simulation: scene.simulation, counted: None })
     }
 
@@ -204,6 +205,13 @@ fn nothing_moves(model: &Model, remedy: &str) -> Option<Warning> {
         let message = format!("nothing moves, because the root link is fixed in the world; {remedy} lets it move");
         Warning::odd(model.path(), None, None, message)
     })
+}
+
+/// A warning for a scene that has no joints to hold.
+fn nothing_to_hold(scene: &Scene) -> Option<Warning> {
+    let mut joints = scene.robots.iter().flat_map(|placed| &placed.robot.joints);
+    let message = "--hold holds nothing, because no joint of the scene can be driven";
+    joints.all(|joint| !joint.can_be_driven()).then(|| Warning::odd(&scene.path, None, None, message))
 }
 
 fn pose([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Pose {

@@ -84,6 +84,29 @@ fn two_weights_over_two_eyelets_move_as_atwood_says_with_one_tension_in_the_whol
 }
 
 #[test]
+fn a_weight_that_is_drawn_up_to_its_eyelet_stops_there_and_the_rope_holds_the_other() {
+    let (one, other) = (3.0, 2.0);
+    let balls = [("one", one, [-0.5, 0.0, -1.0], [0.0; 3]), ("other", other, [0.5, 0.0, -0.5], [0.0; 3])];
+    let points = [("one", [0.0; 3]), ("world", [-0.5, 0.0, 0.0]), ("world", [0.5, 0.0, 0.0]), ("other", [0.0; 3])];
+    // The stop is a thousandth of 2.5 m.
+    let way = 0.5 - 2.5e-3;
+    let falls = GRAVITY * (one - other) / (one + other);
+    let meets = (2.0 * way / falls).sqrt();
+    let end = run(&scene("drawn_up", "", &balls, &points, [2.5, 0.0]), meets + 1.0);
+    near("height", (place(&end, "other")[2], -2.5e-3));
+    near("depth", (place(&end, "one")[2], -1.0 - way));
+    near("loss", (end.energy.impacts, (one - other) * GRAVITY * way));
+    let [first, ..] = end.events.list.as_slice() else { panic!("{:?}", end.events.list) };
+    near("instant", (first.time, meets));
+    let mut forces: Vec<f64> =
+        end.contact.points.iter().map(|point| point.force.iter().map(|f| f.abs()).sum()).collect();
+    forces.sort_by(f64::total_cmp);
+    let [stop, tension] = forces[..] else { panic!("{:?}", end.contact.points) };
+    near("force at the stop", (stop, (one - other) * GRAVITY));
+    near("tension", (tension, one * GRAVITY));
+}
+
+#[test]
 fn a_weight_on_an_eyelet_that_the_rope_carries_is_pulled_twice() {
     let (weight, counter) = (5.0, 2.0);
     let balls = [("weight", weight, [0.0, 0.0, -1.0], [0.0; 3]), ("counter", counter, [0.5, 0.0, -2.0], [0.0; 3])];
@@ -427,9 +450,9 @@ fn a_winch_pays_out_no_more_than_its_longest_stands_in_the_world_and_has_key_pat
 fn ropes_through_points_that_do_not_move_are_refused() {
     let balls = [("ball", 1.0, [0.0, 0.0, -1.0], [0.0; 3])];
     let points = [("ball", [0.0; 3]), ("ball", [0.01, 0.0, 0.0]), ("ball", [0.0, 0.02, 0.0])];
-    let error = Model::load(&scene("reeved_idle", "", &balls, &points, [1.0, 0.0])).expect_err("an error").to_string();
+    let error = Model::load(scene("reeved_idle", "", &balls, &points, [1.0, 0.0])).expect_err("an error").to_string();
     assert!(error.contains("rope \"rope\"") && error.contains("leave it out"), "{error}");
     let error =
-        Model::load(&scene("reeved_one", "", &balls, &points[..1], [1.0, 0.0])).expect_err("an error").to_string();
+        Model::load(scene("reeved_one", "", &balls, &points[..1], [1.0, 0.0])).expect_err("an error").to_string();
     assert!(error.contains("rope \"rope\"") && error.contains("two points or more"), "{error}");
 }

@@ -138,3 +138,28 @@ fn derivatives_refuse_rolling_friction() {
     let refused = asked.expect_err("no derivatives").to_string();
     assert!(refused.contains("rolling and spinning friction"), "{refused}");
 }
+
+#[test]
+fn a_ball_that_rolling_friction_has_stopped_on_a_slope_stays_where_it_stopped() {
+    // Up a slope of 0.2 rad, rolling at 1.5 m/s: it stops after 0.43 s, and ρ = 0.03 m holds more than the 0.02 m that the slope needs.
+    let [sine, cosine] = [0.2_f64.sin(), 0.2_f64.cos()];
+    let scene = format!(
+        "[[body]]\nname = \"b\"\nshape = {{ type = \"sphere\", radius = 0.1 }}\nmass = 2\n\
+         pose = {{ position = [{}, 0, {}] }}\nvelocity = {{ linear = [{}, 0, {}], angular = [0, 15, 0] }}\nrolling_friction = 0.03\n\
+         [[obstacle]]\nname = \"f\"\nshape = {{ type = \"half_space\", normal = [{}, 0, {cosine}] }}\nfriction = 0.8\nrolling_friction = 0.03\n",
+        -0.1 * sine,
+        0.1 * cosine,
+        1.5 * cosine,
+        1.5 * sine,
+        -sine
+    );
+    let file = crate::common::scratch("ball_stops").join("ball.toml");
+    std::fs::write(&file, scene).expect("a scene");
+    let ends = [0.5, 3.0].map(|duration| crate::scene_files::report(&file, &[], &[], Some(duration), 1e-6));
+    for end in &ends {
+        let ball = &end.links.iter().find(|(name, _)| name == "b").expect("a ball").1;
+        assert_eq!((ball.linear_velocity, ball.angular_velocity), ([0.0; 3], [0.0; 3]));
+        assert_eq!(ball.position, ends[0].links[0].1.position);
+        assert_eq!(end.events.list.len(), 1, "{:?}", end.events.list);
+    }
+}

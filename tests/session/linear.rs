@@ -288,3 +288,24 @@ fn motors_that_hold_from_the_start_are_in_linear_equations() {
     let constant = mode.time_constant.expect("it is damped") * 20.0 * std::f64::consts::PI;
     assert!((constant - 1.0).abs() < 1e-13, "{constant}");
 }
+
+#[test]
+fn a_weight_on_a_taut_rope_swings_as_on_a_rod_and_rests_that_roll_are_refused() {
+    let body = "[[body]]\nname = \"b\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 2\n";
+    let ends = "{ link = \"world\", position = [0, 0, 1] }, { link = \"b\", position = [0, 0, 0] }";
+    let rope = format!("{body}[[rope]]\npoints = [{ends}]\nlength = 1\n");
+    let linear = Model::load(urdf("rope.toml", &rope)).expect("a model").linearize_at_rest(None).expect("equations");
+    assert_eq!((linear.names.len(), linear.modes.len()), (5, 5));
+    let wanted = 9.81_f64.sqrt() / std::f64::consts::TAU;
+    let swinging: Vec<f64> =
+        linear.modes.iter().map(|mode| mode.frequency).filter(|&frequency| frequency > 0.0).collect();
+    assert_eq!(swinging.len(), 2, "{swinging:?}");
+    // Roundings of a few dozen products.
+    assert!(swinging.iter().all(|frequency| (frequency - wanted).abs() < 1e-12), "{swinging:?}");
+    // A ball at rest on a floor rolls: no equations of contacts that stick at a point.
+    let floor =
+        "pose = { position = [0, 0, 0.1] }\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n";
+    let ball = Model::load(urdf("ball.toml", &format!("{body}{floor}"))).expect("a model");
+    let error = ball.linearize_at_rest(None).expect_err("it rolls").to_string();
+    assert!(error.starts_with("1 closed contact slides or rolls here") && !error.contains('\n'), "{error}");
+}

@@ -75,6 +75,13 @@ impl HybridModel {
         })
     }
 
+    /// The longest step from a time on, of `step` seconds at most, over which stages resolve the targets of motors; the run goes on to `until` (s).
+    pub fn resolved_step(&self, time: f64, step: f64, until: f64) -> f64 {
+        // Between ticks an effort is held.
+        let followed = self.elements.motors.iter().filter(|motor| motor.period == 0.0);
+        followed.fold(step, |step, motor| motor.target.resolved_step(time, step, until))
+    }
+
     /// The next instant at which an effort changes its law, or the end.
     pub fn next_instant(&self, time: f64, until: f64) -> f64 {
         let motors = self.elements.motors.iter().map(|motor| motor.next_instant(time));

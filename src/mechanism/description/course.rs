@@ -38,6 +38,9 @@ pub struct Wave {
 /// An instant that a step has reached but for a rounding is reached: this part of a time, or of a second.
 const REACHED: f64 = 1e-12;
 
+/// The largest turn of the phase of a wave in a step (rad), more than steps that resolve it make.
+const RESOLVED: f64 = 8.0;
+
 fn reaches(time: f64, instant: f64) -> bool {
     instant <= time + REACHED * time.abs().max(1.0)
 }
@@ -88,6 +91,17 @@ impl Course {
             Values::Wave(Wave { mean, amplitude, frequency, phase }) => {
                 mean + amplitude * (frequency * time + phase).sin()
             }
+        }
+    }
+
+    /// The longest step from a time on, of `step` seconds at most, over which stages resolve it; the run goes on to `until` (s).
+    pub fn resolved_step(&self, time: f64, step: f64, until: f64) -> f64 {
+        match &self.values {
+            Values::Table(table) if reaches(time, self.from) && !reaches(time, self.until) => {
+                table.resolved_step(time, step, until.min(self.until))
+            }
+            Values::Wave(wave) if wave.amplitude != 0.0 => step.min(RESOLVED / wave.frequency.abs()),
+            _ => step,
         }
     }
 

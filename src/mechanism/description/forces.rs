@@ -154,6 +154,11 @@ impl Forces {
         self.courses().map(|course| course.next_instant(time)).fold(f64::INFINITY, f64::min)
     }
 
+    /// The longest step from a time on, of `step` seconds at most, over which stages resolve all of them; the run goes on to `until` (s).
+    pub fn resolved_step(&self, time: f64, step: f64, until: f64) -> f64 {
+        self.courses().fold(step, |step, course| course.resolved_step(time, step, until))
+    }
+
     /// Whether a force changes in time.
     pub fn change(&self) -> bool {
         self.courses().any(|course| !course.is_constant())

@@ -6,7 +6,8 @@
 //!     (f(a))' = f' a',   (f(a))'' = f'' a'² + f' a'',   (a b)'' = a'' b + 2 a' b' + a b'',   q = a/b:  q'' = (a'' − 2 q' b' − q b'')/b
 //! ```
 //!
-//! All functions are smooth, so that a formula ends no step. [`crate::description::formula_text`] reads it. Source: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, section 13.2.
+//! All functions are smooth but at single instants; [`crate::description::formula_ranges`] shortens the steps that would jump over fast changes.
+//! [`crate::description::formula_text`] reads it. Source: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, section 13.2.
 
 pub use crate::description::formula_text::FormulaError;
 use crate::description::formula_text::{DEEPEST, Function, Operation, Reader};
@@ -46,6 +47,11 @@ impl Formula {
             return Err(FormulaError { text: text.to_string(), place: 1, reason });
         }
         Ok(formula)
+    }
+
+    /// The operations, each after its operands.
+    pub(crate) fn code(&self) -> &[Operation] {
+        &self.code
     }
 
     /// The text.

@@ -136,6 +136,13 @@ impl Mechanism {
         moved.map(|motion| motion.next_knot(time)).fold(self.forces.next_instant(time), f64::min)
     }
 
+    /// The longest step from a time on, of `step` seconds at most, over which stages resolve all forces and motions in time; the run goes on to
+    /// `until` (s).
+    pub fn resolved_step(&self, time: f64, step: f64, until: f64) -> f64 {
+        let moved = self.mimics.iter().filter_map(|mimic| mimic.over_time.as_ref());
+        moved.fold(self.forces.resolved_step(time, step, until), |step, motion| motion.resolved_step(time, step, until))
+    }
+
     /// Whether forces change in time or joints are moved.
     pub fn changes(&self) -> bool {
         self.forces.change() || self.moves_joints()

@@ -7,6 +7,7 @@ pub mod contact_pairs;
 pub mod course;
 pub mod forces;
 pub mod formula;
+mod formula_ranges;
 mod formula_text;
 pub mod joint;
 pub mod mechanism;

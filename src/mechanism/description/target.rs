@@ -190,6 +190,11 @@ impl Target {
         self.times.get(next).copied().unwrap_or(f64::INFINITY)
     }
 
+    /// The longest step from a time on, of `step` seconds at most, over which stages resolve its formula, if it is one; the run goes on to `until` (s).
+    pub fn resolved_step(&self, time: f64, step: f64, until: f64) -> f64 {
+        self.formula.as_ref().map_or(step, |formula| formula.resolved_step(time, step, until))
+    }
+
     fn at(&self, since: f64, time: f64) -> (f64, f64) {
         if let Some(formula) = &self.formula {
             let [value, rate, _] = formula.at(time);

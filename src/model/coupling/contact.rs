@@ -66,6 +66,12 @@ impl Model {
             colliders.extend(rope.colliders.iter().cloned());
             owners.extend([Owner::Rope(index), Owner::RopeEnd(index)]);
             pairs.push(ContactPair::without_moments(number, [a, a + 1], 0.0, rope.restitution));
+            for stop in &rope.stops {
+                let (a, number) = (colliders.len(), pairs.len());
+                colliders.extend(stop.iter().cloned());
+                owners.extend([Owner::RopeEnd(index); 2]);
+                pairs.push(ContactPair::without_moments(number, [a, a + 1], 0.0, rope.restitution));
+            }
         }
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs.into();

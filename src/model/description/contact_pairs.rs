@@ -46,6 +46,8 @@ pub struct RopeRecord {
     pub points: Vec<Attachment>,
     /// The ball in which it holds its second end, and that end; of a rope through more points, two of them on different bodies.
     pub colliders: [Collider; 2],
+    /// Neighbours on different bodies, as balls that touch where these are as near to each other as they may be.
+    pub stops: Vec<[Collider; 2]>,
     /// m.
     pub length: f64,
     /// e.

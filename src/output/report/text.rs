@@ -66,7 +66,11 @@ impl fmt::Display for Report {
                 write!(out, "tolerance {tolerance:e}, mean step {step} ms")?;
                 match method.few_stage_steps {
                     0 => writeln!(out)?,
-                    few => writeln!(out, "; {} between ticks with 3 stages, order 4", counted(few, "step", "steps"))?,
+                    few => writeln!(
+                        out,
+                        "; {} between given instants with 3 stages, order 4",
+                        counted(few, "step", "steps")
+                    )?,
                 }
             }
             (None, Some(resets)) => {

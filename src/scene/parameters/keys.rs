@@ -304,6 +304,9 @@ impl Keys {
                 self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
             }
             self.put("rope", &format!("{}.restitution", one.name), Range::Fraction, Place::RopeRestitution(rope));
+            if one.points.len() > 2 {
+                self.put("rope", &format!("{}.stop", one.name), Range::NotNegative, Place::RopeStop(rope));
+            }
             // A winch has a point before the first, and is where that is.
             let before = usize::from(one.winch.is_some());
             for end in 2 * before..one.points.len() {

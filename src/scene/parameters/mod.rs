@@ -29,7 +29,7 @@
 //! | `motor.JOINT.gravity_compensation`                                    | part of the weight that is held besides the law             |
 //! | `motor.JOINT.target.1.time`, `motor.JOINT.target.1.value`             | an entry of the table of a target, from 1 [s; rad, m, …]    |
 //! | `spring.NAME.stiffness`, `.damping`, `.rest_length`, `.rest`, `.a.position.x` | as `[[spring]]`                                     |
-//! | `rope.NAME.length`, `.restitution`, `.points.1.position.x`            | as `[[rope]]`; points from 1                                |
+//! | `rope.NAME.length`, `.restitution`, `.stop`, `.points.1.position.x`            | as `[[rope]]`; points from 1                                |
 //! | `loop.NAME.length`, `.a.position.x`, `.a.axis.x`                      | as `[[loop]]`                                               |
 //! | `loop.NAME.axis.x`, `.a.position.x`, `.a.rpy.roll`                    | of a `<loop_joint>`: its axis, and frames in its links      |
 //! | `load.NAME.factor`, `.factor.1.time`, `.factor.1.value`, `.wave.amplitude`, `.from`, `.until` | as `[[load]]`                   |

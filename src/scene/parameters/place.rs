@@ -166,6 +166,7 @@ pub(crate) enum Place {
     },
     RopeLength(usize),
     RopeRestitution(usize),
+    RopeStop(usize),
     RopeEnd {
         rope: usize,
         end: usize,

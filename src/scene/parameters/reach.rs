@@ -135,6 +135,7 @@ impl Place {
             },
             Place::RopeLength(rope) => Number(&mut scene.ropes.get_mut(*rope)?.length),
             Place::RopeRestitution(rope) => Number(&mut scene.ropes.get_mut(*rope)?.restitution),
+            Place::RopeStop(rope) => Number(&mut scene.ropes.get_mut(*rope)?.stop),
             Place::RopeEnd { rope, end, axis } => at(scene.ropes.get_mut(*rope)?.points.get_mut(*end)?, *axis)?,
             Place::LoopLength(of) => Optional(&mut scene.loops.get_mut(*of)?.length),
             Place::LoopEnd { of, b, axis } => {

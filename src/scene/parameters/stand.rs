@@ -69,7 +69,10 @@ impl Place {
             Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
                 here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
             }
-            Place::RopeLength(rope) | Place::RopeRestitution(rope) | Place::RopeEnd { rope, .. } => {
+            Place::RopeLength(rope)
+            | Place::RopeRestitution(rope)
+            | Place::RopeStop(rope)
+            | Place::RopeEnd { rope, .. } => {
                 here(scene.ropes[*rope].line, Element::Rope(scene.ropes[*rope].name.clone()))
             }
             Place::LoopLength(of) | Place::LoopEnd { of, .. } | Place::LoopAxis { of, .. } => {

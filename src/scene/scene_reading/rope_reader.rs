@@ -14,6 +14,9 @@ use nalgebra::Vector3;
 use std::ops::Range;
 use toml::Spanned;
 
+/// The stop of a rope that is given none, as a part of its length.
+const STOP: f64 = 1e-3;
+
 /// The ropes of a scene, with their winches and the motions of these.
 pub(crate) struct Ropes {
     pub ropes: Vec<SceneRope>,
@@ -34,7 +37,7 @@ impl CouplingReader<'_> {
         let mut all = Ropes { ropes: Vec::with_capacity(tables.len()), winches: Vec::new(), motions: Vec::new() };
         for (index, table) in tables.into_iter().enumerate() {
             let span = table.span();
-            let RopeTable { name, points, length, longest, restitution } = table.into_inner();
+            let RopeTable { name, points, length, longest, stop, restitution } = table.into_inner();
             let name = name.map_or_else(|| format!("rope{}", index + 1), Spanned::into_inner);
             let owner = Element::Rope(name.clone());
             let refuse = |span, problem| Err(self.text.error(span, Some(owner.clone()), problem));
@@ -96,8 +99,12 @@ impl CouplingReader<'_> {
                     (longest, Some(joint))
                 }
             };
+            if let Some(stop) = stop.as_ref().filter(|_| points.len() == 2) {
+                return refuse(&stop.span(), Problem::Keys("a rope between two points has no stop"));
+            }
+            let stop = stop.map_or(STOP * length, |stop| stop.get_ref().0);
             let restitution = restitution.map_or(0.0, |restitution| restitution.0);
-            all.ropes.push(SceneRope { name, points, length, winch, restitution, line });
+            all.ropes.push(SceneRope { name, points, length, winch, stop, restitution, line });
         }
         Ok(all)
     }

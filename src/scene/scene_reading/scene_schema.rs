@@ -122,6 +122,7 @@ pub(crate) struct RopeTable {
     pub points: Spanned<Vec<PointTable>>,
     pub length: Spanned<TargetKey>,
     pub longest: Option<Spanned<Positive>>,
+    pub stop: Option<Spanned<NotNegative>>,
     pub restitution: Option<Fraction>,
 }
 

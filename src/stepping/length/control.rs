@@ -295,6 +295,9 @@ impl Control {
             self.settle(self.memory.step, settling);
         }
         let mut guess = stepper.first_guess();
+        let longest = self.memory.step.min(until - state.time);
+        let resolved = mechanism.resolved_step(state.time, longest, until);
+        let mut until = if resolved < longest { state.time + resolved } else { until };
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
@@ -319,6 +322,14 @@ impl Control {
             {
                 self.keep_below(longest);
                 decision = Decision::Retry { guess: Guess::Longer(length), why: Rejected::NotSmooth };
+            }
+            if decision == Decision::Accept
+                && let Some(longest) = stepper.too_long_for_drag(mechanism, state, length, self.stop)
+            {
+                outcome.cost.reject(Rejected::NotSmooth);
+                until = state.time + longest;
+                guess = Guess::Longer(length);
+                continue;
             }
             match decision {
                 Decision::Accept => {
@@ -368,7 +379,7 @@ impl Control {
         until: f64,
     ) -> Result<StepOutcome, Cost> {
         let length = until - state.time;
-        if length > stepper.watch.safe_step() {
+        if length > stepper.watch.safe_step() || mechanism.resolved_step(state.time, length, until) < length {
             return Err(Cost::default());
         }
         self.memory.step = length;

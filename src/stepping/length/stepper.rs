@@ -16,6 +16,7 @@ use crate::length::outside::Outside;
 use crate::watching::modes::Modes;
 use crate::watching::pace::Pace;
 use crate::watching::ranks::Ranks;
+use crate::watching::standstills::Standstills;
 use crate::watching::watch::{FIRST_LOOK, Mode, Watch};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
@@ -87,6 +88,8 @@ pub(crate) struct Stepper {
     inside: Inside,
     /// Whether dampers act.
     damped: bool,
+    /// Where quadratic drag is not smooth.
+    standstills: Standstills,
     ranks: Ranks,
     steps: usize,
     stepped_time: f64,
@@ -122,6 +125,7 @@ impl Stepper {
             length: 0.0,
             inside: Inside::new(tableau, mechanism),
             damped: has_dampers(&mechanism.forces),
+            standstills: Standstills::default(),
             ranks: Ranks::default(),
             steps: 0,
             stepped_time: 0.0,
@@ -371,6 +375,16 @@ impl Stepper {
         let mode = self.modes.fastest(mechanism, &self.end, iterations);
         self.seen = Some(mode);
         self.watch.beyond_limit(mode, length)
+    }
+
+    /// The longest step from `state` beside the instants at which quadratic drag is not smooth (s), if the finished one of `length` seconds is longer;
+    /// the iteration stops at increments of `stop` (rad, m).
+    pub fn too_long_for_drag(&mut self, mechanism: &Mechanism, state: &State, length: f64, stop: f64) -> Option<f64> {
+        let Stepper { kernel, tableau, end, inside, standstills, .. } = self;
+        let last = LastStep { kernel: kernel.as_ref(), inner: tableau.stages - 1, origin: state, end, length };
+        standstills.shorter(mechanism, [state, end], length, stop, |part, position, velocity| {
+            inside.sample(mechanism, &last, part, position, velocity);
+        })
     }
 
     /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`, and completes its `outcome`.

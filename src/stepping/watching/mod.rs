@@ -13,6 +13,7 @@ pub mod modes;
 #[doc(hidden)]
 pub mod pace;
 pub(crate) mod ranks;
+pub(crate) mod standstills;
 #[doc(hidden)]
 pub mod unseen;
 #[doc(hidden)]

@@ -43,6 +43,26 @@ fn a_tendon_through_two_sites_is_a_rope_with_a_spring_that_is_free_at_the_start(
 }
 
 #[test]
+fn a_tendon_through_several_sites_is_a_rope_through_eyelets_on_all_their_bodies() {
+    let text = TENDONS.replace(
+        "<spatial name='over'><site site='hook'/><pulley divisor='2'/><site site='eye'/></spatial>",
+        "<spatial name='over' stiffness='0' range='0 3'><site site='hook'/><site site='eye'/><site site='wrist'/></spatial>
+         <spatial name='band'><site site='hook'/><site site='eye'/><site site='wrist'/></spatial>",
+    );
+    let text =
+        text.replace("pos='0 0 -.5'/></body></body>", "pos='0 0 -.5'/><site name='wrist' pos='0 0 -1'/></body></body>");
+    let scene = read("mjcf_reeved_tendon", &text).expect("a scene");
+    let rope = scene.ropes.iter().find(|rope| rope.name == "over").expect("a rope");
+    assert_eq!(rope.length, 3.0);
+    let links: Vec<&str> = rope.points.iter().map(|point| point.name.as_str()).collect();
+    assert_eq!(links, ["world", "ball/ball", "arm/fore"]);
+    assert_eq!(rope.points[2].position.as_slice(), [0.0, 0.0, -1.0]);
+    let told: Vec<String> = scene.warnings.iter().map(|warning| warning.to_string()).collect();
+    let band = "model.xml:12: stiffness and damping of a tendon through more than two sites are not simulated";
+    assert!(told.iter().any(|line| line.contains(band)), "{told:#?}");
+}
+
+#[test]
 fn a_held_fixed_tendon_is_a_coupling_and_its_motor_drives_all_its_joints() {
     let folder = crate::common::command::folder("mjcf_fixed_tendons");
     let path = folder.join("model.xml");
