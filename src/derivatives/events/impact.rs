@@ -28,6 +28,9 @@ pub(super) struct Impact<'i> {
     pub row_count: usize,
 }
 
+/// The places of the blocks, the motion before an impact, and its velocities.
+type Before<'b> = (&'b [Option<InPlace<Part>>], &'b Moving<Part>, &'b [Part]);
+
 impl Impact<'_> {
     /// The velocities after all rounds, with their derivatives.
     pub fn after(&self, before: &[Part], rounds: &[StruckRound]) -> Option<Vec<Part>> {
@@ -53,12 +56,7 @@ impl Impact<'_> {
     }
 
     /// One answer, with its derivatives, from the places and the motion before it.
-    fn answer(
-        &self,
-        meet: &Meet<Part>,
-        (places, begun, before): (&[Option<InPlace<Part>>], &Moving<Part>, &[Part]),
-        of: &Struck,
-    ) -> Option<Vec<Part>> {
+    fn answer(&self, meet: &Meet<Part>, (places, begun, before): Before, of: &Struck) -> Option<Vec<Part>> {
         let (velocities, impulses): (Vec<Part>, Vec<Part>) = (constant(&of.velocities), constant(&of.impulses));
         let mut multipliers = vec![Part::zero(); self.row_count];
         self.closed.iter().zip(&of.multipliers).for_each(|(&row, &value)| multipliers[row] = Part::of(value));

@@ -250,7 +250,7 @@ mod tests {
     fn rows_on_different_trees_that_are_answered_together_are_answered_as_alone() {
         // Three trees of two bodies, with seven freedoms each.
         let body = |number: usize| {
-            let kind = if number % 2 == 0 { JointKind::Floating } else { JointKind::Revolute };
+            let kind = if number.is_multiple_of(2) { JointKind::Floating } else { JointKind::Revolute };
             let joint = Joint::new("joint", kind, Pose::translation(0.1, 0.2, 0.3), Pose::translation(0.0, -0.2, 0.1));
             let (mass, inertia) = (1.0 + number as f64, Vector3::new(0.1, 0.2, 0.25));
             Body { name: "body".into(), parent: (number % 2 == 1).then(|| number - 1), mass, inertia, joint }
