@@ -66,7 +66,8 @@ class Sim:
             raise InputError("give a tolerance, or stages and step")
         for name, value in (("tolerance", tolerance), ("stages", stages), ("step", step)):
             if value is not None and not 0 < value < float("inf"):
-                raise InputError(f"{name} is {value}; give a number that is finite and larger than zero")
+                said = "NaN" if value != value else f"{value:g}"
+                raise InputError(f"{name} is {said}: must be greater than zero, and finite")
         self.model = model
         self._how = (tolerance, stages, step, bool(estimate))
         self._keep = [keep] if isinstance(keep, str) else list(keep)

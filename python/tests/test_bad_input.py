@@ -54,6 +54,12 @@ def test_wrong_options_of_runs(arm, options, message):
         catena.Sim(arm, **options).run(0.1)
 
 
+def test_numbers_that_no_run_can_have_are_refused_before_one_is_asked_for(arm):
+    for options in ({"tolerance": -1.0}, {"tolerance": float("inf")}, {"stages": 3, "step": 0.0}):
+        with pytest.raises(catena.InputError, match="must be greater than zero"):
+            catena.Sim(arm, **options)
+
+
 def test_wrong_options_together(arm):
     with pytest.raises(catena.InputError, match="a tolerance, or stages and step"):
         catena.Sim(arm, tolerance=1e-6, step=0.1)
