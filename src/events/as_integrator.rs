@@ -26,14 +26,18 @@ use crate::stepping::integrator::StepPace;
 const LOOK: f64 = 1e-3;
 
 impl Eventful {
-    /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen; no later than `until`.
+    /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen, and the loads where nothing moves; no
+    /// later than `until`.
     fn resolved_until(&self, time: f64, until: f64) -> f64 {
-        let step = match self.workspaces.active().steps.as_ref().map(|steps| steps.pace(time)) {
+        let pace = self.workspaces.active().steps.as_ref().map(|steps| steps.pace(time));
+        let step = match pace {
             Some(StepPace::Step { length, .. }) if length > 0.0 => length,
-            Some(StepPace::Step { .. }) => until - time,
-            Some(StepPace::Grid { .. }) | None => return until,
+            Some(StepPace::Step { .. }) | None => until - time,
+            Some(StepPace::Grid { .. }) => return until,
         };
         let resolved = self.model.resolved_step(time, step, until);
+        // Where bodies move, their steps look at the loads themselves.
+        let resolved = if pace.is_none() { self.model.whole.resolved_step(time, resolved, until) } else { resolved };
         if resolved < step.min(until - time) { time + resolved } else { until }
     }
 }

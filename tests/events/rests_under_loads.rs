@@ -49,6 +49,25 @@ fn a_box_slides_under_a_push_that_is_small_at_the_start_and_at_the_end_of_the_ru
 }
 
 #[test]
+fn a_box_that_rests_for_a_minute_is_moved_by_a_pulse_of_some_milliseconds() {
+    // Ranges of the formula, and no samples of it, say where the steps have to end in which nothing moves.
+    let (grip, width, at) = (0.4 * GRAVITY, 0.005, 31.7123);
+    let push = |time: f64| 800.0 * (-((time - at) / width).powi(2)).exp();
+    let slips = at - width * (800.0 / grip).ln().sqrt();
+    // It slides until friction has taken all the momentum: x = ∫ (T − t) a dt.
+    let behind = at + 10.0 * width;
+    let stops = slips + integral(slips, behind, push) / grip;
+    let expected = integral(slips, behind, |time| (stops - time) * push(time)) - 0.5 * grip * (stops - slips).powi(2);
+    assert!(behind < stops && stops < 60.0);
+    let load = "force = [800, 0, 0]\nfactor = { formula = \"exp(-((t-31.7123)/0.005)^2)\" }\n";
+    for tolerance in [1e-3, 1e-6, 1e-9] {
+        let end = run("pushed_by_a_pulse", BOX, 0.4, load, 60.0, tolerance);
+        let off = (end.links[0].1.position[0] - expected).abs();
+        assert!(off < tolerance, "{tolerance:e}: off by {off:e}");
+    }
+}
+
+#[test]
 fn a_box_that_slides_and_stops_again_and_again_under_a_sine_is_where_the_closed_form_has_it() {
     let grip = 0.4 * GRAVITY;
     let slips = (grip / 8.0).asin();

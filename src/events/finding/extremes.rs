@@ -7,6 +7,9 @@
 //!
 //! No motion bounds a step in which all bodies are held, and forces that hold them are looked at at a few samples. Between extremes of a load a force
 //! changes in one direction, so that the ends of the step show whether it leaves its set.
+//!
+//! Ranges of formulas bound the stretch before ([`crate::mechanism::description::formula_ranges`]): no pulse in it is shorter than the distance of
+//! the instants.
 
 /// Instants at which a quantity is looked at.
 const INSTANTS: usize = 1024;
