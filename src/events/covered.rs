@@ -99,7 +99,7 @@ impl Eventful {
         self.trial.evaluated.bodies = false;
         let mut least = self.trial.covers.iter().map(|(_, cover)| cover.least).fold(0.0, f64::min);
         if !self.mode.contacts.is_empty() && end > since {
-            let short = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
+            let short = self.is_short_span();
             let inside = (!short || self.tally.steps.is_multiple_of(SELDOM))
                 .then(|| since + (end - since) * FIRST_SAMPLES[1] as f64 / SAMPLES as f64);
             for time in inside.into_iter().chain([end]) {

@@ -10,16 +10,21 @@ use crate::events::modes::present::Present;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;
+use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::Inputs;
 
 /// An instant that ends a step is approached to this part of its time, or of a second: further than instants are told apart.
 const BEFORE: f64 = 4e-12;
 
+/// Whether forces or moved joints of a mechanism change their law at the instant (s) that ends a step from `since` (s).
+fn changes_at(whole: &Mechanism, since: f64, time: f64) -> bool {
+    whole.changes() && time >= whole.next_instant(since) - BEFORE * time.abs().max(1.0)
+}
+
 impl Eventful {
     /// Whether forces or moved joints change their law at the instant (s) that ends a step from `since` (s).
     pub(super) fn ends_at_change(&self, since: f64, time: f64) -> bool {
-        let whole = &self.model.whole;
-        whole.changes() && time >= whole.next_instant(since) - BEFORE * time.abs().max(1.0)
+        changes_at(&self.model.whole, since, time)
     }
 
     /// Places the sample and its bodies at an instant of the last step.
@@ -81,7 +86,6 @@ impl Eventful {
         which: &[usize],
         values: &mut [f64],
     ) {
-        let changes = self.ends_at_change(since, time);
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
             workspaces: Workspaces { response, pieces, current, .. },
@@ -94,7 +98,7 @@ impl Eventful {
             let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
             // The forces of the step are those before the instant that ends it.
             let end = sample.time;
-            if changes {
+            if changes_at(whole, since, time) {
                 sample.time -= BEFORE * end.abs().max(1.0);
             }
             holding.evaluate(&present, response, sample, efforts);

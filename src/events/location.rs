@@ -8,13 +8,8 @@
 //! the order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. If an earlier root shows on the shortened
 //! step, it is taken instead.
 
-use crate::events::covered::{GapInside, SAME_END};
-use crate::events::finding::approach::{Approaching, Closing, Measure, first_closing};
-use crate::events::finding::cover::Cover;
-use crate::events::finding::detection::{
-    Bracket, ENDS, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change,
-};
-use crate::events::finding::speeds::Speeds;
+use crate::events::covered::SAME_END;
+use crate::events::finding::detection::{Bracket, Looking, ONE_INSTANT, first_sign_change};
 use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
@@ -30,15 +25,6 @@ const ATTEMPTS: usize = 12;
 
 /// The gap of a joint at the end of a step that ends at its limit is a root up to this part of its scale. Roots are located to 1e-15.
 const NOT_LOCATED: f64 = 1e-9;
-/// Overlaps of this part of the size of a pair are not missed between samples.
-const RESOLUTION: f64 = 2e-3;
-/// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
-const FINEST: f64 = 1e-6;
-/// The root is looked for as in a step that is this many times as long as its bracket, to 1e-9 of that length. An end that is off by more than
-/// roundings shows the slope.
-const ROUGHLY: f64 = 10.0;
-/// A pair that closes at the end of a step is looked at up to this part of it.
-const NEARLY: f64 = 0.999;
 /// Force roots are located to this part of the rounding error, past the bound, so that the constraint releases immediately.
 const WITHIN: f64 = 0.1;
 /// The smallest value of a function has fallen if it is less than this part of its value before. The search for a root ends after `STALE` attempts in
@@ -132,7 +118,7 @@ impl Eventful {
             if fresh { f64::INFINITY } else { zero }
         }));
         let end = self.workspaces.active().small.time;
-        let short = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
+        let short = self.is_short_span();
         let found = first_sign_change(room, which.len(), since, end, [zero, noise], short, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
             // An unloaded contact does not part by roundings.
@@ -145,158 +131,6 @@ impl Eventful {
             }
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })
-    }
-
-    /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
-    fn look_for_contacts(&mut self, since: f64, known: Option<Bracket>) -> Option<Bracket> {
-        self.trial.covers.clear();
-        if !self.trial.watched.first().is_some_and(|first| matches!(first, Watched::Approach(_))) {
-            return None;
-        }
-        let end = self.workspaces.active().small.time;
-        let mut speeds = std::mem::take(&mut self.trial.speeds);
-        let mut sampled = self.is_short_span();
-        // Where bodies may come near, they have been taken.
-        if self.model.touching.pairs.are_few() {
-            self.take_speeds([since, end], &mut speeds);
-        }
-        self.trial.reserves.begin(&speeds, end - since);
-        let mut first: Option<Bracket> = None;
-        for place in 0..self.trial.reserves.asked().len() {
-            let pair = self.trial.reserves.asked()[place];
-            let Some(watched) = self.open_pair(pair) else { continue };
-            // The only contact of balls is held: no other features can meet.
-            if self.model.touching.pairs[pair].has_one_place() && self.is_closed(pair) {
-                self.trial.covers.push((watched, Cover { until: end, least: f64::INFINITY }));
-                continue;
-            }
-            if let Some(rest) = self.reserve(pair, &speeds, end - since) {
-                self.trial.covers.push((watched, Cover { until: end, least: rest }));
-                continue;
-            }
-            if std::mem::take(&mut sampled) {
-                self.sample_speeds([since, end], &mut speeds);
-            }
-            let of = &self.model.touching.pairs[pair];
-            let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
-            let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
-            let measure = Measure {
-                closed: if self.trial.fresh_pairs.holds(pair) { f64::INFINITY } else { zero },
-                zero,
-                speed: speeds.closing_of(of),
-                resolution,
-                changing: speeds.changing_of(of, end - since),
-            };
-            let roughly = self.is_known_roughly(pair);
-            let mut gap = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
-            let mut until = first.map_or(end, |known| known.high);
-            let mut cover = Cover::from(since);
-            // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
-            let own = known.filter(|known| known.watched == watched);
-            if let Some(own) = own {
-                until = until.min(own.low.clamp(since, since + NEARLY * (end - since)));
-            }
-            let closing = first_closing([since, until], SAMPLES, &measure, &mut gap, &mut cover);
-            let found = match closing {
-                None => None,
-                Some(Closing::AtStart) => Some(Bracket::at_start(watched, since)),
-                Some(Closing::Between(low, high)) => {
-                    let length = (ROUGHLY * (high - low)).min(end - since);
-                    Some(close_in(watched, low, high, false, length, &mut |time| gap.gap(time)))
-                }
-            };
-            // A pair that closes at the end was open before.
-            let at_end = |found: Bracket| found.root >= end - SAME_END * (end - since);
-            if found.map_or(own.is_some(), |found| !found.at_start && at_end(found)) {
-                // An end that overlaps is no root, but a jump from the inside of the step to its end.
-                let there = gap.gap(end);
-                if there >= -anew {
-                    cover.take([cover.until, end], there);
-                }
-            }
-            // A closed pair has the gap of its other features.
-            if let (None, Some(at_end)) = (found, gap.at_end)
-                && !self.is_closed(pair)
-                && !self.model.touching.pairs[pair].is_reeved()
-            {
-                self.trial.reserves.note(pair, at_end);
-            }
-            self.trial.covers.push((watched, cover));
-            if let Some(found) = found
-                && first.is_none_or(|known| found.root < known.root)
-            {
-                first = Some(found);
-            }
-        }
-        self.trial.speeds = speeds;
-        first
-    }
-
-    /// The number of the watched gap of a pair, if it is looked at.
-    pub(super) fn open_pair(&self, pair: usize) -> Option<usize> {
-        let open = Watched::Approach(pair);
-        let watched = Watched::gap_of(&self.trial.watched, pair)?;
-        (!self.progress.repeats.ignored.contains(&open)).then_some(watched)
-    }
-
-    /// Whether a contact of a pair is closed.
-    fn is_closed(&self, pair: usize) -> bool {
-        self.mode.contacts.iter().any(|closed| closed.contact.pair == pair)
-    }
-
-    /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
-    fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
-        let of = &self.model.touching.pairs[pair];
-        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds. A rope goes through
-        // more bodies than the two whose travel is known.
-        if self.trial.fresh_pairs.holds(pair) || self.is_closed(pair) || of.is_reeved() {
-            return None;
-        }
-        self.trial.reserves.lasts(pair, length * speeds.closing_of(of))
-    }
-
-    /// Whether the last step is a span that is short beside the steps of the motion.
-    fn is_short_span(&self) -> bool {
-        self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span())
-    }
-
-    /// Takes the speeds of the bodies in the last step, from its start to its end (s), as far as they are needed to tell whether a reserve lasts: in a
-    /// short span those at its ends.
-    pub(super) fn take_speeds(&mut self, [since, end]: [f64; 2], speeds: &mut Speeds) {
-        speeds.reset(self.model.whole.bodies.len());
-        for (sample, time) in ENDS.into_iter().zip([since, end]) {
-            self.place(Inside::roughly(time));
-            speeds.take(sample, &self.trial.bodies);
-        }
-        if !self.is_short_span() {
-            self.sample_speeds([since, end], speeds);
-        }
-    }
-
-    /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.
-    fn sample_speeds(&mut self, [since, end]: [f64; 2], speeds: &mut Speeds) {
-        let first = FIRST_SAMPLES.len();
-        let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
-        for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
-            if count == first && speeds.are_steady() {
-                break;
-            }
-            if !ENDS.contains(&sample) {
-                self.place(Inside::roughly(since + (end - since) * sample as f64 / SAMPLES as f64));
-                speeds.take(sample, &self.trial.bodies);
-            }
-        }
-    }
-
-    /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching
-    /// pairs.
-    pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
-        !self.trial.fresh_pairs.holds(pair) && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
-    }
-
-    /// The most that a pair can close by in the last step [m/s].
-    pub(super) fn fastest_of(&self, pair: usize) -> f64 {
-        self.trial.speeds.closing_of(&self.model.touching.pairs[pair])
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.

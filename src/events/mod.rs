@@ -32,6 +32,7 @@ mod as_integrator;
 mod ballistic;
 mod changed_efforts;
 mod closing;
+mod closing_pairs;
 mod commanded;
 mod contact_points;
 mod covered;

@@ -2,6 +2,7 @@
 //! that circles or swings while the rope runs through an eyelet, a tendon along an arm, three bodies on one rope in free flight, and winches.
 
 use crate::common::scratch;
+use crate::ropes::write_double_pendulum;
 use crate::scene_files::{joint, report};
 use catena::prelude::Model;
 use catena::report::Report;
@@ -271,23 +272,8 @@ fn three_bodies_on_one_rope_in_free_flight_keep_their_momenta_and_the_length_of_
 
 /// An arm of two links in a plane, with a tendon from the world through an eyelet on the upper link to the lower link.
 fn arm_with_tendon(folder: &str) -> PathBuf {
-    let link = |name: &str| {
-        format!(
-            "<link name='{name}'><inertial><origin xyz='0 0 -0.5'/><mass value='1'/><inertia ixx='0.02' iyy='0.02' izz='0.02' ixy='0' \
-             ixz='0' iyz='0'/></inertial></link>"
-        )
-    };
-    let joint = |name: &str, parent: &str, child: &str, at: &str| {
-        format!(
-            "<joint name='{name}' type='continuous'><parent link='{parent}'/><child link='{child}'/><origin xyz='{at}'/>\
-             <axis xyz='0 1 0'/></joint>"
-        )
-    };
-    let (upper, lower) = (link("upper"), link("lower"));
-    let (shoulder, elbow) = (joint("shoulder", "base", "upper", "0 0 0"), joint("elbow", "upper", "lower", "0 0 -1"));
     let folder = scratch(folder);
-    let urdf = format!("<robot name='r'><link name='base'/>{upper}{lower}{shoulder}{elbow}</robot>");
-    std::fs::write(folder.join("r.urdf"), urdf).expect("a robot");
+    write_double_pendulum(&folder.join("r.urdf"));
     let file = folder.join("scene.toml");
     let length = tendon(0.2, 0.6);
     let text = format!(

@@ -4,7 +4,7 @@ use crate::common::scratch;
 use crate::scene_files::{apart, report};
 use catena::prelude::Model;
 use catena::report::Report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const GRAVITY: f64 = 9.81;
 /// Closed forms are met to this (m, J): tolerances of 1e-11 m, and their factors of some ten in energies.
@@ -104,8 +104,8 @@ fn a_rope_that_goes_taut_gives_back_its_restitution() {
     near("z at rest", (ball(&hangs)[2], -length));
 }
 
-/// A double pendulum whose first link is held by a rope from (0, 0.5) m to its end, or by a limit at the same angle.
-fn held_pendulum(folder: &str, rope: bool) -> PathBuf {
+/// Writes a double pendulum: two links of 1 m with hinges about y, `shoulder` at the origin and `elbow`.
+pub fn write_double_pendulum(file: &Path) {
     let link = |name: &str| {
         format!(
             "<link name='{name}'><inertial><origin xyz='0 0 -0.5'/><mass value='1'/><inertia ixx='0.02' iyy='0.02' izz='0.02' ixy='0' \
@@ -125,8 +125,13 @@ fn held_pendulum(folder: &str, rope: bool) -> PathBuf {
         joint("shoulder", "base", "upper", "0 0 0"),
         joint("elbow", "upper", "lower", "0 0 -1")
     );
+    std::fs::write(file, urdf).expect("a robot");
+}
+
+/// A double pendulum whose first link is held by a rope from (0, 0.5) m to its end, or by a limit at the same angle.
+fn held_pendulum(folder: &str, rope: bool) -> PathBuf {
     let folder = scratch(folder);
-    std::fs::write(folder.join("r.urdf"), urdf).expect("a robot");
+    write_double_pendulum(&folder.join("r.urdf"));
     // The end of the upper link at an angle q about y is (−sin q, −cos q): its distance from (0.5, −0.5) is one at the limit.
     let reach = |angle: f64| (-angle.sin() - 0.5).hypot(-angle.cos() + 0.5);
     let limit = 0.6_f64;

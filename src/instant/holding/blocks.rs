@@ -116,8 +116,13 @@ pub(crate) fn row_of_force(
             wrenches[body].1 += (point - bodies[body].position).cross(&force);
         }
     }
+    row_of_wrenches(mechanism, bodies, &mut wrenches)
+}
+
+/// The row of forces (N) and torques about the centres of mass [N m] on the bodies, which are overwritten.
+fn row_of_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut [(Vector3<f64>, Vector3<f64>)]) -> Row {
     let mut row = vec![0.0; mechanism.velocity_count];
-    efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
+    efforts_of_wrenches(mechanism, bodies, wrenches, &mut row);
     row.into()
 }
 
@@ -125,9 +130,7 @@ pub(crate) fn row_of_force(
 fn row_of_rope(mechanism: &Mechanism, bodies: &[BodyState], joint: &TouchJoint) -> Row {
     let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
     add_pulls(joint, bodies, 1.0, &mut wrenches);
-    let mut row = vec![0.0; mechanism.velocity_count];
-    efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
-    row.into()
+    row_of_wrenches(mechanism, bodies, &mut wrenches)
 }
 
 /// Adds what a tension (N) in a rope through several points exerts on the bodies: forces, and torques about their centres of mass.
@@ -159,9 +162,7 @@ pub(crate) fn row_of_torque(
             wrenches[body].1 += torque * sign;
         }
     }
-    let mut row = vec![0.0; mechanism.velocity_count];
-    efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
-    row.into()
+    row_of_wrenches(mechanism, bodies, &mut wrenches)
 }
 
 /// The rows of a contact: its normal, and with friction its two tangents.

@@ -24,6 +24,36 @@ pub struct Formula {
 /// A value with its first and second derivative by time.
 type Jet = [f64; 3];
 
+/// An arithmetic in which formulas are evaluated.
+pub(crate) trait Arithmetic: Copy {
+    /// A number that does not depend on time.
+    fn number(value: f64) -> Self;
+    /// −a.
+    fn negative(self) -> Self;
+    /// f(a).
+    fn under(self, function: Function) -> Self;
+    /// An operation of two, this one the first.
+    fn combined(self, operation: Operation, other: Self) -> Self;
+}
+
+impl Arithmetic for Jet {
+    fn number(value: f64) -> Self {
+        [value, 0.0, 0.0]
+    }
+
+    fn negative(self) -> Self {
+        self.map(|part| -part)
+    }
+
+    fn under(self, function: Function) -> Self {
+        function.of(self)
+    }
+
+    fn combined(self, operation: Operation, other: Self) -> Self {
+        combined(operation, self, other)
+    }
+}
+
 impl Formula {
     /// Reads a formula with these parameters.
     ///
@@ -47,11 +77,6 @@ impl Formula {
             return Err(FormulaError { text: text.to_string(), place: 1, reason });
         }
         Ok(formula)
-    }
-
-    /// The operations, each after its operands.
-    pub(crate) fn code(&self) -> &[Operation] {
-        &self.code
     }
 
     /// The text.
@@ -91,18 +116,23 @@ impl Formula {
 
     /// Its value and its first and second derivative at a time (s). Does not allocate.
     pub fn at(&self, time: f64) -> [f64; 3] {
-        let mut stack = [[0.0; 3]; DEEPEST + 1];
+        self.evaluate([time, 1.0, 0.0])
+    }
+
+    /// Its value in an arithmetic, for a time. Does not allocate.
+    pub(crate) fn evaluate<T: Arithmetic>(&self, time: T) -> T {
+        let mut stack = [T::number(0.0); DEEPEST + 1];
         let mut top = 0;
         for operation in &self.code {
             match *operation {
-                Operation::Number(number) => stack[top] = [number, 0.0, 0.0],
-                Operation::Parameter(index) => stack[top] = [self.parameters[index].1, 0.0, 0.0],
-                Operation::Time => stack[top] = [time, 1.0, 0.0],
-                Operation::Negative => stack[top - 1] = stack[top - 1].map(|part| -part),
-                Operation::Call(function) => stack[top - 1] = function.of(stack[top - 1]),
+                Operation::Number(number) => stack[top] = T::number(number),
+                Operation::Parameter(index) => stack[top] = T::number(self.parameters[index].1),
+                Operation::Time => stack[top] = time,
+                Operation::Negative => stack[top - 1] = stack[top - 1].negative(),
+                Operation::Call(function) => stack[top - 1] = stack[top - 1].under(function),
                 two => {
                     top -= 1;
-                    stack[top - 1] = combined(two, stack[top - 1], stack[top]);
+                    stack[top - 1] = stack[top - 1].combined(two, stack[top]);
                     continue;
                 }
             }

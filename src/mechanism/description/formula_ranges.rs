@@ -12,8 +12,8 @@
 //! widths, and the steps that meet it see it. At kinks, as of √((t − c)²), one of the derivatives has no bound: steps end before the kink and pass it in
 //! one step of 10⁻⁵ of their length. Roundings of the ends of ranges are neglected.
 
-use crate::description::formula::Formula;
-use crate::description::formula_text::{DEEPEST, Function, Operation};
+use crate::description::formula::{Arithmetic, Formula};
+use crate::description::formula_text::{Function, Operation};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// `h max |f'|/W` and `h² max |f''|/W` of a stretch that is resolved, at most.
@@ -230,27 +230,28 @@ fn powers(base: Range, exponent: f64) -> Jets {
     [base.power(exponent), term(exponent, exponent - 1.0), term(exponent * (exponent - 1.0), exponent - 2.0)]
 }
 
+impl Arithmetic for Jets {
+    fn number(value: f64) -> Self {
+        [Range::of(value), ZERO, ZERO]
+    }
+
+    fn negative(self) -> Self {
+        self.map(Range::negative)
+    }
+
+    fn under(self, function: Function) -> Self {
+        function_of(function, self)
+    }
+
+    fn combined(self, operation: Operation, other: Self) -> Self {
+        combined(operation, self, other)
+    }
+}
+
 impl Formula {
     /// Ranges of the value and of its first and second derivative from one time to another (s). Does not allocate.
     fn ranges(&self, from: f64, to: f64) -> Jets {
-        let mut stack = [[ZERO; 3]; DEEPEST + 1];
-        let mut top = 0;
-        for operation in self.code() {
-            match *operation {
-                Operation::Number(number) => stack[top] = [Range::of(number), ZERO, ZERO],
-                Operation::Parameter(index) => stack[top] = [Range::of(self.parameters()[index].1), ZERO, ZERO],
-                Operation::Time => stack[top] = [Range::between(from, to), Range::of(1.0), ZERO],
-                Operation::Negative => stack[top - 1] = stack[top - 1].map(Range::negative),
-                Operation::Call(function) => stack[top - 1] = function_of(function, stack[top - 1]),
-                two => {
-                    top -= 1;
-                    stack[top - 1] = combined(two, stack[top - 1], stack[top]);
-                    continue;
-                }
-            }
-            top += usize::from(matches!(operation, Operation::Number(_) | Operation::Parameter(_) | Operation::Time));
-        }
-        stack[0]
+        self.evaluate([Range::between(from, to), Range::of(1.0), ZERO])
     }
 
     /// Whether the stretch from a time to another (s) is resolved; a change of less than `ignored` does not count.

@@ -1,5 +1,6 @@
 //! The contacts at the end of a run, and the worst of all its contacts.
 
+use crate::mechanism::description::contact::ContactPair;
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::mechanism::motion::contact_point::{ContactPoint, OutsideCone};
 use crate::model::{Model, Owner};
@@ -129,17 +130,21 @@ pub(crate) fn pair_count(model: &Model) -> usize {
     model.mechanism.nonsmooth.pairs.iter().map(|pair| pair.number + 1).max().unwrap_or(0)
 }
 
+/// A pair by its number.
+fn pair_of(model: &Model, number: usize) -> Option<&ContactPair> {
+    model.mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)
+}
+
 /// The names of the shapes of a pair, by its number.
 pub(crate) fn pair_names(model: &Model, number: usize) -> (&str, &str) {
-    let nonsmooth = &model.mechanism.nonsmooth;
-    let pair = nonsmooth.pairs.iter().find(|pair| pair.number == number);
-    pair.map_or(("", ""), |pair| (&nonsmooth.colliders[pair.a].name, &nonsmooth.colliders[pair.b].name))
+    let colliders = &model.mechanism.nonsmooth.colliders;
+    pair_of(model, number).map_or(("", ""), |pair| (&colliders[pair.a].name, &colliders[pair.b].name))
 }
 
 /// Whether a pair, by its number, is a rope.
 fn is_rope(model: &Model, number: usize) -> bool {
-    let pair = model.mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number);
-    pair.and_then(|pair| model.contact.owners.get(pair.a)).is_some_and(|owner| matches!(owner, Owner::Rope(_)))
+    let owner = pair_of(model, number).and_then(|pair| model.contact.owners.get(pair.a));
+    matches!(owner, Some(Owner::Rope(_)))
 }
 
 /// The names `a|b` of the shapes of a pair, by its number, as events have them.

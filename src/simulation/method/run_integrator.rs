@@ -151,13 +151,7 @@ impl RunIntegrator {
     }
 
     /// Makes steps over events and jams longer by a factor, as in a run with which another is compared.
-    #[must_use]
-    pub(crate) fn coarser_over_events(mut self, factor: f64) -> Self {
-        self.coarsen_over_events(factor);
-        self
-    }
-
-    fn coarsen_over_events(&mut self, factor: f64) {
+    pub(crate) fn coarsen_over_events(&mut self, factor: f64) {
         match self {
             RunIntegrator::Eventful(eventful) => eventful.coarsen_over_events(factor),
             RunIntegrator::WithoutLocked(run) => run.0.inside.coarsen_over_events(factor),

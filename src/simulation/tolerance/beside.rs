@@ -49,7 +49,8 @@ impl Beside {
         };
         let run = coarser.run(mechanism, stop, stages).ok()?;
         // Impacts of both that end at the same height would hide what that leaves.
-        let run = run.leaving(stop / coarser.first_stop(mechanism), RATIO).coarser_over_events(OVER_EVENTS);
+        let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
+        run.coarsen_over_events(OVER_EVENTS);
         Some(Beside { run, state: state.clone(), events: Vec::new() })
     }
 
