@@ -74,7 +74,9 @@ pub mod errors;
 pub mod observing;
 pub mod prelude;
 pub mod report;
-pub mod session;
+
+#[doc(inline)]
+pub use catena_run::session;
 
 /// Vectors and matrices in the arguments and results of this library.
 pub use nalgebra;
@@ -83,31 +85,24 @@ pub use nalgebra;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+/// What runs leave.
 #[doc(hidden)]
-pub mod derivatives;
-#[doc(hidden)]
-pub mod drawing;
-#[doc(hidden)]
-pub mod events;
-#[doc(hidden)]
-pub mod instant;
-#[doc(hidden)]
-pub mod meshes;
-#[doc(hidden)]
-pub mod model;
-#[doc(hidden)]
-pub mod output;
-#[doc(hidden)]
-pub mod scene;
-#[doc(hidden)]
-pub mod simulation;
-#[doc(hidden)]
-pub mod study;
+pub mod output {
+    #[cfg(feature = "film")]
+    pub use catena_page::film;
+    #[cfg(feature = "log")]
+    pub use catena_page::page;
+    pub use catena_run::output::*;
+}
 
 #[doc(hidden)]
 pub use catena_crowd as crowd;
 #[doc(hidden)]
+pub use catena_drawing as drawing;
+#[doc(hidden)]
 pub use catena_geometry as geometry;
+#[doc(hidden)]
+pub use catena_hybrid::{events, instant};
 #[doc(hidden)]
 pub use catena_kernels as kernels;
 #[doc(hidden)]
@@ -117,4 +112,10 @@ pub use catena_mechanism as mechanism;
 #[doc(hidden)]
 pub use catena_reduced as reduced;
 #[doc(hidden)]
+pub use catena_robot::{meshes, model, scene};
+#[doc(hidden)]
+pub use catena_run::{derivatives, simulation};
+#[doc(hidden)]
 pub use catena_stepping as stepping;
+#[doc(hidden)]
+pub use catena_study as study;

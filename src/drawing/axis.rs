@@ -1,6 +1,6 @@
 //! The range, ticks and grid lines of an axis, linear or logarithmic.
 
-use crate::drawing::picture::Scale;
+use crate::picture::Scale;
 
 /// An axis with its range and ticks settled.
 pub(crate) struct Axis {

@@ -1,6 +1,6 @@
 //! The sheet that every picture is drawn on: the same for SVG and PNG, with a font of its own.
 
-use crate::drawing::error::ChartError;
+use crate::error::ChartError;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};

@@ -1,6 +1,6 @@
 //! Files that are whole or not there: written beside their place under another name, then renamed.
 
-use crate::drawing::error::ChartError;
+use crate::error::ChartError;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! The legend beside a picture: how much room it takes, and drawing it.
 
-use crate::drawing::canvas::{Drawn, INK, QUIET, text, text_at};
-use crate::drawing::picture::Picture;
-use crate::drawing::strokes::{GRID, draw_line, draw_marker};
+use crate::canvas::{Drawn, INK, QUIET, text, text_at};
+use crate::picture::Picture;
+use crate::strokes::{GRID, draw_line, draw_marker};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};

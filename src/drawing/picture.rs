@@ -1,6 +1,6 @@
 //! A picture as data: axes, curves, shaded regions and legend. Drawing it is `render`'s.
 
-use crate::drawing::style::Look;
+use crate::style::Look;
 
 /// Everything that is in a picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,12 +2,12 @@
 //!
 //! Axes are mapped to pixels here, logarithms included, so that every decade down to 1e-17 is where it belongs.
 
-use crate::drawing::axis::Axis;
-use crate::drawing::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
-use crate::drawing::error::ChartError;
-use crate::drawing::legend::{LEGEND, WORDS, draw_legend, legend_extent, words_end};
-use crate::drawing::picture::{Figure, Picture, Series};
-use crate::drawing::strokes::{GRID, draw_line, draw_marker};
+use crate::axis::Axis;
+use crate::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
+use crate::error::ChartError;
+use crate::legend::{LEGEND, WORDS, draw_legend, legend_extent, words_end};
+use crate::picture::{Figure, Picture, Series};
+use crate::strokes::{GRID, draw_line, draw_marker};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -254,8 +254,8 @@ fn grid_color(strong: bool) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::picture::{Panel, Scale};
-    use crate::drawing::style::look;
+    use crate::picture::{Panel, Scale};
+    use crate::style::look;
 
     /// A picture with this number of curves of other programs.
     fn picture(curves: usize) -> Picture {
@@ -293,7 +293,7 @@ mod tests {
             // Short legends leave the picture as it is.
             assert_eq!(height == SIZE.1, curves < 20, "{curves} curves, {height} pixels");
             // 36 letters of a font of size 18 take some 290 pixels.
-            assert!(numbers("width")[0] >= LEGEND + crate::drawing::legend::WORDS + 290);
+            assert!(numbers("width")[0] >= LEGEND + crate::legend::WORDS + 290);
         }
     }
 }

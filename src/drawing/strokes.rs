@@ -1,7 +1,7 @@
 //! Lines and markers of curves, in pixels.
 
-use crate::drawing::canvas::Drawn;
-use crate::drawing::style::{Dash, Look, Marker};
+use crate::canvas::Drawn;
+use crate::style::{Dash, Look, Marker};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;

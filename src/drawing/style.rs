@@ -9,13 +9,13 @@
 pub type Color = (u8, u8, u8);
 
 const BLACK: Color = (0, 0, 0);
-pub(crate) const ORANGE: Color = (230, 159, 0);
-pub(crate) const SKY_BLUE: Color = (86, 180, 233);
+pub const ORANGE: Color = (230, 159, 0);
+pub const SKY_BLUE: Color = (86, 180, 233);
 const GREEN: Color = (0, 158, 115);
-pub(crate) const BLUE: Color = (0, 114, 178);
-pub(crate) const VERMILLION: Color = (213, 94, 0);
+pub const BLUE: Color = (0, 114, 178);
+pub const VERMILLION: Color = (213, 94, 0);
 #[cfg(feature = "plot")]
-pub(crate) const YELLOW: Color = (240, 228, 66);
+pub const YELLOW: Color = (240, 228, 66);
 const PURPLE: Color = (204, 121, 167);
 const GREY: Color = (130, 130, 130);
 

@@ -72,6 +72,15 @@ impl Source {
             "catena_geometry::",
             "catena_lobatto::",
             "catena_kernels::",
+            "catena_stepping::",
+            "catena_reduced::",
+            "catena_crowd::",
+            "catena_hybrid::",
+            "catena_robot::",
+            "catena_drawing::",
+            "catena_run::",
+            "catena_page::",
+            "catena_study::",
         ];
         let mut found = Vec::new();
         for start in starts {
@@ -173,6 +182,29 @@ impl House {
     }
 }
 
+/// The crate that holds the beginning of a path, and how many of its names say so, if the root of another crate lends it that name.
+fn lent(of_crate: &str, path: &[String]) -> Option<(&'static str, usize)> {
+    let room = path.first()?.as_str();
+    let of_page = path.get(1).is_some_and(|inner| ["page", "film"].contains(&inner.as_str()));
+    let (owner, taken) = match room {
+        "output" if of_page => ("page", 1),
+        "instant" | "events" => ("hybrid", 0),
+        "meshes" | "scene" | "model" => ("robot", 0),
+        "simulation" | "derivatives" | "output" | "session" => ("run", 0),
+        "mechanism" => ("mechanism", 1),
+        "geometry" => ("geometry", 1),
+        "lobatto" => ("lobatto", 1),
+        "kernels" => ("kernels", 1),
+        "stepping" => ("stepping", 1),
+        "reduced" => ("reduced", 1),
+        "crowd" => ("crowd", 1),
+        "drawing" => ("drawing", 1),
+        "study" => ("study", 1),
+        _ => return None,
+    };
+    (owner != of_crate).then_some((owner, taken))
+}
+
 /// Crate and module path of a path, as it is written in a file; `None` for other crates than ours.
 fn absolute(source: &Source, path: &[String]) -> Option<(String, Vec<String>)> {
     let (first, rest) = path.split_first()?;
@@ -180,15 +212,9 @@ fn absolute(source: &Source, path: &[String]) -> Option<(String, Vec<String>)> {
     match first.as_str() {
         "crate" | "catena" if first == "crate" || source.module.first().is_some_and(|room| room == "cli") => {
             let of_crate = if first == "catena" { "catena" } else { &source.of_crate };
-            match rest.split_first() {
-                Some((room, rest))
-                    if of_crate == "catena"
-                        && ["mechanism", "geometry", "lobatto", "kernels", "stepping", "reduced", "crowd"]
-                            .contains(&room.as_str()) =>
-                {
-                    ours(room, rest)
-                }
-                _ => ours(of_crate, rest),
+            match lent(of_crate, rest) {
+                Some((of_crate, taken)) => ours(of_crate, &rest[taken..]),
+                None => ours(of_crate, rest),
             }
         }
         "super" | "self" => {

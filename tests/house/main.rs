@@ -9,7 +9,7 @@ use imports::{House, Source};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The floors of each crate from the ground up; a file imports its own floor and those before it.
-const FLOORS: [(&str, &[&str]); 3] = [
+const FLOORS: [(&str, &[&str]); 8] = [
     ("mechanism", &["ground", "description", "forces", "motion", "structure"]),
     (
         "lobatto",
@@ -29,31 +29,16 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "literal",
         ],
     ),
-    (
-        "catena",
-        &[
-            "drawing",
-            "meshes",
-            "scene",
-            "model",
-            "instant",
-            "events",
-            "simulation",
-            "derivatives",
-            "output",
-            "session",
-            "errors",
-            "observing",
-            "report",
-            "prelude",
-            "study",
-            "cli",
-        ],
-    ),
+    ("robot", &["meshes", "scene", "model"]),
+    ("hybrid", &["instant", "events"]),
+    ("run", &["simulation", "derivatives", "output", "session"]),
+    ("page", &["page", "film"]),
+    ("study", &["chart", "stress", "sweep"]),
+    ("catena", &["errors", "observing", "report", "prelude", "cli"]),
 ];
 
 /// The crates from the ground up.
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 17] = [
     "mechanism",
     "geometry",
     "reduced",
@@ -64,6 +49,12 @@ const CRATES: [&str; 11] = [
     "kernels/portable",
     "kernels",
     "stepping",
+    "robot",
+    "hybrid",
+    "drawing",
+    "run",
+    "page",
+    "study",
     "catena",
 ];
 
@@ -147,18 +138,18 @@ fn circles_and_upward_imports_are_found_through_re_exports_braces_and_paths_in_t
     let source = |of_crate: &str, file: &str, text: &str| Source::new(of_crate, file, text);
     let house = House::of(vec![
         source(
-            "catena",
+            "robot",
             "scene/mod.rs",
             "mod error;\nmod robot;\npub use robot::Robot;\npub use error::{Problem, SceneError};",
         ),
-        source("catena", "scene/robot.rs", "use super::error::Problem; // use crate::output::log;\npub struct Robot;"),
+        source("robot", "scene/robot.rs", "use super::error::Problem; // use crate::output::log;\npub struct Robot;"),
         source(
-            "catena",
+            "robot",
             "scene/error.rs",
             "fn of(robot: &crate::scene::Robot) {}\n#[cfg(test)]\nmod tests { use crate::output::log::Log; }",
         ),
         source(
-            "catena",
+            "run",
             "output/log.rs",
             "use crate::{\n    mechanism::motion::state::State,\n    scene::{Robot, SceneError},\n};",
         ),
@@ -167,7 +158,7 @@ fn circles_and_upward_imports_are_found_through_re_exports_braces_and_paths_in_t
     ]);
     assert_eq!(
         circles(&house.edges()),
-        ["output/log.rs", "scene/error.rs", "scene/robot.rs"].map(|file| format!("src/{file}"))
+        ["run/output/log.rs", "robot/scene/error.rs", "robot/scene/robot.rs"].map(|file| format!("src/{file}"))
     );
     assert_eq!(upward(&house), ["src/mechanism/motion/state.rs -> src/lobatto/numbers/mod.rs"]);
     let folders = folders(&house);

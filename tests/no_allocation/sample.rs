@@ -1,6 +1,6 @@
 //! Taking a sample for the log does not allocate on the thread of the simulation: tens of thousands of samples cost what the
 //! beginning of a run and the growth of buffers do. The messages are made by the log's own thread, and what that allocates is
-//! measured where they are made (`src/output/log/recording/encoder.rs`), but for writing the file: the writer of chunks makes its indexes anew
+//! measured where they are made (`src/run/output/log/recording/encoder.rs`), but for writing the file: the writer of chunks makes its indexes anew
 //! for each.
 
 use allocation_counter::measure;

@@ -2,6 +2,7 @@
 
 pub mod body_state;
 pub mod closure;
+pub mod composite;
 pub mod contact;
 pub mod contact_pairs;
 pub mod course;

@@ -8,15 +8,15 @@
 //! largest kinetic energy of the scene. Steps are gathered in intervals of time, and the largest error of each interval is kept: the error passes
 //! through zero too often for a curve of single steps, which would be a comb.
 
+use crate::chart::method::{Method, Setting};
+use crate::chart::scene::Scene;
+use crate::chart::table::Measurement;
 use crate::drawing::picture::{Band, Panel, Picture, Scale, Series};
 use crate::drawing::style::look;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::study::chart::method::{Method, Setting};
-use crate::study::chart::scene::Scene;
-use crate::study::chart::table::Measurement;
 
 /// The accuracy at which the methods are compared [m].
 const WANTED_ERROR: f64 = 1e-6;

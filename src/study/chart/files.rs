@@ -1,12 +1,12 @@
 //! The files of a chart: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
 
+use crate::chart::energy::energy_picture;
+use crate::chart::page::page;
+use crate::chart::report::{ENERGY, Report};
+use crate::chart::table::write_csv;
+use crate::chart::work_precision::work_precision_picture;
 use crate::drawing::error::ChartError;
 use crate::drawing::files::{write_text, write_with};
-use crate::study::chart::energy::energy_picture;
-use crate::study::chart::page::page;
-use crate::study::chart::report::{ENERGY, Report};
-use crate::study::chart::table::write_csv;
-use crate::study::chart::work_precision::work_precision_picture;
 use std::path::Path;
 
 impl Report {

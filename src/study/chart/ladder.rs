@@ -3,7 +3,7 @@
 //! Fixed steps divide the duration into a whole number of steps, so that no sliver at the end spoils the order; they
 //! start near the scene's own scale of time and shrink by a factor that suits the order. Tolerances go by decades.
 
-use crate::study::chart::method::{Method, Setting};
+use crate::chart::method::{Method, Setting};
 
 /// The longest step of at most `wanted` seconds that divides `duration`.
 pub fn whole_step(duration: f64, wanted: f64) -> f64 {

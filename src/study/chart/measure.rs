@@ -4,18 +4,18 @@
 //! rung. A method leaves its ladder when a run is cut for its cost. A method with fixed steps also leaves when two rungs in a row bring no smaller
 //! error: its rounding floor. Tolerances are few, and their errors need not fall from one to the next; they are all tried.
 
+use crate::chart::energy::{EnergyHistory, largest_kinetic, representative};
+use crate::chart::ladder::ladder;
+use crate::chart::method::{Method, Setting};
+use crate::chart::reference::{Reference, reference};
+use crate::chart::scene::Scene;
+use crate::chart::table::Measurement;
+use crate::chart::timing::{Effort, Ended, TimedRun, timed_run};
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::study::chart::energy::{EnergyHistory, largest_kinetic, representative};
-use crate::study::chart::ladder::ladder;
-use crate::study::chart::method::{Method, Setting};
-use crate::study::chart::reference::{Reference, reference};
-use crate::study::chart::scene::Scene;
-use crate::study::chart::table::Measurement;
-use crate::study::chart::timing::{Effort, Ended, TimedRun, timed_run};
 use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -4,6 +4,7 @@
 //! Euler and RK4 have the usual regularisations ([`super::regularised`]), and DOP853 once more with these. Contacts between shapes are known to ours
 //! alone.
 
+use crate::chart::regularised::{Softness, regularised_system};
 use crate::events::Eventful;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::Integrator;
@@ -13,7 +14,6 @@ use crate::simulation::StepChoice;
 use crate::simulation::tolerance::assessed::Assessed;
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::Lobatto;
-use crate::study::chart::regularised::{Softness, regularised_system};
 use std::fmt;
 
 /// A way of integrating, as a curve of the chart.

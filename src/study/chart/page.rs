@@ -1,10 +1,10 @@
 //! The page: everything in one HTML file that needs no other file and no network.
 
-use crate::study::chart::measure::SceneChart;
-use crate::study::chart::method::Method;
-use crate::study::chart::ratio::{Comparison, LEVELS};
-use crate::study::chart::report::{Report, seconds, trust, words};
-use crate::study::chart::table::Measurement;
+use crate::chart::measure::SceneChart;
+use crate::chart::method::Method;
+use crate::chart::ratio::{Comparison, LEVELS};
+use crate::chart::report::{Report, seconds, trust, words};
+use crate::chart::table::Measurement;
 use std::fmt::Write;
 
 pub(crate) const STYLE: &str = "

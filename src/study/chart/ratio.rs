@@ -10,9 +10,9 @@
 //! The cost at a level coarser than the whole front is the cost of the cheapest run. A level finer than the front is not reached, because costs are
 //! not extrapolated. The ratio at a level is the cost of the cheapest rival (RK4, DOP853) over the cost of our cheapest method.
 
-use crate::study::chart::measure::SceneChart;
-use crate::study::chart::method::Method;
-use crate::study::chart::table::Measurement;
+use crate::chart::measure::SceneChart;
+use crate::chart::method::Method;
+use crate::chart::table::Measurement;
 
 /// The levels of the table of ratios (m).
 pub const LEVELS: [f64; 3] = [1e-3, 1e-6, 1e-9];

@@ -11,11 +11,11 @@
 //! The reference is the mean of the formulation with the smaller scatter. Down to the agreement an error is vouched
 //! for by both formulations; between agreement and scatter by one alone; below the scatter it is noise.
 
+use crate::chart::method::{Method, Setting};
+use crate::chart::scene::Scene;
+use crate::chart::timing::{Effort, Ended, timed_run};
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, mean, probes};
-use crate::study::chart::method::{Method, Setting};
-use crate::study::chart::scene::Scene;
-use crate::study::chart::timing::{Effort, Ended, timed_run};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 
@@ -135,7 +135,7 @@ pub fn reference(scene: &Scene, interrupt: &AtomicBool, told: &mut dyn FnMut(&st
     told("reference in maximal coordinates");
     let finest = if mechanism.is_plain_tree() && mechanism.nonsmooth.is_empty() { PRECISE } else { LARGE };
     let steps = finest.map(|(method, fraction)| {
-        (method, Setting::Step(crate::study::chart::ladder::whole_step(duration, fraction * time_scale)))
+        (method, Setting::Step(crate::chart::ladder::whole_step(duration, fraction * time_scale)))
     });
     let (maximal, slowest) = Family::run("Lobatto in maximal coordinates", scene, &steps, interrupt);
     if stopped() {

@@ -1,8 +1,8 @@
 //! The files of a chart: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
 
-use crate::study::chart::measure::SceneChart;
-use crate::study::chart::ratio::{Best, Comparison, LEVELS, Reach};
-use crate::study::chart::table::Measurement;
+use crate::chart::measure::SceneChart;
+use crate::chart::ratio::{Best, Comparison, LEVELS, Reach};
+use crate::chart::table::Measurement;
 
 /// The suffix that turns the name of a scene's first picture into the name of its second.
 pub const ENERGY: &str = "_energy";

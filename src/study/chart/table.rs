@@ -13,9 +13,9 @@
 //!
 //! Columns are found by their names in the first line, in any order; others are skipped. An unknown number is empty.
 
+use crate::chart::timing::Ended;
 use crate::drawing::comma_separated::{field, records};
 use crate::drawing::error::ChartError;
-use crate::study::chart::timing::Ended;
 use std::path::Path;
 
 /// One run of one method.
@@ -23,7 +23,7 @@ use std::path::Path;
 pub struct Measurement {
     /// Name of the scene.
     pub scene: String,
-    /// Name of the method ([`crate::study::chart::Method::id`], or the name of a foreign program).
+    /// Name of the method ([`crate::chart::Method::id`], or the name of a foreign program).
     pub method: String,
     /// The setting of the method.
     pub setting: String,

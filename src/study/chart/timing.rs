@@ -4,11 +4,11 @@
 //! is taken off. A run is repeated until the clock has seen [`Effort::total`] seconds and [`Effort::repeats`] runs, and
 //! the fastest counts: whatever else the machine does only ever makes a run slower.
 
+use crate::chart::method::{Method, Setting};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
-use crate::study::chart::method::{Method, Setting};
 use cpu_time::ThreadTime;
 use std::fmt;
 use std::sync::OnceLock;

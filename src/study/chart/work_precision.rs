@@ -1,12 +1,12 @@
 //! The work–precision picture: CPU seconds per simulated second against the error at the end.
 
+use crate::chart::measure::SceneChart;
+use crate::chart::method::Method;
+use crate::chart::ratio::{Comparison, LEVELS, Reach};
+use crate::chart::table::Measurement;
 use crate::drawing::axis::power_of_ten;
 use crate::drawing::picture::{Band, Panel, Picture, Scale, Series};
 use crate::drawing::style::look;
-use crate::study::chart::measure::SceneChart;
-use crate::study::chart::method::Method;
-use crate::study::chart::ratio::{Comparison, LEVELS, Reach};
-use crate::study::chart::table::Measurement;
 
 /// Smaller errors are drawn here: below the resolution of a double at one metre.
 const LEAST_ERROR: f64 = 1e-16;
@@ -97,13 +97,12 @@ fn notes(chart: &SceneChart) -> Vec<String> {
     let mut doubtful = false;
     for level in LEVELS {
         let comparison = Comparison::of(chart, level);
-        let floor = |best: Option<crate::study::chart::ratio::Best>| match best.map(|best| best.reach) {
+        let floor = |best: Option<crate::chart::ratio::Best>| match best.map(|best| best.reach) {
             Some(Reach::Floor(floor)) => format!("floor {floor:.0e}"),
             _ => "no run".to_string(),
         };
-        let reached = |best: Option<crate::study::chart::ratio::Best>| {
-            matches!(best.map(|best| best.reach), Some(Reach::Cost(_)))
-        };
+        let reached =
+            |best: Option<crate::chart::ratio::Best>| matches!(best.map(|best| best.reach), Some(Reach::Cost(_)));
         let words = match comparison.ratio() {
             Some(ratio) => format!("{ratio:.2} ×"),
             None if reached(comparison.ours) => format!("they: {}", floor(comparison.rival)),

@@ -15,12 +15,12 @@
 //! If motions that start together part, no two runs agree, and there is no answer. Then the energy alone decides: accurate at `ε ≤ 10⁻⁶`, usable at
 //! `ε ≤ 10⁻²`, wrong beyond.
 
+use crate::chart::Setting;
 use crate::mechanism::motion::distance::distance;
-use crate::study::chart::Setting;
-use crate::study::stress::method::Method;
-use crate::study::stress::problem::Case;
-use crate::study::stress::runner::{Failure, Refused, Runner};
-use crate::study::stress::truth::{Answer, watched_probes};
+use crate::stress::method::Method;
+use crate::stress::problem::Case;
+use crate::stress::runner::{Failure, Refused, Runner};
+use crate::stress::truth::{Answer, watched_probes};
 use cpu_time::ThreadTime;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,11 +1,11 @@
 //! All runs of a problem, on several threads, with results that do not depend on how many or in which order.
 
+use crate::chart::Setting;
 use crate::mechanism::description::mechanism::MechanismError;
-use crate::study::chart::Setting;
-use crate::study::stress::cell::{Cell, Verdict};
-use crate::study::stress::method::Method;
-use crate::study::stress::problem::{Case, ThinnedProblem};
-use crate::study::stress::truth::Answer;
+use crate::stress::cell::{Cell, Verdict};
+use crate::stress::method::Method;
+use crate::stress::problem::{Case, ThinnedProblem};
+use crate::stress::truth::Answer;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;

@@ -1,8 +1,8 @@
 //! The methods of a map, and the settings they are run at.
 
+use crate::chart::{Method as ChartMethod, Setting};
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::study::chart::{Method as ChartMethod, Setting};
-use crate::study::stress::problem::Problem;
+use crate::stress::problem::Problem;
 
 /// A panel of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! The page: all maps in one HTML file that needs no other file and no network.
 
-use crate::study::chart::page::{STYLE, escape, inline};
-use crate::study::stress::cell::{Ended, Verdict};
-use crate::study::stress::map::Map;
-use crate::study::stress::problem::BUDGET;
+use crate::chart::page::{STYLE, escape, inline};
+use crate::stress::cell::{Ended, Verdict};
+use crate::stress::map::Map;
+use crate::stress::problem::BUDGET;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -2,14 +2,14 @@
 //!
 //! The colours are the palette of Okabe and Ito. Every verdict that is not good has a mark of its own besides, for prints without colour.
 
+use crate::chart::Setting;
 use crate::drawing::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use crate::drawing::error::ChartError;
 use crate::drawing::style;
 use crate::drawing::style::{BLUE, ORANGE, SKY_BLUE, VERMILLION, YELLOW};
-use crate::study::chart::Setting;
-use crate::study::stress::cell::Verdict;
-use crate::study::stress::map::Map;
-use crate::study::stress::method::Method;
+use crate::stress::cell::Verdict;
+use crate::stress::map::Map;
+use crate::stress::method::Method;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};

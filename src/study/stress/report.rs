@@ -2,10 +2,10 @@
 
 use crate::drawing::error::ChartError;
 use crate::drawing::files::{write_text, write_with};
-use crate::study::stress::map::Map;
-use crate::study::stress::page::page;
-use crate::study::stress::picture::{svg, write_png};
-use crate::study::stress::table::write_csv;
+use crate::stress::map::Map;
+use crate::stress::page::page;
+use crate::stress::picture::{svg, write_png};
+use crate::stress::table::write_csv;
 use std::path::Path;
 
 /// Writes everything into a folder that exists, each file whole or not at all.

@@ -1,5 +1,6 @@
 //! A run of any of the methods, one step at a time, with names for the ways in which it can fail.
 
+use crate::chart::{Method as ChartMethod, Setting};
 use crate::instant::start::assembly::{AssemblyError, assemble};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -11,10 +12,9 @@ use crate::mechanism::motion::state::State;
 use crate::output::report::{AccuracyReport, energy_warning};
 use crate::simulation::CalibrationError;
 use crate::simulation::tolerance::accuracy::calibrate;
-use crate::study::chart::{Method as ChartMethod, Setting};
-use crate::study::stress::baumgarte::{Baumgarte, BaumgarteError};
-use crate::study::stress::method::Method;
-use crate::study::stress::problem::Case;
+use crate::stress::baumgarte::{Baumgarte, BaumgarteError};
+use crate::stress::method::Method;
+use crate::stress::problem::Case;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run failed.

@@ -1,8 +1,8 @@
 //! The map as comma-separated values, and as text for a terminal.
 
 use crate::drawing::comma_separated::field;
-use crate::study::stress::cell::{Ended, Verdict};
-use crate::study::stress::map::Map;
+use crate::stress::cell::{Ended, Verdict};
+use crate::stress::map::Map;
 use std::fmt::Write;
 
 const COLUMNS: [&str; 14] = [

@@ -3,13 +3,13 @@
 //! Nine stages, iterated to rounding, with steps that shrink by a factor that is no power of two, until two runs in a row agree to rounding or
 //! finer steps agree less: the answer is the finer of the two that agree best, and their distance is its doubt.
 
+use crate::chart::{Method as ChartMethod, Setting};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{PROBES, distance, probes_of_bodies, size};
 use crate::mechanism::motion::state::State;
-use crate::study::chart::{Method as ChartMethod, Setting};
-use crate::study::stress::method::Method;
-use crate::study::stress::problem::{Case, Truth};
-use crate::study::stress::runner::Runner;
+use crate::stress::method::Method;
+use crate::stress::problem::{Case, Truth};
+use crate::stress::runner::Runner;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 

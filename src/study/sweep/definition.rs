@@ -11,11 +11,11 @@
 use crate::model::Model;
 use crate::scene::{PackagePath, Problem, Scene, SimulationSettings, TomlText, read_input, read_text, simulation};
 use crate::simulation::StepChoice;
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::quantities::Kept;
-use crate::study::sweep::schema::FileTable;
-use crate::study::sweep::variation::{Source, Variation};
-use crate::study::sweep::vary::Reader;
+use crate::sweep::error::SweepError;
+use crate::sweep::quantities::Kept;
+use crate::sweep::schema::FileTable;
+use crate::sweep::variation::{Source, Variation};
+use crate::sweep::vary::Reader;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use toml::Spanned;

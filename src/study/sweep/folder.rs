@@ -3,14 +3,14 @@
 //! A row is counted as done when its journal is on the disk. When all rows of a file are there, the file is written in the order of the index, and
 //! then the journal is removed: a kill at any instant leaves one of the two.
 
-use crate::study::sweep::definition::Sweep;
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::index_ranges::{Shard, files};
-use crate::study::sweep::journal::Journal;
-use crate::study::sweep::manifest::{Format, MANIFEST, Manifest, name};
-use crate::study::sweep::one_run::headings;
-use crate::study::sweep::rows::Row;
-use crate::study::sweep::whole_file::sync_folder;
+use crate::sweep::definition::Sweep;
+use crate::sweep::error::SweepError;
+use crate::sweep::index_ranges::{Shard, files};
+use crate::sweep::journal::Journal;
+use crate::sweep::manifest::{Format, MANIFEST, Manifest, name};
+use crate::sweep::one_run::headings;
+use crate::sweep::rows::Row;
+use crate::sweep::whole_file::sync_folder;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::ops::Range;

@@ -6,8 +6,8 @@
 //!
 //! A record that was cut off, by a kill or a full disk, ends the reading; it is cut off the file before anything is added.
 
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::rows::Row;
+use crate::sweep::error::SweepError;
+use crate::sweep::rows::Row;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::ops::Range;
@@ -82,7 +82,7 @@ fn record(bytes: &[u8]) -> Option<(Row, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::sweep::rows::Cell;
+    use crate::sweep::rows::Cell;
 
     fn row(index: u64) -> Row {
         Row { index, failed: false, cells: vec![Cell::Count(index), Cell::Number(0.1 * index as f64)] }

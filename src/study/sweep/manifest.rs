@@ -1,9 +1,9 @@
 //! The manifest of a folder: the sweep it belongs to, and the names and format of its files of rows.
 
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::rows::{Heading, Row};
-use crate::study::sweep::rows_csv;
-use crate::study::sweep::whole_file::whole;
+use crate::sweep::error::SweepError;
+use crate::sweep::rows::{Heading, Row};
+use crate::sweep::rows_csv;
+use crate::sweep::whole_file::whole;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::ops::Range;
@@ -66,7 +66,7 @@ impl Format {
                 rows.iter().try_for_each(|row| rows_csv::row(row, out))
             }
             #[cfg(feature = "parquet")]
-            Format::Parquet => crate::study::sweep::rows_parquet::write(headings, rows, out),
+            Format::Parquet => crate::sweep::rows_parquet::write(headings, rows, out),
             #[cfg(not(feature = "parquet"))]
             Format::Parquet => Err(io::Error::other(UnknownFormat::NotBuilt)),
         }

@@ -1,10 +1,10 @@
 //! The folders of all shards as one, with the files that the whole sweep would have written.
 
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::folder::prepare;
-use crate::study::sweep::index_ranges::{Shard, files};
-use crate::study::sweep::manifest::{Format, Manifest};
-use crate::study::sweep::whole_file::whole;
+use crate::sweep::error::SweepError;
+use crate::sweep::folder::prepare;
+use crate::sweep::index_ranges::{Shard, files};
+use crate::sweep::manifest::{Format, Manifest};
+use crate::sweep::whole_file::whole;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::ops::Range;
@@ -108,7 +108,7 @@ fn join(parts: &[Part], out: &Path, manifest: &Manifest) -> Result<(), SweepErro
         Format::Parquet => {
             let mut rows = Vec::new();
             for part in parts {
-                let read = crate::study::sweep::rows_parquet::read(&part.path, &manifest.columns);
+                let read = crate::sweep::rows_parquet::read(&part.path, &manifest.columns);
                 rows.extend(read.map_err(|error| SweepError::read(&part.path, &error))?);
             }
             Format::Parquet.write(out, &manifest.columns, &rows)

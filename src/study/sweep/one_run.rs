@@ -10,12 +10,12 @@ use crate::output::report::{AccuracyReport, EventReport};
 use crate::scene::{Parameter, Scene, SceneError};
 use crate::session::mechanism_from;
 use crate::simulation::{RunError, Simulation, SimulationError, SimulationOptions};
-use crate::study::sweep::definition::{Sweep, course};
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::quantities::Instant;
-use crate::study::sweep::rows::{Cell, Heading, Kind, Row};
-use crate::study::sweep::schema::EventsKey;
-use crate::study::sweep::watch::Watch;
+use crate::sweep::definition::{Sweep, course};
+use crate::sweep::error::SweepError;
+use crate::sweep::quantities::Instant;
+use crate::sweep::rows::{Cell, Heading, Kind, Row};
+use crate::sweep::schema::EventsKey;
+use crate::sweep::watch::Watch;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 

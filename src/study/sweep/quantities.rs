@@ -16,8 +16,8 @@ use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::event::EventKind;
 use crate::model::Model;
 use crate::scene::{Problem, SceneError, TomlText, UrdfJointKind, quoted};
-use crate::study::sweep::rows::{Heading, Kind};
-use crate::study::sweep::schema::{EventsKey, KeepTable};
+use crate::sweep::rows::{Heading, Kind};
+use crate::sweep::schema::{EventsKey, KeepTable};
 use toml::Spanned;
 
 /// One number of a run at an instant.

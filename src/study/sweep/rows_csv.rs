@@ -2,7 +2,7 @@
 //! which NaN and infinities are `null`. Unknown values are empty.
 
 use crate::drawing::comma_separated::field;
-use crate::study::sweep::rows::{Cell, Heading, Row};
+use crate::sweep::rows::{Cell, Heading, Row};
 use std::io::{self, Write};
 
 /// Writes the names.

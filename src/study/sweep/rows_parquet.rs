@@ -3,7 +3,7 @@
 //! Source: Apache Parquet, LogicalTypes (`LIST`) and the levels of Dremel: a list that is absent has the definition level 0, an empty one 1, its
 //! values 2; the first value of a row has the repetition level 0, all others 1.
 
-use crate::study::sweep::rows::{Cell, Heading, Kind, Row};
+use crate::sweep::rows::{Cell, Heading, Kind, Row};
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result};

@@ -1,12 +1,12 @@
 //! Estimates the cost of a sweep: a few runs, spread over its indices, are made and timed, and no rows are written.
 
 use crate::simulation::parallel::threads::on_one_thread;
-use crate::study::sweep::definition::Sweep;
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::index_ranges::{Shard, files};
-use crate::study::sweep::manifest::Format;
-use crate::study::sweep::one_run::{Runner, headings};
-use crate::study::sweep::rows::Row;
+use crate::sweep::definition::Sweep;
+use crate::sweep::error::SweepError;
+use crate::sweep::index_ranges::{Shard, files};
+use crate::sweep::manifest::Format;
+use crate::sweep::one_run::{Runner, headings};
+use crate::sweep::rows::Row;
 use cpu_time::ThreadTime;
 use serde::Serialize;
 use std::sync::atomic::AtomicBool;

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::scene::Parameter;
-use crate::study::sweep::random::{Law, Place};
+use crate::sweep::random::{Law, Place};
 
 /// A number that varies.
 #[derive(Clone, Debug)]

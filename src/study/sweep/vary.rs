@@ -2,10 +2,10 @@
 
 use crate::mechanism::ground::words::counted;
 use crate::scene::{Geometry, Parameter, Problem, Scene, SceneError, TomlText, Touching, read_text};
-use crate::study::sweep::lists::{List, read_list};
-use crate::study::sweep::random::Law;
-use crate::study::sweep::schema::{SpacingTable, VaryTable};
-use crate::study::sweep::variation::{Column, Source};
+use crate::sweep::lists::{List, read_list};
+use crate::sweep::random::Law;
+use crate::sweep::schema::{SpacingTable, VaryTable};
+use crate::sweep::variation::{Column, Source};
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 use std::path::Path;

@@ -5,8 +5,8 @@ use crate::mechanism::motion::integrator::MethodDescription;
 use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::model::Model;
 use crate::simulation::{Observer, ObserverError, Sample};
-use crate::study::sweep::quantities::{Instant, Kept};
-use crate::study::sweep::rows::Cell;
+use crate::sweep::quantities::{Instant, Kept};
+use crate::sweep::rows::Cell;
 
 /// The smallest and the largest value so far, with their times (s).
 #[derive(Clone, Copy, Default)]

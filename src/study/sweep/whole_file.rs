@@ -2,7 +2,7 @@
 //!
 //! A file is written beside its place, put on the disk, and then renamed: under its name it is always whole.
 
-use crate::study::sweep::error::SweepError;
+use crate::sweep::error::SweepError;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;

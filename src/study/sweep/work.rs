@@ -1,11 +1,11 @@
 //! Makes the runs of a sweep on all cores: threads take indices in their order, one writer puts rows on the disk.
 
 use crate::simulation::parallel::threads::on_one_thread;
-use crate::study::sweep::definition::Sweep;
-use crate::study::sweep::error::SweepError;
-use crate::study::sweep::folder::Folder;
-use crate::study::sweep::one_run::Runner;
-use crate::study::sweep::rows::{Cell, Row};
+use crate::sweep::definition::Sweep;
+use crate::sweep::error::SweepError;
+use crate::sweep::folder::Folder;
+use crate::sweep::one_run::Runner;
+use crate::sweep::rows::{Cell, Row};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};

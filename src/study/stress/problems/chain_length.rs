@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{BUDGET, Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, chain};
+use crate::stress::problem::{BUDGET, Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, chain};
 use nalgebra::Vector3;
 
 const LENGTHS: [usize; 11] = [2, 5, 10, 20, 50, 100, 200, 500, 1000, 3000, 10_000];

@@ -3,8 +3,8 @@
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::mechanism::MechanismError;
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, box_inertia, on_floor, put};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, box_inertia, on_floor, put};
 use nalgebra::Vector3;
 
 /// Slope over friction.

@@ -4,8 +4,8 @@ use crate::mechanism::description::joint::{Joint, JointKind, Pose, wxyz_from_rot
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, Truth, steps};
-use crate::study::stress::problems::{GRAVITY, box_inertia, frame, set_ball};
+use crate::stress::problem::{Case, Problem, Truth, steps};
+use crate::stress::problems::{GRAVITY, box_inertia, frame, set_ball};
 use nalgebra::Vector3;
 
 /// Angle from the locked position (rad); the first is a ball joint, which knows no such thing.

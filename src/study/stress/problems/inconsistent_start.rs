@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::MechanismError;
-use crate::study::stress::problem::{Case, Problem, Truth, steps};
-use crate::study::stress::problems::four_bars;
+use crate::stress::problem::{Case, Problem, Truth, steps};
+use crate::stress::problems::four_bars;
 
 /// How far a crank is turned out of its place (rad); the last is a rod that is too short to close the loop at all.
 const ANGLES: [f64; 7] = [1e-12, 1e-9, 1e-6, 1e-3, 0.03, 0.3, f64::INFINITY];

@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, Truth, steps};
-use crate::study::stress::problems::{GRAVITY, chain};
+use crate::stress::problem::{Case, Problem, Truth, steps};
+use crate::stress::problems::{GRAVITY, chain};
 use nalgebra::Vector3;
 
 /// Moment about the link's own axis over the moment about the others. A body has at most 2; the last inertia is zero.

@@ -4,8 +4,8 @@ use crate::mechanism::description::closure::{Coordinate, Mimic};
 use crate::mechanism::description::joint::{Joint, JointKind};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, four_bars, frame};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, four_bars, frame};
 use nalgebra::Vector3;
 
 /// Powers of ten.

@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, Truth, steps};
-use crate::study::stress::problems::{GRAVITY, chain};
+use crate::stress::problem::{Case, Problem, Truth, steps};
+use crate::stress::problems::{GRAVITY, chain};
 use nalgebra::Vector3;
 
 const DURATIONS: [f64; 6] = [10.0, 100.0, 1e3, 1e4, 1e5, 1e6];

@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, chain};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, chain};
 use nalgebra::Vector3;
 
 const RATIOS: [f64; 9] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];

@@ -25,7 +25,7 @@ use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::Problem;
+use crate::stress::problem::Problem;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 impl Problem {

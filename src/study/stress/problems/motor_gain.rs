@@ -4,8 +4,8 @@ use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use crate::mechanism::description::target::Target;
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, chain, only_coordinate};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, chain, only_coordinate};
 use nalgebra::Vector3;
 
 /// kd [N m s/rad].

@@ -1,8 +1,8 @@
 //! The same loop closed again and again: redundant equations.
 
 use crate::mechanism::description::mechanism::MechanismError;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::four_bars;
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::four_bars;
 
 const COPIES: [usize; 5] = [1, 2, 4, 8, 16];
 

@@ -1,8 +1,8 @@
 //! Mechanisms that pass positions in which they could go another way.
 
 use crate::mechanism::description::mechanism::MechanismError;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{bricard, four_bars};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{bricard, four_bars};
 
 /// Numbers of parallelograms; zero is Bricard's mechanism.
 const COUNTS: [usize; 6] = [0, 1, 2, 5, 10, 20];

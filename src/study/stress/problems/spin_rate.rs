@@ -3,8 +3,8 @@
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::GRAVITY;
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::GRAVITY;
 use nalgebra::Vector3;
 
 const RATES: [f64; 8] = [1.5, 5.0, 15.0, 50.0, 150.0, 500.0, 1500.0, 5000.0];

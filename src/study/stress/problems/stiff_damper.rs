@@ -5,8 +5,8 @@ use crate::mechanism::description::forces::PointSpring;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, chain};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, chain};
 use nalgebra::Vector3;
 
 const DAMPINGS: [f64; 7] = [1.0, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12];

@@ -5,8 +5,8 @@ use crate::mechanism::description::forces::PointSpring;
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problem::{Case, Problem, steps};
-use crate::study::stress::problems::{GRAVITY, box_inertia};
+use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problems::{GRAVITY, box_inertia};
 use nalgebra::Vector3;
 
 const STIFFNESSES: [f64; 7] = [1e2, 1e4, 1e6, 1e8, 1e10, 1e12, 1e14];

@@ -1,0 +1,275 @@
+//! A run in a crowd of events: when it begins, the length of its steps (`crowd/`), and when exact steps take over again.
+//!
+//! ```text
+//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
+//!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
+//!               10 ms;  or as in `crowding.rs`, if such crowds follow soon
+//!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins                   cost of its decision (s)
+//!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
+//! ```
+//!
+//! n are rates, n_c closed contacts, i the iterations of a step, of a usual one at most; n_s is the number of exact steps in a calm second, c and c_c are the measured costs of an
+//! iteration for each squared unknown, and of a step over events for each rate; c_d is the one of a decision for each cubed unknown, which is dense. All
+//! are counts: the choice does not depend on a clock.
+//!
+//! A step that cannot be made is tried with a quarter of its length. A crowd ends by it only after the last try.
+
+use crate::events::crowd::contacts::{Scene, has_row};
+use crate::events::crowd::step::Made;
+use crate::events::effects::resting::energy;
+use crate::events::integrator::Eventful;
+use crate::events::modes::mode::MotorMode;
+use crate::events::parts::crowding::LABOUR_WITHIN;
+use crate::events::parts::model::HybridModel;
+use crate::events::parts::workspaces::{Workspaces, larger};
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::state::State;
+
+/// Lengths of steps (s): the least, the most, and where none keeps to the tolerance.
+const LENGTHS: [f64; 2] = [1e-4, 2e-3];
+const PLAIN: f64 = 1e-3;
+/// κ: the error of an impact over its change of velocity and the length of the step.
+const SMEARS: f64 = 0.3;
+/// Bodies at rest may come to the speed of a fall for this time (s).
+const FALLS: f64 = 0.1;
+/// c and c_c (s), n_s.
+pub(super) const ITERATION: f64 = 2e-7;
+const STEP: f64 = 4e-7;
+const CALM_STEPS: f64 = 200.0;
+/// c_d (s).
+const DECISION: f64 = 4e-8;
+/// A step is made shorter by this factor, this often at most.
+const SHORTER: f64 = 0.25;
+const SHORTENED: usize = 4;
+/// Iterations that the other work of a step is worth, and iterations of a usual step.
+const OVERHEAD: f64 = 5.0;
+const USUAL: f64 = 8.0;
+/// Exact steps that cost less than this stay (s for a second of the motion).
+const CHEAP: f64 = 1.0;
+
+impl Eventful {
+    /// The length of steps over events (s), and whether they keep to the tolerance, which asks for nothing beyond the horizon.
+    fn crowd_length(&self) -> (f64, bool) {
+        let mass: f64 = self.model.whole.bodies.iter().map(|body| body.mass).sum();
+        let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.model.whole.gravity.norm());
+        let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
+        match kept {
+            Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
+            _ => (PLAIN, self.progress.beyond_horizon),
+        }
+    }
+
+    /// The error of the run is estimated: up to its horizon given instants alone are no reason for steps over events.
+    pub fn keep_estimate(&mut self) {
+        self.progress.estimated = true;
+    }
+
+    /// Whether steps that end at given instants, to which few stages are not enough, are as good a reason for steps over events as events are.
+    pub(super) fn counts_instants(&self) -> bool {
+        !self.progress.estimated || self.progress.beyond_horizon
+    }
+
+    /// From now on no step can be accurate: runs that differ by roundings have met other events.
+    pub fn pass_horizon(&mut self) {
+        self.progress.beyond_horizon = true;
+    }
+
+    /// Whether steps over events leave something out: rolling and spinning friction, and ropes through several points.
+    fn needs_events(&self) -> bool {
+        self.model.touching.pairs.need_events()
+    }
+
+    /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.
+    pub(super) fn bearable_labour(&self) -> Option<f64> {
+        let (length, keeps) = self.crowd_length();
+        if self.workspaces.crowd.is_none() || !keeps || self.needs_events() {
+            return None;
+        }
+        Some(LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) / ITERATION)
+    }
+
+    /// The expected cost of steps of this length (s) and iterations for a second of the motion (s).
+    fn cost_of_crowds(&self, length: f64, iterations: f64) -> f64 {
+        STEP * (iterations + OVERHEAD) * self.model.whole.velocity_count as f64 / length
+    }
+
+    /// Begins a run in a crowd, if the decision of its start costs more than to step over events; `false` otherwise.
+    pub(super) fn begin_in_crowd(&mut self, state: &State) -> bool {
+        let (length, _) = self.crowd_length();
+        let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
+        if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.needs_events() {
+            return false;
+        }
+        let scene = Scene { whole, elements, touching };
+        let held = self.workspaces.crowd.as_mut().and_then(|crowd| crowd.held_at(scene, state, length));
+        if decision(held.unwrap_or(0)) <= (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) {
+            return false;
+        }
+        self.leave_companion();
+        self.progress.asleep = false;
+        self.progress.crowding.enter(state.time);
+        self.progress.in_crowd = true;
+        true
+    }
+
+    /// Begins a crowd with a step from a state towards `until`; `None` if the crowd is brief and such steps do not keep to the tolerance, if crowds are
+    /// switched off, or if the step cannot be made.
+    pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        let (length, keeps) = self.crowd_length();
+        if self.model.recipe.keeps(Rule::Crowds) || self.needs_events() || self.progress.crowding.is_brief(keeps) {
+            return None;
+        }
+        let before = self.progress.crowding;
+        self.progress.crowding.enter(state.time);
+        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, self.model.coarser * length) else {
+            self.progress.crowding = before;
+            return None;
+        };
+        self.progress.in_crowd = true;
+        if self.is_over(&made, length) {
+            self.leave_crowd(inputs, state, &mut outcome);
+        }
+        Some(outcome)
+    }
+
+    /// The next step of a crowd from a state that the last one has left; `None` if the run is in no crowd, or the step cannot be made.
+    pub(super) fn go_on_in_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        if !self.progress.in_crowd {
+            return None;
+        }
+        let next = self.model.next_instant(state.time, until);
+        let (length, _) = self.crowd_length();
+        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, next, self.model.coarser * length) else {
+            self.progress.in_crowd = false;
+            self.pass_anew(inputs, state);
+            return None;
+        };
+        if self.is_over(&made, length) {
+            self.leave_crowd(inputs, state, &mut outcome);
+        }
+        match &mut self.previous.left {
+            Some(left) => left.copy_from(state),
+            none => *none = Some(state.clone()),
+        }
+        Some(outcome)
+    }
+
+    /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
+    fn is_over(&mut self, made: &Made, length: f64) -> bool {
+        let rates = self.model.whole.velocity_count as f64;
+        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2) + decision(made.held);
+        let over = self.cost_of_crowds(length, (made.iterations as f64).min(USUAL));
+        self.progress.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
+    }
+
+    /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.
+    fn leave_crowd(&mut self, inputs: Inputs, state: &mut State, outcome: &mut StepOutcome) {
+        self.progress.in_crowd = false;
+        self.progress.crowding.leave(state.time);
+        let before = energy(&self.model.whole, state).total();
+        self.previous.outside.clear();
+        self.previous.outside.extend_from_slice(inputs.efforts);
+        for index in 0..self.model.elements.motors.len() {
+            self.mode.motors[index] = self.motor_mode(index, state);
+        }
+        let events = self.tally.events.len();
+        self.pass_anew(inputs, state);
+        self.tally.events.truncate(events);
+        outcome.exchange.impacts += before - energy(&self.model.whole, state).total();
+        self.progress.stepped_over = Some(state.clone());
+        let piece = self.workspaces.active_mut();
+        piece.small = piece.moving.gather(&self.model.whole, state);
+    }
+
+    /// Makes one step of at most this length (s) towards `until`, or a shorter one, if any can be made.
+    fn step_in_crowd(
+        &mut self,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+        length: f64,
+    ) -> Option<(StepOutcome, Made)> {
+        let length = length.min(until - state.time);
+        (0..=SHORTENED).find_map(|times| self.try_in_crowd(inputs, state, until, length * SHORTER.powi(times as i32)))
+    }
+
+    /// The same of this length alone.
+    fn try_in_crowd(
+        &mut self,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+        length: f64,
+    ) -> Option<(StepOutcome, Made)> {
+        self.trial.origin.copy_from(state);
+        let Eventful {
+            model: HybridModel { whole, elements, touching, .. },
+            workspaces: Workspaces { response, crowd, .. },
+            mode,
+            ..
+        } = self;
+        let crowd = crowd.as_mut()?;
+        let mut forces = |at: &State, accelerations: &mut [f64], efforts: &mut [f64]| {
+            inputs.write_constant(efforts);
+            inputs.add_feedback(at, efforts);
+            for (motor, mode) in elements.motors.iter().zip(&mode.motors).filter(|(motor, _)| !has_row(motor)) {
+                let place = motor.coordinate;
+                efforts[place.freedom] += match *mode {
+                    MotorMode::Given(effort) => effort,
+                    _ => {
+                        let position = at.position[place.position] + at.compensation[place.position];
+                        motor.effort(at.time, position, at.velocity[place.freedom])
+                    }
+                };
+            }
+            response.accelerations(at, efforts, accelerations);
+        };
+        let scene = Scene { whole, elements, touching };
+        let constant = elements.motors.iter().all(|motor| motor.target.is_constant()) && !whole.changes();
+        let evenly = inputs.feedback.is_none() && constant;
+        let rest = until - state.time;
+        let step = if evenly && crowd.sleeps(state, &mut forces) { rest } else { length.min(rest) };
+        let mut end = state.clone();
+        let made = crowd.step(scene, &mut forces, &mut end, step, evenly)?;
+        // The end is a given instant to the last bit.
+        end.time = if step == rest { until } else { end.time };
+        state.copy_from(&end);
+        for index in 0..self.model.elements.motors.len() {
+            let motor = &self.model.elements.motors[index];
+            if motor.period > 0.0 && motor.next_instant(self.trial.origin.time) <= state.time {
+                self.mode.motors[index] = self.motor_mode(index, state);
+            }
+        }
+        let Made { iterations, residual, unsolved, overlap, lifted, work, dissipated, friction, lost, .. } = made;
+        self.tally.unsolved += unsolved;
+        self.trial.overlap = self.trial.overlap.max(overlap);
+        self.tally.crowd_figures = (self.tally.crowd_figures.0.max(residual), self.tally.crowd_figures.1.max(lifted));
+        self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
+        self.tally.smeared[0] += step * step;
+        // An impact within the step is at its end for samples inside it.
+        self.workspaces.between = larger(self.workspaces.between, Some(0.25 * step * made.jump + lifted));
+        self.progress.stepped_over = Some(state.clone());
+        self.memory.kinetic = self.memory.kinetic.max(made.kinetic);
+        self.tally.steps += 1;
+        self.tally.stepped += step;
+        let impacts = lost - dissipated - friction;
+        let exchange = Exchange { work, dissipated, friction, impacts };
+        Some((StepOutcome::new(step, iterations, exchange), made))
+    }
+
+    /// Adds the contacts that press at the end of a step of a crowd, with their mean forces in it; `false` if the run is in no crowd.
+    pub(super) fn report_crowd(&self, out: &mut Vec<ContactPoint>) -> bool {
+        let Some(crowd) = self.workspaces.crowd.as_ref().filter(|_| self.progress.in_crowd) else { return false };
+        crowd.pressing(&self.model.touching, out);
+        true
+    }
+}
+
+/// The cost of the decision of a mode with this number of closed contacts (s).
+pub(super) fn decision(contacts: usize) -> f64 {
+    DECISION * (3.0 * contacts as f64).powi(3)
+}

@@ -1,0 +1,181 @@
+//! Elements that cannot move by themselves because joints and contacts are held: bodies, and pairs that touch without pressing.
+//!
+//! ```text
+//!     left of the answer of a freedom i, or of a normal i, beside held rows S:    Y_ii − Y_iS (Y_SS)⁺ Y_Si
+//! ```
+//!
+//! If the rest is at most 1e-10 of Y_ii, the held rows determine the freedom. At a dead point of a loop the freedom turns round and moves on. Y_ii
+//! without held rows is zero there, a rounding of H⁻¹_ii, the answer without closures, and decides no freedom. A pair is idle if held rows keep its
+//! gap at zero and it does not press. An example is a wheel that touches a floor while its axle stands on the other wheel. Its gap has the roundings
+//! of the held gaps.
+
+use crate::events::effects::decision::{Candidate, Scene};
+use crate::events::modes::mode::{Closed, JointMode, Mode};
+use crate::instant::cone::apart::parts_joined;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, row_of_torque, rows_of_contact};
+use crate::instant::holding::elements::Elements;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::{DMatrix, DMatrixView};
+use std::iter::successors;
+
+/// A freedom that answers to an effort with less than this part of its free answer cannot move.
+const IMMOBILE: f64 = 1e-10;
+/// An answer below this part of that without closures is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// The pairs of candidates without a closed contact in a mode, whose gaps its held joints and closed contacts keep as they are.
+pub fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[Candidate]) -> Vec<usize> {
+    let Scene { whole, elements, response, .. } = scene;
+    let closed = |pair: usize| mode.contacts.iter().any(|closed| closed.contact.pair == pair);
+    let open: Vec<&Candidate> = candidates.iter().filter(|candidate| !closed(candidate.contact.pair)).collect();
+    if open.is_empty() || mode.contacts.is_empty() {
+        return Vec::new();
+    }
+    let bodies = body_states(whole, state);
+    let held = elements.joints.iter().zip(&mode.joints).filter(|(_, mode)| matches!(mode, JointMode::Held { .. }));
+    let mut rows: Vec<Row> =
+        held.map(|(joint, _)| row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0)).collect();
+    for closed in &mode.contacts {
+        rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, closed.slides.is_none()));
+        rows.extend(rows_of_held_turns(whole, &bodies, closed));
+    }
+    let count = rows.len();
+    rows.extend(open.iter().flat_map(|candidate| rows_of_contact(whole, &bodies, &candidate.contact.joint, false)));
+    let square = Rows::new(response, state, rows).square;
+    let inverse = pseudo_inverse(&square.view((0, 0), (count, count)).into_owned());
+    let mut idle = Vec::new();
+    for (index, candidate) in open.iter().enumerate() {
+        let (own, pair) = (count + index, candidate.contact.pair);
+        let row = square.view((own, 0), (1, count));
+        if !idle.contains(&pair) && cannot_move(square[(own, own)], row, &inverse) {
+            idle.push(pair);
+        }
+    }
+    idle
+}
+
+/// For each body whether it is held: its joint is, or cannot move because others are.
+pub(crate) fn held_bodies(
+    whole: &Mechanism,
+    elements: &Elements,
+    mode: &Mode,
+    response: &mut Response,
+    state: &State,
+) -> Vec<bool> {
+    let mut held = mode.held_bodies(elements, whole.bodies.len());
+    // A body that a belt or a joint that is moved in time carries is not at rest.
+    let carries =
+        |joint: &TouchJoint| joint.is_belt() || [&joint.a, &joint.b].iter().any(|end| is_moved(whole, end.body));
+    let holds = |closed: &&Closed| closed.slides.is_none() && !carries(&closed.contact.joint);
+    let sticks = mode.contacts.iter().any(|closed| holds(&closed));
+    // Joints that follow a held joint are held with it; loops and contacts may hold more.
+    if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
+        return held;
+    }
+    let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
+    let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
+    let mut rows: Vec<Row> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
+    if sticks {
+        let bodies = body_states(whole, state);
+        for closed in mode.contacts.iter().filter(holds) {
+            rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
+            rows.extend(rows_of_held_turns(whole, &bodies, closed));
+        }
+    }
+    let rows = Rows::new(response, state, rows);
+    let inverse = pseudo_inverse(&rows.square);
+    let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
+    let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
+    let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
+    let mut answers = response.diagonal(state, freedoms).into_iter();
+    let mut immobile: Vec<(usize, f64)> = Vec::new();
+    for &body in &others {
+        held[body] = true;
+        for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
+            held[body] &= cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), &inverse);
+            immobile.push((freedom, answer));
+        }
+        immobile.retain(|(freedom, _)| held[body] || !whole.bodies[body].joint.velocity_range().contains(freedom));
+    }
+    for freedom in rounded(whole, state, &immobile) {
+        whole.body_of_freedom(freedom).into_iter().for_each(|body| held[body] = false);
+    }
+    held
+}
+
+/// Whether a joint above a body, or its own, is moved in time.
+fn is_moved(whole: &Mechanism, body: Option<usize>) -> bool {
+    let moved = |body: usize| whole.mimics.iter().any(|mimic| mimic.is_moved() && mimic.follower.body == body);
+    whole.moves_joints() && successors(body, |&body| whole.bodies[body].parent).any(moved)
+}
+
+/// The rows of the turnings that rolling and spinning friction hold at a closed contact.
+fn rows_of_held_turns(whole: &Mechanism, bodies: &[BodyState], closed: &Closed) -> Vec<Row> {
+    if closed.moments.rows() == 0 {
+        return Vec::new();
+    }
+    let joint = TouchJoint { moments: closed.moments, ..closed.contact.joint.clone() };
+    let normal = touch_motion(&joint, bodies).normal;
+    let held = joint.held_turns(&normal, &tangents(&normal));
+    held.map(|along| row_of_torque(whole, bodies, &joint, &along)).collect()
+}
+
+/// The freedoms whose answers are roundings of those without closures: they are at dead points.
+fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<usize> {
+    if answers.is_empty() || !whole.has_closures() {
+        return Vec::new();
+    }
+    let mut open = whole.clone();
+    open.loops.clear();
+    open.mimics.clear();
+    let of_tree = Response::new(&open).diagonal(state, answers.iter().map(|(freedom, _)| *freedom));
+    let dead = answers.iter().zip(of_tree).filter(|((_, answer), free)| *answer <= ROUNDING * free);
+    dead.map(|((freedom, _), _)| *freedom).collect()
+}
+
+/// Whether an answer Y_ii vanishes beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.
+fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bool {
+    let felt: Vec<(usize, f64)> = row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+    let along = |&(one, entry): &(usize, f64)| {
+        entry * felt.iter().map(|&(other, entry)| inverse[(one, other)] * entry).sum::<f64>()
+    };
+    let taken: f64 = felt.iter().map(along).sum();
+    answer - taken <= IMMOBILE * answer
+}
+
+/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows: part by part of those that zeros keep apart, as of
+/// bodies that stand beside each other.
+fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = square.nrows();
+    let inverse: Vec<f64> =
+        (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
+    let parts = parts_joined(count, |row, column| square[(row, column)] != 0.0);
+    let scaled = |part: &[usize]| {
+        let entry = |row: usize, column: usize| square[(row, column)] * inverse[row] * inverse[column];
+        DMatrix::from_fn(part.len(), part.len(), |row, column| entry(part[row], part[column])).symmetric_eigen()
+    };
+    let eigen: Vec<_> = parts.iter().map(|part| scaled(part)).collect();
+    let largest = eigen.iter().map(|own| own.eigenvalues.max()).fold(0.0, f64::max);
+    let mut found = DMatrix::zeros(count, count);
+    for (part, own) in parts.iter().zip(&eigen) {
+        let mut sum = DMatrix::zeros(part.len(), part.len());
+        for (index, &value) in own.eigenvalues.iter().enumerate() {
+            if value > IMMOBILE * largest {
+                let vector = own.eigenvectors.column(index);
+                sum += vector * vector.transpose() / value;
+            }
+        }
+        for (one, &row) in part.iter().enumerate() {
+            for (other, &column) in part.iter().enumerate() {
+                found[(row, column)] = sum[(one, other)] * inverse[row] * inverse[column];
+            }
+        }
+    }
+    found
+}

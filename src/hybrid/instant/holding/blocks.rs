@@ -1,0 +1,298 @@
+//! Elements that touch, rest or stick at an instant, as the blocks of one problem.
+//!
+//! ```text
+//!     joint on a limit or with friction     one row: its degree of freedom
+//!     contact without friction, rope        one row: its normal, its tension
+//!     contact                               three rows: normal, two tangents
+//!     rolling or spinning friction          three rows ([`crate::instant::holding::moments`]), after the rows of its contact
+//!
+//!     W  (m × n)  all rows: rates u = W v;     Y Wᵀ  (n × m)  their response;     D = W Y Wᵀ  (m × m)
+//! ```
+//!
+//! A row is the vector of efforts along the freedoms that do the work of a unit force along the row ([`efforts_of_wrenches`]). Impulses and forces
+//! `r` along the rows change velocities and accelerations by `Y Wᵀ r`. Surfaces that move over their bodies add their velocity w to the rates along
+//! tangents, `u = W v + w`, and their drives do the work `−w · r`.
+
+use crate::instant::cone::problem::Law;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::elements::Elements;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::efforts::efforts_of_wrenches;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
+use crate::mechanism::motion::reeved::pulls;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{belt, tangents, touch_accelerations, touch_motion, turning_accelerations};
+use nalgebra::{DMatrix, DVector, Vector3};
+use std::ops::Deref;
+
+/// An acceleration that is this part of the terms that cancel in it is rounding.
+const ROUNDING: f64 = 1e-14;
+/// Bodies whose relative acceleration is below this part of their own accelerations are in common free fall and exert no force on each other. If they
+/// turn on each other, tilts of 1e-13 that an impact has left make a tenth of that, and so do states between the ends of steps.
+const BESIDE: f64 = 1e-9;
+
+/// Whose block it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// A joint, by its number among the elements.
+    Joint(usize),
+    /// A contact, by its number in a list of the caller.
+    Contact(usize),
+    /// The rolling or the spinning friction of a contact, by the same number.
+    Moment { contact: usize, spinning: bool },
+}
+
+/// One block.
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub of: Of,
+    pub law: Law,
+    /// Its rows.
+    pub rows: Vec<Row>,
+}
+
+/// A row of W: one entry a degree of freedom.
+#[derive(Clone, Debug)]
+pub struct Row {
+    entries: Vec<f64>,
+    /// w: the velocity along it that surfaces have over their bodies [m/s].
+    belt: f64,
+}
+
+impl From<Vec<f64>> for Row {
+    fn from(entries: Vec<f64>) -> Self {
+        Row { entries, belt: 0.0 }
+    }
+}
+
+impl Deref for Row {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.entries
+    }
+}
+
+/// The rows of blocks with their response.
+#[derive(Clone)]
+pub struct Rows {
+    rows: Vec<Row>,
+    /// Y Wᵀ.
+    columns: DMatrix<f64>,
+    /// D.
+    pub square: DMatrix<f64>,
+}
+
+impl Block {
+    /// The block of a joint, by its number: a force along its freedom, of `count` of all, with this sign and between these bounds [N m or N].
+    pub fn of_joint(index: usize, freedom: usize, count: usize, sign: f64, [lower, upper]: [f64; 2]) -> Self {
+        let rows = vec![row_of_freedom(count, freedom, sign)];
+        Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows }
+    }
+}
+
+/// The row of one degree of freedom, with a sign.
+pub(crate) fn row_of_freedom(count: usize, freedom: usize, sign: f64) -> Row {
+    let mut row = vec![0.0; count];
+    row[freedom] = sign;
+    row.into()
+}
+
+/// The row of a force f on the second body at a point p of the world, and its opposite on the first.
+pub(crate) fn row_of_force(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joint: &TouchJoint,
+    point: &Vector3<f64>,
+    force: &Vector3<f64>,
+) -> Row {
+    let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+        if let Some(body) = end {
+            let force = force * sign;
+            wrenches[body].0 += force;
+            wrenches[body].1 += (point - bodies[body].position).cross(&force);
+        }
+    }
+    row_of_wrenches(mechanism, bodies, &mut wrenches)
+}
+
+/// The row of forces (N) and torques about the centres of mass [N m] on the bodies, which are overwritten.
+fn row_of_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut [(Vector3<f64>, Vector3<f64>)]) -> Row {
+    let mut row = vec![0.0; mechanism.velocity_count];
+    efforts_of_wrenches(mechanism, bodies, wrenches, &mut row);
+    row.into()
+}
+
+/// The row of a unit tension in a rope through several points.
+fn row_of_rope(mechanism: &Mechanism, bodies: &[BodyState], joint: &TouchJoint) -> Row {
+    let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    add_pulls(joint, bodies, 1.0, &mut wrenches);
+    row_of_wrenches(mechanism, bodies, &mut wrenches)
+}
+
+/// Adds what a tension (N) in a rope through several points exerts on the bodies: forces, and torques about their centres of mass.
+pub(crate) fn add_pulls(
+    joint: &TouchJoint,
+    bodies: &[BodyState],
+    tension: f64,
+    wrenches: &mut [(Vector3<f64>, Vector3<f64>)],
+) {
+    pulls(&joint.reeved, bodies, |body, pull, place| {
+        if let Some(body) = body {
+            let force = pull * tension;
+            wrenches[body].0 += force;
+            wrenches[body].1 += (place - bodies[body].position).cross(&force);
+        }
+    });
+}
+
+/// The row of a torque on the second body about a direction of the world, and its opposite on the first.
+pub(crate) fn row_of_torque(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joint: &TouchJoint,
+    torque: &Vector3<f64>,
+) -> Row {
+    let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+        if let Some(body) = end {
+            wrenches[body].1 += torque * sign;
+        }
+    }
+    row_of_wrenches(mechanism, bodies, &mut wrenches)
+}
+
+/// The rows of a contact: its normal, and with friction its two tangents.
+pub(crate) fn rows_of_contact(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joint: &TouchJoint,
+    friction: bool,
+) -> Vec<Row> {
+    if joint.is_reeved() {
+        return vec![row_of_rope(mechanism, bodies, joint)];
+    }
+    let touch = touch_motion(joint, bodies);
+    let [first, second] = tangents(&touch.normal);
+    let count = if friction { 3 } else { 1 };
+    let mut rows: Vec<Row> = [touch.normal, first, second][..count]
+        .iter()
+        .map(|along| row_of_force(mechanism, bodies, joint, &touch.point, along))
+        .collect();
+    if friction && joint.is_belt() {
+        let belt = belt(joint, bodies, &touch.normal);
+        (rows[1].belt, rows[2].belt) = (belt.dot(&first), belt.dot(&second));
+    }
+    rows
+}
+
+/// The fall `Σ |w a|` along a row w under accelerations a of the joints: bodies that fall freely beside each other press with the difference of these
+/// terms, which is rounding.
+pub(crate) fn fall(row: &[f64], accelerations: &[f64]) -> f64 {
+    row.iter().zip(accelerations).map(|(w, a)| (w * a).abs()).sum()
+}
+
+/// Ẇ v + W a: the second rates of the rows of blocks, for accelerations a of the joints; `touching` gives the contact of a number.
+pub(crate) fn second_rates<'c>(
+    mechanism: &Mechanism,
+    elements: &Elements,
+    bodies: &[BodyState],
+    state: &State,
+    accelerations: &[f64],
+    blocks: &[Block],
+    touching: impl Fn(usize) -> &'c TouchJoint,
+) -> Vec<f64> {
+    let mut of_bodies = vec![BodyAcceleration::default(); bodies.len()];
+    if blocks.iter().any(|block| !matches!(block.of, Of::Joint(_))) {
+        body_accelerations(mechanism, bodies, &state.velocity, accelerations, &mut of_bodies);
+    }
+    let mut rates = Vec::with_capacity(blocks.iter().map(|block| block.rows.len()).sum());
+    for block in blocks {
+        match block.of {
+            Of::Joint(index) => rates.push(accelerations[elements.joints[index].coordinate.freedom]),
+            Of::Contact(index) => {
+                let joint = touching(index);
+                let tangents = tangents(&touch_motion(joint, bodies).normal);
+                let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
+                let along = &along[..block.rows.len()];
+                // Roundings accelerate bodies that fall beside each other apart, also across their fall; a sliding contact is accelerated along its
+                // plane as well.
+                let most = block.rows.iter().map(|row| fall(row, accelerations)).fold(0.0, f64::max);
+                let held = if matches!(block.law, Law::Sliding { .. }) { 1 } else { along.len() };
+                let least = if joint.a.body.is_some() && joint.b.body.is_some() { BESIDE } else { ROUNDING };
+                let together = along[..held].iter().all(|rate| rate.abs() <= least * most);
+                let rate = |(row, rate): (usize, &f64)| if together && row < held { 0.0 } else { *rate };
+                rates.extend(along.iter().enumerate().map(rate));
+            }
+            Of::Moment { contact, spinning } => {
+                let joint = touching(contact);
+                let tangents = tangents(&touch_motion(joint, bodies).normal);
+                let [first, second, normal] = turning_accelerations(joint, bodies, &of_bodies, &tangents);
+                rates.extend(if spinning { [0.0, normal, 0.0] } else { [0.0, first, second] });
+            }
+        }
+    }
+    rates
+}
+
+impl Rows {
+    /// The rows of blocks at a state.
+    pub fn of(response: &mut Response, state: &State, blocks: &[Block]) -> Self {
+        Rows::new(response, state, blocks.iter().flat_map(|block| block.rows.iter().cloned()).collect())
+    }
+
+    /// Rows at a state.
+    pub fn new(response: &mut Response, state: &State, rows: Vec<Row>) -> Self {
+        let columns = response.answers(state, &rows);
+        // A contact has entries for the freedoms of two bodies and of what carries them.
+        let entries = |row: &Row| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+        let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(entries).collect();
+        let mut square = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
+            entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
+        });
+        // Symmetric to the last bit.
+        for column in 0..rows.len() {
+            for row in 0..column {
+                let mean = 0.5 * (square[(row, column)] + square[(column, row)]);
+                (square[(row, column)], square[(column, row)]) = (mean, mean);
+            }
+        }
+        Rows { rows, columns, square }
+    }
+
+    /// `u = W v + w`.
+    pub fn rates(&self, velocity: &[f64]) -> Vec<f64> {
+        let rate = |row: &Row| {
+            let rate: f64 = row.iter().zip(velocity).map(|(a, b)| a * b).sum();
+            if row.belt == 0.0 { rate } else { rate + row.belt }
+        };
+        self.rows.iter().map(rate).collect()
+    }
+
+    /// The work of the drives of belts for impulses along the rows, `−w · P` (J).
+    pub fn work_of_belts(&self, impulses: &[f64]) -> f64 {
+        let driven = self.rows.iter().zip(impulses).filter(|(row, _)| row.belt != 0.0);
+        driven.map(|(row, impulse)| -row.belt * impulse).fold(0.0, |sum, work| sum + work)
+    }
+
+    /// v + Y Wᵀ r.
+    pub fn add(&self, impulses: &[f64], velocity: &mut [f64]) {
+        let change = &self.columns * DVector::from_column_slice(impulses);
+        for (rate, change) in velocity.iter_mut().zip(change.iter()) {
+            *rate += change;
+        }
+    }
+
+    /// W, one row after the other.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Y Wᵀ.
+    pub fn columns(&self) -> &DMatrix<f64> {
+        &self.columns
+    }
+}

@@ -1,0 +1,144 @@
+//! The line and the key of every byte of a TOML file, for messages.
+
+use crate::scene::error::{Element, Problem, SceneError};
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A table that may occur several times: its key, the keys of its names, and its element in messages.
+type Named = (&'static str, &'static [&'static str], fn(&[&str]) -> Option<Element>);
+
+const NAMED: [Named; 10] = [
+    ("robot", &["name"], |names| Some(Element::Robot(names.first()?.to_string()))),
+    ("body", &["name"], |names| Some(Element::Body(names.first()?.to_string()))),
+    ("loop", &["name"], |names| Some(Element::Loop(names.first()?.to_string()))),
+    ("spring", &["name"], |names| Some(Element::Spring(names.first()?.to_string()))),
+    ("rope", &["name"], |names| Some(Element::Rope(names.first()?.to_string()))),
+    ("load", &["joint", "link"], |names| Some(Element::Load(names.first()?.to_string()))),
+    ("motor", &["joint"], |names| Some(Element::Motor(names.first()?.to_string()))),
+    ("joint", &["name"], |names| Some(Element::Joint(names.first()?.to_string()))),
+    ("obstacle", &["name"], |names| Some(Element::Obstacle(names.first()?.to_string()))),
+    ("link", &["name"], |names| Some(Element::Link(names.first()?.to_string()))),
+];
+
+const PAIR: Named = ("pair", &["a", "b"], |names| match names {
+    [a, b] => Some(Element::Pair(format!("{a:?} and {b:?}"))),
+    _ => None,
+});
+
+/// The text of a TOML file.
+pub struct TomlText<'t> {
+    pub file: &'t Path,
+    pub text: &'t str,
+}
+
+impl TomlText<'_> {
+    /// Reads the whole file.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line and the key at fault.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
+        toml::from_str(self.text).map_err(|error| {
+            let line = error.span().map(|span| self.line(&span));
+            let key = error.span().and_then(|span| self.key(span.start));
+            // One line, whatever the file puts into it.
+            let mut message = plain(&error.message().split_whitespace().collect::<Vec<_>>().join(" "));
+            if let Some(table) = key.as_ref().filter(|key| !key.contains('.') && message.ends_with("a sequence")) {
+                message = format!("{message}; there may be several: write [[{table}]]");
+            }
+            let element = error.span().and_then(|span| self.element(span.start));
+            let problem = Box::new(Problem::Toml { key, message });
+            SceneError { file: self.file.to_path_buf(), line, element, problem }
+        })
+    }
+
+    /// The line on which a span begins, counted from 1.
+    pub fn line(&self, span: &Range<usize>) -> usize {
+        let before = self.text.as_bytes().get(..span.start).unwrap_or(self.text.as_bytes());
+        1 + before.iter().filter(|&&byte| byte == b'\n').count()
+    }
+
+    /// The error of a defect at a span.
+    pub fn error(&self, span: &Range<usize>, element: Option<Element>, problem: Problem) -> SceneError {
+        let line = Some(self.line(span));
+        SceneError { file: self.file.to_path_buf(), line, element, problem: Box::new(problem) }
+    }
+
+    /// The part of the scene whose table a byte belongs to, if that says its name.
+    fn element(&self, offset: usize) -> Option<Element> {
+        let table = DeTable::parse(self.text).ok()?;
+        let root = table.get_ref();
+        let pairs = root.get("contact").and_then(|contact| contact.get_ref().as_table()?.get("pair"));
+        let arrays = NAMED.iter().filter_map(|named| Some((root.get(named.0)?, named)));
+        for (array, (_, keys, element)) in arrays.chain(pairs.map(|pairs| (pairs, &PAIR))) {
+            let DeValue::Array(array) = array.get_ref() else { continue };
+            let Some(own) = array.iter().find(|own| holds(own, offset)) else { continue };
+            let own = own.get_ref().as_table()?;
+            let names: Vec<&str> = keys.iter().filter_map(|key| own.get(*key)?.get_ref().as_str()).collect();
+            return element(&names);
+        }
+        None
+    }
+
+    /// The dotted name of the innermost key that a byte belongs to.
+    fn key(&self, offset: usize) -> Option<String> {
+        let table = DeTable::parse(self.text).ok()?;
+        let mut found = Vec::new();
+        search_table(table.get_ref(), offset, &mut Vec::new(), &mut found);
+        (!found.is_empty()).then(|| found.join("."))
+    }
+}
+
+/// The longest path of keys to a key or value that holds the byte. The span of a table is its header alone, so that no
+/// branch can be left out.
+fn search_table<'t>(table: &'t DeTable, offset: usize, path: &mut Vec<&'t str>, found: &mut Vec<&'t str>) {
+    for (key, value) in table {
+        path.push(key.get_ref());
+        if (key.span().contains(&offset) || value.span().contains(&offset)) && path.len() > found.len() {
+            found.clone_from(path);
+        }
+        search_value(value.get_ref(), offset, path, found);
+        path.pop();
+    }
+}
+
+fn search_value<'t>(value: &'t DeValue, offset: usize, path: &mut Vec<&'t str>, found: &mut Vec<&'t str>) {
+    match value {
+        DeValue::Table(table) => search_table(table, offset, path, found),
+        DeValue::Array(values) => {
+            for value in values.iter() {
+                if value.span().contains(&offset) && path.len() > found.len() {
+                    found.clone_from(path);
+                }
+                search_value(value.get_ref(), offset, path, found);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Whether a byte belongs to a table of an array: to its header, or to anything in it.
+fn holds(table: &Spanned<DeValue>, offset: usize) -> bool {
+    let mut found = Vec::new();
+    search_value(table.get_ref(), offset, &mut Vec::new(), &mut found);
+    table.span().contains(&offset) || !found.is_empty()
+}
+
+/// A message of the reader in the words of scene files, instead of the words of its data types.
+fn plain(message: &str) -> String {
+    let Some((found, expected)) = message.rsplit_once(", expected ") else { return message.to_string() };
+    let (count, many) = (expected.strip_prefix("an array of length "), expected.strip_prefix("struct "));
+    let expected = match expected {
+        "f64" => "a number",
+        "usize" | "u64" | "u32" => "a whole number",
+        "a boolean" => "true or false",
+        _ if many.is_some() => "a table, { key = value, ... }",
+        _ => match count {
+            Some(count) => return format!("{found}, expected {count} numbers, [...]"),
+            None => expected,
+        },
+    };
+    format!("{found}, expected {expected}")
+}

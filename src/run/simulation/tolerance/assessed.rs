@@ -1,0 +1,420 @@
+//! A run that estimates its own error, and restarts with finer steps if the error becomes too large.
+//!
+//! ```text
+//!     run, with a stop ε = E/100 at first ──step──▶ its next state x
+//!     companion, from the same start      ───────▶ the same instant y        now and then: e = max |x − y|      distance.rs
+//!     forecast of e at the end            ───────▶ go on, or restart with a finer stop                      forecast.rs
+//! ```
+//!
+//! A tree integrates its companion with its own steps, for half of their cost. The companion has the errors that iterations leave removed
+//! ([`crate::stepping::length::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside the
+//! errors of the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop
+//! that is [`RATIO`] times coarser; errors are proportional to the stop. Its steps of first order are twice as long, so that their part of the distance
+//! is the error itself ([`Beside::share_of_first_order`]). Motions further apart than a hundredth of the mechanism's size have parted
+//! and give no estimate.
+//!
+//! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
+//! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]).
+
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::distance::{distance, probes, probes_of_bodies, size};
+use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy, may_be_chaotic};
+use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use crate::simulation::tolerance::beside::{Behind, Beside, RATIO};
+use crate::simulation::tolerance::event_order::first_difference;
+use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
+use crate::simulation::tolerance::horizon::Horizon;
+use crate::simulation::tolerance::terms::Terms;
+use crate::stepping::integrator::MethodError;
+use crate::stepping::length::stage_choice::StageChoice;
+
+/// The accuracy over the stop, for which stages are chosen when the run restarts.
+const OPTIMISTIC: f64 = 100.0;
+/// The error of a run is at most this times the error of the companion over [`RATIO`], because a companion may be accurate by luck.
+const LUCK: f64 = 3.0;
+/// Factor for the rounding errors of two motions that round independently.
+const OWN_ROUNDINGS: f64 = 2.0;
+/// Motions have parted if their distance exceeds this share of the mechanism's size.
+const PARTED: f64 = 1e-2;
+/// Number of estimates in a run with a carried companion, and in one with a separate companion.
+const LOOKS: [f64; 2] = [128.0, 32.0];
+/// However long a run is, the next estimate is made when its time has grown by this factor at most.
+const LATER: f64 = 1.25;
+/// Least number of steps between two estimates.
+const STRIDE: usize = 4;
+/// A run whose steps fail with a coarse stop restarts with a stop smaller by this factor.
+const AFTER_FAILURE: f64 = 1e-3;
+/// A run that steps over events for this part of its time does not restart.
+const STEPPED_OVER: f64 = 1.0 / 8.0;
+/// In this first part of the run stability may change the stages: stiffness shows from the start, and a later restart is expensive.
+const EARLY: f64 = 1.0 / 16.0;
+
+/// How the error of a run is estimated.
+enum By {
+    /// The estimate comes from a companion that is integrated with the run's own steps.
+    Carried,
+    /// The estimate comes from a separate coarser run.
+    Beside(Box<Beside>),
+    /// Not any more.
+    Nothing,
+}
+
+/// An integrator that estimates its own error.
+pub struct Assessed<'a> {
+    terms: Terms<'a>,
+    stop: f64,
+    stages: StageChoice,
+    run: RunIntegrator,
+    by: By,
+    forecast: Forecast,
+    /// How many times the run was begun.
+    begun: usize,
+    /// Whether it may restart.
+    may_begin_again: bool,
+    /// The stop and stages of the restart.
+    next: Option<(f64, StageChoice)>,
+    /// The start of the run, and the size of the mechanism there (m).
+    origin: Option<State>,
+    size: f64,
+    steps: usize,
+    /// Number of steps at the last estimate, and the time of the next one (s).
+    looked: usize,
+    due: f64,
+    /// The largest error of ends of steps so far (m).
+    largest: f64,
+    /// The last estimate.
+    so_far: Option<AccuracySoFar>,
+    parted: bool,
+    /// The events so far, and the time from which the separate run has met different ones (s), if any.
+    events: Vec<Event>,
+    differ: Option<f64>,
+    /// From when on no steps carry it on.
+    horizon: Horizon,
+    /// Whether external efforts have acted, which the companion does not have.
+    driven: bool,
+}
+
+impl<'a> Assessed<'a> {
+    /// An integrator with these settings.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<Self, MethodError> {
+        let stop = terms.first_stop(mechanism);
+        let stages = StageChoice::of(mechanism, terms.tolerance);
+        let run = terms.run(mechanism, stop, stages)?;
+        let wanted = wanted(mechanism, &terms, stop);
+        let mut assessed = Assessed {
+            stop,
+            stages,
+            run,
+            by: By::Nothing,
+            forecast: Forecast::new(wanted),
+            begun: 1,
+            may_begin_again: true,
+            next: None,
+            origin: None,
+            size: 0.0,
+            steps: 0,
+            looked: 0,
+            due: 0.0,
+            largest: 0.0,
+            so_far: None,
+            parted: false,
+            events: Vec::new(),
+            differ: None,
+            horizon: Horizon::default(),
+            driven: false,
+            terms,
+        };
+        assessed.accompany(mechanism);
+        Ok(assessed)
+    }
+
+    /// Gives a motor a target from now on, which the companion does not have.
+    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
+        self.driven = true;
+        self.by = By::Nothing;
+        self.run.leave_companion();
+        self.run.aim(motor, value);
+    }
+
+    /// Forbids restarts, whatever the error.
+    pub(crate) fn settle(&mut self) {
+        self.may_begin_again = false;
+    }
+
+    /// Prepares the next beginning: finer if this island caused the restart, and otherwise as before.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
+        self.begun += usize::from(self.next.is_some());
+        self.horizon.begin_again(self.difference().map(|differ| (differ, self.stop)));
+        (self.stop, self.stages) = self.next.take().unwrap_or((self.stop, self.stages));
+        self.run = self.terms.run(mechanism, self.stop, self.stages)?;
+        self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
+        (self.steps, self.looked, self.parted) = (0, 0, false);
+        (self.largest, self.so_far) = (0.0, None);
+        self.events.clear();
+        self.differ = None;
+        self.accompany(mechanism);
+        Ok(())
+    }
+
+    /// Starts a carried companion if it can estimate the error; a separate one starts with the first step.
+    fn accompany(&mut self, mechanism: &Mechanism) {
+        let carried = self.terms.estimate && self.run.accompany(mechanism);
+        self.by = if carried { By::Carried } else { By::Nothing };
+    }
+
+    /// A separate coarser run from a state on.
+    fn beside(&self, mechanism: &Mechanism, state: &State) -> By {
+        let beside = Beside::new(mechanism, &self.terms, self.stop, self.stages, state);
+        beside.map_or(By::Nothing, |beside| By::Beside(Box::new(beside)))
+    }
+
+    /// Prepares the estimate before the first step.
+    fn begin(&mut self, mechanism: &Mechanism, state: &State) {
+        self.origin = Some(state.clone());
+        self.size = size(mechanism, state);
+        self.due = self.terms.start;
+        if self.terms.estimate && !matches!(self.by, By::Carried) {
+            self.by = self.beside(mechanism, state);
+        }
+    }
+
+    fn looks(&self) -> f64 {
+        LOOKS[usize::from(!matches!(self.by, By::Carried))]
+    }
+
+    /// The last estimate, if there was one.
+    pub(crate) fn so_far(&self) -> Option<AccuracySoFar> {
+        self.so_far
+    }
+
+    /// A bound of the overlap of shapes in the steps so far (m).
+    pub(crate) fn overlap(&self) -> f64 {
+        self.run.overlap()
+    }
+
+    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
+    pub(crate) fn holds_all(&self, state: &State) -> bool {
+        self.run.holds_all(state)
+    }
+
+    /// The present error (m), or `None` if the run was interrupted before it was known; infinite if it cannot be estimated any more.
+    fn error(&mut self, mechanism: &Mechanism, state: &State) -> Option<f64> {
+        let carried = match self.by {
+            By::Carried => self.run.companion_probes(mechanism, state),
+            _ => None,
+        };
+        if matches!(self.by, By::Carried) && carried.is_none() {
+            self.by = self.origin.as_ref().map_or(By::Nothing, |origin| self.beside(mechanism, origin));
+        }
+        let (there, share) = match &mut self.by {
+            By::Nothing => return Some(f64::INFINITY),
+            By::Carried => (carried.unwrap_or_default(), if self.stop < ROUNDED { OWN_ROUNDINGS } else { 1.0 }),
+            By::Beside(beside) => {
+                match beside.advance(mechanism, &self.terms, state.time) {
+                    Ok(()) => {}
+                    Err(Behind::Failed) => return Some(f64::INFINITY),
+                    Err(Behind::Interrupted) => return None,
+                }
+                let share = if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
+                (probes(mechanism, &beside.state), share.max(beside.share_of_first_order(&self.run)))
+            }
+        };
+        let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
+        let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
+        self.horizon.see(state.time, apart.min(PARTED * self.size));
+        // NaN counts as parted.
+        Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
+    }
+
+    /// Estimates the error, and decides whether the run continues.
+    fn look(&mut self, mechanism: &Mechanism, state: &State) {
+        if self.parted || matches!(self.by, By::Nothing) {
+            return;
+        }
+        let Some(error) = self.error(mechanism, state) else { return };
+        let error = error.max(self.largest);
+        // Samples inside steps that are too long for a damper may be off where the ends are right.
+        let ringing = self.run.ringing_inside();
+        // The ends of accumulating impacts are errors of the run and of its companion alike.
+        let estimate = error.max(ringing) + self.run.error_of_impacts(state.time);
+        let Terms { start, end, tolerance: wanted, .. } = self.terms;
+        let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
+        let holds_until = if estimate <= wanted { state.time } else { held };
+        self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
+        self.largest = error;
+        let later = (state.time - start) * LATER;
+        (self.looked, self.due) = (self.steps, (state.time + (end - start) / self.looks()).min(start + later));
+        if self.may_begin_again
+            && self.stop > FINEST
+            && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error, ringing)
+            && self.gains_by_finer_steps(state)
+        {
+            let stop = self.forecast.finer(predicted, self.begun > 1);
+            self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
+        } else if error.is_infinite() {
+            self.parted = true;
+            self.differ = self.difference();
+            self.by = By::Nothing;
+            self.run.leave_companion();
+        }
+        let finer = self.may_begin_again && self.stop > FINEST;
+        if self.next.is_none() && estimate > wanted && !finer && self.differ.or_else(|| self.difference()).is_some() {
+            self.run.pass_horizon();
+            if let By::Beside(beside) = &mut self.by {
+                beside.run.pass_horizon();
+            }
+        }
+    }
+
+    /// Whether finer steps may carry the run on to a state, as far as is known; it does not restart any more if they do not. Steps over events have the
+    /// length that the tolerance gives them, whatever the stop: where they are an eighth of the run so far, a finer stop has nothing to make better.
+    fn gains_by_finer_steps(&mut self, state: &State) -> bool {
+        if self.run.description().first_order_time >= STEPPED_OVER * (state.time - self.terms.start) {
+            self.may_begin_again = false;
+            return false;
+        }
+        let Some(differ) = self.difference() else { return true };
+        self.may_begin_again = self.horizon.is_worth(differ, self.stop, self.terms.end - self.terms.start);
+        self.may_begin_again
+    }
+
+    /// When the run and its separate companion first meet different events (s). A companion that alone steps over events does not say which it met.
+    fn difference(&self) -> Option<f64> {
+        let By::Beside(beside) = &self.by else { return None };
+        if beside.hides_events(&self.run) {
+            return None;
+        }
+        first_difference(&self.events, &beside.events)
+    }
+
+    /// The estimated accuracy of the run up to this state, its end.
+    ///
+    /// # Errors
+    /// [`UnknownAccuracy`] if external efforts have acted, and before the first step.
+    pub(crate) fn accuracy(&mut self, mechanism: &Mechanism, state: &State) -> Result<Calibration, UnknownAccuracy> {
+        if !self.terms.estimate {
+            return Err(UnknownAccuracy::NotEstimated);
+        }
+        if self.driven {
+            return Err(UnknownAccuracy::Driven);
+        }
+        if self.steps == 0 {
+            return Err(UnknownAccuracy::NotYet);
+        }
+        if self.so_far.is_none_or(|so_far| so_far.time < state.time) {
+            self.settle();
+            self.look(mechanism, state);
+        }
+        // If the separate run was interrupted before this time, the last estimate is kept.
+        let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
+        // Different events with negligible effect are not reported.
+        let differ = if holds_until < time { self.differ.or_else(|| self.difference()) } else { None };
+        Ok(Calibration {
+            stop: self.stop,
+            stages: self.stages,
+            // Runs that have parted may end at any distance up to the size of the mechanism. No position is more accurate than its rounding.
+            estimate: if self.parted {
+                self.size
+            } else {
+                self.so_far.map_or(0.0, |so_far| so_far.estimate).max(f64::EPSILON * self.size)
+            },
+            between_steps: self.run.between(),
+            holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
+            told_until: if self.parted { state.time } else { time },
+            parted: self.parted,
+            amplifies: may_be_chaotic(mechanism),
+            events_differ: differ,
+            pilots: 0,
+            begun: self.begun,
+        })
+    }
+}
+
+fn wanted(mechanism: &Mechanism, terms: &Terms, stop: f64) -> Wanted {
+    let grows = mechanism.velocity_count > 1;
+    let events = !mechanism.nonsmooth.is_empty();
+    Wanted { accuracy: terms.tolerance, stop, start: terms.start, end: terms.end, grows, events }
+}
+
+impl Integrator for Assessed<'_> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if self.steps == 0 {
+            self.begin(mechanism, state);
+        }
+        if !inputs.is_none() && !self.driven {
+            self.driven = true;
+            self.by = By::Nothing;
+            self.run.leave_companion();
+        }
+        let outcome = match self.run.step(mechanism, inputs, state, until) {
+            // Steps that fail with a coarse stop may succeed with a finer one.
+            Err(_) if self.may_begin_again && self.begun == 1 => {
+                self.next = Some(((self.stop * AFTER_FAILURE).max(FINEST), self.stages));
+                return Ok(StepOutcome::default());
+            }
+            outcome => outcome?,
+        };
+        self.steps += 1;
+        let Terms { start, end, .. } = self.terms;
+        let early = state.time - start <= EARLY * (end - start);
+        if self.may_begin_again && early && self.run.was_held_by_stability() && self.stages == StageChoice::Few {
+            self.next = Some((self.stop, StageChoice::Many));
+        } else if state.time >= end || (state.time >= self.due && self.steps >= self.looked + STRIDE) {
+            self.look(mechanism, state);
+        }
+        Ok(outcome)
+    }
+
+    fn begins_again(&self) -> bool {
+        self.next.is_some()
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.run.dense(mechanism, time, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.run.bodies()
+    }
+
+    fn take_abandoned(&mut self) -> Cost {
+        self.run.take_abandoned()
+    }
+
+    fn description(&self) -> MethodDescription {
+        self.run.description()
+    }
+
+    fn take_events(&mut self, events: &mut Vec<Event>) {
+        let before = events.len();
+        self.run.take_events(events);
+        self.events.extend_from_slice(&events[before..]);
+    }
+
+    fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
+        self.run.joint_status(mechanism, state, body)
+    }
+
+    fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
+        self.run.contacts(mechanism, state, out);
+    }
+}

@@ -1,0 +1,11 @@
+//! The error of a run: estimated before it begins (`accuracy`, `trial_run`) and while it goes on.
+
+pub mod accuracy;
+pub(crate) mod accuracy_so_far;
+pub mod assessed;
+pub(crate) mod beside;
+pub(crate) mod event_order;
+pub(crate) mod forecast;
+pub(crate) mod horizon;
+pub mod terms;
+pub(crate) mod trial_run;
