@@ -53,6 +53,7 @@ impl Integrator for Eventful {
         let moved = self.previous.left.as_ref().is_none_or(|left| left != state);
         if moved || self.model.is_other(mechanism) {
             self.begin(mechanism, inputs, state)?;
+            self.is_blocked(state.time)?;
         }
         if let Some(outcome) = self.go_on_in_crowd(inputs, state, until) {
             return Ok(outcome);
@@ -101,6 +102,7 @@ impl Integrator for Eventful {
             }
             done => done?,
         };
+        self.is_blocked(state.time)?;
         outcome.cost.add(&std::mem::take(&mut self.tally.abandoned));
         // The remaining time is below the rounding of the time.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {

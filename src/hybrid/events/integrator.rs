@@ -19,6 +19,7 @@ use crate::events::parts::traced::{Trace, Traced, TracedJump};
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::{Workspaces, larger};
 use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::Of;
 use crate::instant::holding::held::{Closures, Held};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
@@ -261,6 +262,27 @@ impl Eventful {
         self.carry_out(inputs, state, Found { triggers, height: self.model.height, anew: false })
     }
 
+    /// The error of a motion that nothing gives way to, if the last event has found one.
+    pub(super) fn is_blocked(&mut self, time: f64) -> Result<(), StepError> {
+        let Some(of) = self.progress.blocked.take() else { return Ok(()) };
+        let whole = &self.model.whole;
+        let moved: Vec<String> =
+            whole.mimics.iter().filter(|mimic| mimic.is_moved()).map(|mimic| format!("{:?}", mimic.name)).collect();
+        let between = match of {
+            Of::Joint(joint) => {
+                let freedom = self.model.elements.joints[joint].coordinate.freedom;
+                format!("joint {:?} and its limit", whole.joint_of_freedom(freedom))
+            }
+            Of::Contact(pair) | Of::Moment { contact: pair, .. } => {
+                let names = self.model.touching.pairs.colliders_of(pair);
+                let [a, b] = names.map(|number| whole.nonsmooth.colliders[number].name.as_str());
+                format!("{a:?} and {b:?}")
+            }
+        };
+        let moved = format!("the motion of {}", moved.join(", "));
+        Err(StepError::Blocked { time, moved, between })
+    }
+
     /// The mode in use.
     pub(super) fn in_use(&mut self) -> InUse<'_> {
         let Workspaces { response, pieces, current, .. } = &mut self.workspaces;
@@ -301,6 +323,7 @@ impl Eventful {
         let work = had.map_or(done.driven, rest);
         self.tally.events.extend(done.events);
         self.tally.unsolved += done.unsolved;
+        self.progress.blocked = self.progress.blocked.or(done.blocked);
         let (rebounds, energy) = done.cut;
         self.tally.leave_out(rebounds, energy, &self.model.whole, state);
         self.tally.left_of_impacts += done.left;

@@ -46,6 +46,13 @@ pub enum StepError {
         short(*.time)
     )]
     OutsideLimit { time: f64, joint: String, by: f64 },
+    /// What is moved in time drives something against a limit or an obstacle, and nothing can give way.
+    #[error(
+        "at t = {} s nothing can give way any more: {moved} presses on, and {between} cannot move apart; change the motion so that it ends before, or \
+         drive the joint by a [[motor]] with max_effort instead",
+        short(*.time)
+    )]
+    Blocked { time: f64, moved: String, between: String },
     /// The steps are of a kind that knows gravity alone, and now something else acts.
     #[error(
         "at t = {} s forces or efforts act, and {method} are for trees of joints under gravity alone; choose --tolerance, or --stages and --step alone",

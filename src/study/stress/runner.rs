@@ -216,6 +216,7 @@ impl Failure {
             StepError::OutsideLimit { time, .. } => ("OutsideLimit", time),
             StepError::NotPlain { time, .. } => ("NotPlain", time),
             StepError::Effort { time, .. } => ("Effort", time),
+            StepError::Blocked { time, .. } => ("Blocked", time),
         };
         Failure { name, time, message: error.to_string() }
     }

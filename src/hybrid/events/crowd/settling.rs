@@ -39,7 +39,7 @@ pub(super) struct Settled {
     pub unsolved: usize,
     /// Contacts and limits that have closed with an impact.
     pub closed: usize,
-    /// Work of motors along the freedoms, and of belts at the first freedom of a tree, and what friction of joints took (J).
+    /// Work of motors along the freedoms, and of belts at the first freedom of a tree, and what friction of joints and of contacts that stay closed took (J).
     pub work: Vec<f64>,
     pub friction: f64,
 }
@@ -105,6 +105,14 @@ pub(super) fn settle(
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
         freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
+        let moved: Vec<f64> = freedoms.iter().map(|&freedom| displacement[freedom]).collect();
+        for (place, (&number, impulse)) in island.candidates.iter().zip(&impulses).enumerate() {
+            let candidate = &contacts.list[number];
+            if matches!(candidate.key, Key::Touch(..)) && candidate.was_closed {
+                let slip = problem.moved(place, &moved) + candidate.belt;
+                settled.friction -= impulse.y * slip.y + impulse.z * slip.z;
+            }
+        }
         kept.extend(island.candidates.iter().copied().zip(impulses));
     }
     for candidate in &mut next.list {

@@ -208,8 +208,9 @@ impl Crowd {
         if let Some(first) = work.first_mut() {
             *first += self.energies.work_of_forces(whole, self.middle.as_ref(), step);
         }
-        for (freedom, rate) in displacement.iter().enumerate() {
-            made.dissipated += step * self.damping[freedom] * rate * rate;
+        // The dampers among `self.damping`; what motors take is part of the work.
+        for damper in &whole.forces.joint_dampers {
+            made.dissipated += step * damper.coefficient * displacement[damper.freedom].powi(2);
         }
         made.work = work.iter().sum();
         made.taken = self.energies.bound(&self.trees, whole, state, &self.bodies, &work, [&self.now, &self.next]);

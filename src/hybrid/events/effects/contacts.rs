@@ -8,10 +8,10 @@
 //!
 //! `rim_points.rs` adds the points that flat ends lack. `seizing.rs` stops contacts that slide and jam.
 
-use crate::events::effects::decision::{Candidate, Scene, Yielding};
+use crate::events::effects::decision::{Candidate, Decided, Scene, Yielding};
 use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::Found;
-use crate::events::effects::planar_rims::{land_opposite, touching_point};
+use crate::events::effects::planar_rims::{land_opposite, point_that_begins, touching_point};
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
@@ -22,8 +22,8 @@ use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows
 use crate::instant::holding::moments::Turning;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::description::contact::Moments;
-use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::description::contact::{Feature, Moments};
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
@@ -173,6 +173,21 @@ impl Contacts {
         let rows = rows_of_contact(scene.whole, bodies, &contact.joint, friction > 0.0);
         let law = Law::of_contact(friction, None);
         Block { of: Of::Contact(index), law, rows }
+    }
+
+    /// Rims at rest that begin to tilt in a plane touch at one point ([`crate::events::effects::planar_rims`]).
+    pub fn begin_to_tilt(&self, scene: &Scene, state: &State, decided: &Decided, closed: &mut [Closed]) {
+        if !closed.iter().any(|closed| matches!(closed.contact.joint.touch.features, [Feature::Plane, Feature::Rim { .. }])) {
+            return;
+        }
+        let bodies = body_states(scene.whole, state);
+        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
+        body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
+        for Closed { contact, .. } in closed {
+            if let Some(point) = point_that_begins(scene.touching, contact, &bodies, &accelerations, self.rest) {
+                *contact = point;
+            }
+        }
     }
 
     /// Takes the contacts that do not part as candidates, and removes the remainders of ended rates from the velocities; returns the energy that this

@@ -26,6 +26,9 @@ use std::iter::successors;
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
+/// A row that answers with less than this part of the largest answer has roundings for entries, 1e-16 of others: across the plane of a wheel on slides,
+/// say. Answers of light bodies and of other units are far above it.
+const NOTHING: f64 = 1e-24;
 /// An answer below this part of that without closures is rounding.
 const ROUNDING: f64 = 1e-13;
 
@@ -150,11 +153,12 @@ fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bo
 }
 
 /// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows: part by part of those that zeros keep apart, as of
-/// bodies that stand beside each other.
+/// bodies that stand beside each other. A row along which nothing moves but for roundings holds nothing.
 fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
     let count = square.nrows();
-    let inverse: Vec<f64> =
-        (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
+    let least = NOTHING * square.diagonal().iter().fold(0.0, |most: f64, own| most.max(*own));
+    let scale = |own: f64| if own > least { 1.0 / own.sqrt() } else { 0.0 };
+    let inverse: Vec<f64> = (0..count).map(|row| scale(square[(row, row)])).collect();
     let parts = parts_joined(count, |row, column| square[(row, column)] != 0.0);
     let scaled = |part: &[usize]| {
         let entry = |row: usize, column: usize| square[(row, column)] * inverse[row] * inverse[column];

@@ -85,6 +85,8 @@ pub(crate) struct Done {
     pub contacts: Vec<Contact>,
     /// Number of laws that could not be solved to their accuracy.
     pub unsolved: usize,
+    /// What cannot be kept apart, because joints are moved in time; a contact is named by its pair.
+    pub blocked: Option<Of>,
     /// Whether the contacts that touch could not be decided at all: no mode follows in which the scheme can go on.
     pub undecided: bool,
 }

@@ -1,5 +1,6 @@
 //! The effects of an event: impulses, the contacts that stay closed, and the next mode.
 
+pub(crate) mod blocked;
 pub(crate) mod contacts;
 pub(crate) mod decision;
 pub(crate) mod first_slips;

@@ -17,11 +17,45 @@
 use crate::geometry::FeatureId;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::Feature;
+use crate::mechanism::motion::kinematics::BodyAcceleration;
 use nalgebra::Vector3;
 
 /// A tilt is in a plane if what leaves the plane is less than this part of its rate.
 const PLANAR: f64 = 1e-9;
+
+/// A rim on a plane, and how it tilts.
+struct Tilt {
+    /// The direction of m.
+    towards: Vector3<f64>,
+    axis: Vector3<f64>,
+    normal: Vector3<f64>,
+    radius: f64,
+}
+
+impl Tilt {
+    /// Of a contact; `None` if it is none of a rim on a plane, or if the rim lies flat.
+    fn of(contact: &Contact, bodies: &[BodyState]) -> Option<Tilt> {
+        let [Feature::Plane, Feature::Rim { radius }] = contact.joint.touch.features else { return None };
+        let along = |end: &Attachment| end.place(bodies).1.column(2).into_owned();
+        let (normal, axis) = (along(&contact.joint.a), along(&contact.joint.b));
+        let towards = (normal - axis * normal.dot(&axis)).try_normalize(0.0)?;
+        Some(Tilt { towards, axis, normal, radius })
+    }
+
+    /// ṁ of a turning relative to the plane, times the radius: its length, and the part that leaves the plane of k and m.
+    fn rates(&self, turning: &Vector3<f64>) -> [f64; 2] {
+        let moved = self.normal.cross(turning);
+        let rate = moved - self.axis * moved.dot(&self.axis);
+        [self.radius * rate.norm(), self.radius * rate.dot(&self.axis.cross(&self.towards)).abs()]
+    }
+}
+
+/// How fast the rim of a contact turns relative to the plane.
+fn turning(contact: &Contact, bodies: &[BodyState]) -> Vector3<f64> {
+    contact.joint.b.on(bodies).angular_velocity - contact.joint.a.on(bodies).angular_velocity
+}
 
 /// The contact at the point of a rim that touches, if the rim tilts in a plane; speeds up to `rest` [m/s] are zero.
 pub(crate) fn touching_point(
@@ -30,16 +64,29 @@ pub(crate) fn touching_point(
     bodies: &[BodyState],
     rest: f64,
 ) -> Option<Contact> {
-    let [Feature::Plane, Feature::Rim { radius }] = contact.joint.touch.features else { return None };
-    let (plane, rim) = (&contact.joint.a, &contact.joint.b);
-    let (normal, axis) = (plane.place(bodies).1.column(2).into_owned(), rim.place(bodies).1.column(2).into_owned());
-    let level = |vector: Vector3<f64>| vector - axis * vector.dot(&axis);
-    let turning = rim.on(bodies).angular_velocity - plane.on(bodies).angular_velocity;
-    let (tilt, rate) = (level(normal), level(normal.cross(&turning)));
-    let towards = tilt.try_normalize(0.0)?;
-    let leaves = rate.dot(&axis.cross(&towards)).abs();
-    let planar = leaves <= PLANAR * rate.norm() || leaves * radius <= rest;
-    if planar { touching.on_rim(contact, &-towards, bodies) } else { None }
+    let tilt = Tilt::of(contact, bodies)?;
+    let [rate, leaves] = tilt.rates(&turning(contact, bodies));
+    let planar = rate > rest && (leaves <= PLANAR * rate || leaves <= rest);
+    if planar { touching.on_rim(contact, &-tilt.towards, bodies) } else { None }
+}
+
+/// The same for a rim at rest that begins to tilt with accelerations of all bodies. A wheel that stands begins to roll, which leaves the plane, and one
+/// on which nothing acts stays a rim.
+pub(crate) fn point_that_begins(
+    touching: &Touching,
+    contact: &Contact,
+    bodies: &[BodyState],
+    accelerations: &[BodyAcceleration],
+    rest: f64,
+) -> Option<Contact> {
+    let tilt = Tilt::of(contact, bodies)?;
+    if tilt.rates(&turning(contact, bodies))[0] > rest {
+        return None;
+    }
+    let of = |end: &Attachment| end.body.map_or(Vector3::zeros(), |body| accelerations[body].1);
+    let [rate, leaves] = tilt.rates(&(of(&contact.joint.b) - of(&contact.joint.a)));
+    let planar = rate > 0.0 && leaves <= PLANAR * rate;
+    if planar { touching.on_rim(contact, &-tilt.towards, bodies) } else { None }
 }
 
 /// If a rim comes down flat and one of its points has touched alone, the found points of the rim are replaced: by that point, by the opposite one,

@@ -11,6 +11,7 @@
 //! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the
 //! ratio ρ of two impacts. The impact is plastic if the greatest remaining height, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter.
 
+use crate::events::effects::blocked::blocked;
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
 use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
@@ -117,6 +118,13 @@ pub(crate) fn transit(
     let met =
         Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
     note_impacts(scene, memory, state.time, &contacts, &met, &mut done);
+    done.blocked = blocked(scene, &velocity, state, &meetings);
+    done.blocked = done.blocked.map(|of| contacts.pair_of(of).map_or(of, Of::Contact));
+    if done.blocked.is_some() {
+        state.velocity = velocity;
+        (done.lost, done.driven) = (0.0, 0.0);
+        return done;
+    }
     memory.omit_flights(&flights);
     stop_slow_joints(elements, state, &rests, true);
     if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
@@ -143,6 +151,7 @@ pub(crate) fn transit(
             Ok(decided) => {
                 done.unsolved += usize::from(decided.off > 0.0);
                 done.undecided = decided.off > FAR_OFF;
+                contacts.begin_to_tilt(scene, state, &decided, &mut mode.contacts);
                 unsolved = false;
                 break;
             }

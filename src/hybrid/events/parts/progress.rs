@@ -5,6 +5,7 @@
 
 use crate::events::parts::crowding::Crowding;
 use crate::events::parts::repeats::Repeats;
+use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
 
 /// The progress of a run.
@@ -26,6 +27,8 @@ pub(crate) struct Progress {
     pub beyond_horizon: bool,
     /// Whether the laws could not be solved at all where the last step ended: the next one is of first order.
     pub undecided: bool,
+    /// What was found at the last event that joints moved in time cannot avoid; a contact is named by its pair.
+    pub blocked: Option<Of>,
     /// Whether all bodies rest on contacts, and stay there until the next event.
     pub asleep: bool,
     /// Consecutive steps at rest.
@@ -46,6 +49,7 @@ impl Progress {
             estimated: false,
             beyond_horizon: false,
             undecided: false,
+            blocked: None,
             asleep: false,
             quiet: 0,
             stepped_over: None,

@@ -27,6 +27,8 @@ use crate::mechanism::motion::touches::{belt, tangents, touch_accelerations, tou
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::ops::Deref;
 
+/// A component of a motion that is this part of it is rounding.
+const NOTHING: f64 = 1e-15;
 /// An acceleration that is this part of the terms that cancel in it is rounding.
 const ROUNDING: f64 = 1e-14;
 /// Bodies whose relative acceleration is below this part of their own accelerations are in common free fall and exert no force on each other. If they
@@ -182,11 +184,25 @@ pub(crate) fn rows_of_contact(
         .iter()
         .map(|along| row_of_force(mechanism, bodies, joint, &touch.point, along))
         .collect();
+    if friction {
+        leave_roundings_out(&mut rows);
+    }
     if friction && joint.is_belt() {
         let belt = belt(joint, bodies, &touch.normal);
         (rows[1].belt, rows[2].belt) = (belt.dot(&first), belt.dot(&second));
     }
     rows
+}
+
+/// Sets entries of the three rows of a contact to zero that are roundings: a freedom moves the point along a vector, of which each row has one
+/// component. Without it a wheel on slides has rows across its plane that are nothing but roundings, and forces along them without bounds.
+fn leave_roundings_out(rows: &mut [Row]) {
+    for freedom in 0..rows[0].len() {
+        let moves = rows.iter().map(|row| row[freedom].powi(2)).sum::<f64>().sqrt();
+        for row in rows.iter_mut().filter(|row| row[freedom].abs() <= NOTHING * moves) {
+            row.entries[freedom] = 0.0;
+        }
+    }
 }
 
 /// The fall `Σ |w a|` along a row w under accelerations a of the joints: bodies that fall freely beside each other press with the difference of these

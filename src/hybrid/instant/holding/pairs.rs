@@ -170,6 +170,11 @@ impl Pairs {
         [pair.a, pair.b].map(|side| self.sides[side].body)
     }
 
+    /// The colliders of a pair, by their numbers in the mechanism.
+    pub fn colliders_of(&self, number: usize) -> [usize; 2] {
+        [self.given[number].a, self.given[number].b]
+    }
+
     fn prepare(&self, number: usize) -> Pair {
         let ContactPair { friction, restitution, moments, number, a, b } = self.given[number];
         let rope = self.ropes.iter().find(|(rope, _)| rope.collider == a);
