@@ -18,10 +18,14 @@ use crate::events::parts::crowding::Ended;
 use crate::events::quiet::QUIET;
 use crate::events::sliding::{JAM, Stopping};
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::energy::energy;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{belt, touch_motion};
 
 /// A step is made shorter this often at most before an element is believed to change its state at once.
 const SHORTENED: usize = 8;
@@ -281,7 +285,8 @@ impl Eventful {
         if !self.model.touching.pairs.is_empty() {
             self.trial.placed.place(&self.model.whole, state, &mut self.trial.bodies);
             let speeds = self.trial.bodies.iter().map(|body| body.velocity.norm());
-            self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
+            let touching = self.mode.contacts.iter().map(|closed| speed_of_terms(&closed.contact.joint, &self.trial.bodies));
+            self.memory.fastest = speeds.chain(touching).fold(self.memory.fastest, f64::max);
             self.memory.kinetic = self.memory.kinetic.max(energy(&self.model.whole, &self.trial.bodies).kinetic);
         }
     }
@@ -336,4 +341,15 @@ impl Eventful {
             impacts: 0.0,
         }
     }
+}
+
+/// The largest of the terms whose difference is the slip of a contact [m/s]: a wheel that stands turns its rim on a belt.
+fn speed_of_terms(joint: &TouchJoint, bodies: &[BodyState]) -> f64 {
+    let touch = touch_motion(joint, bodies);
+    let turning = |end: &Attachment| {
+        let body = end.on(bodies);
+        body.angular_velocity.norm() * (touch.point - body.position).norm()
+    };
+    let carried = if joint.is_belt() { belt(joint, bodies, &touch.normal).norm() } else { 0.0 };
+    turning(&joint.a).max(turning(&joint.b)).max(carried)
 }
