@@ -24,7 +24,7 @@ impl Eventful {
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         if !self.goes_on_under(inputs, state) {
-            let exchanged = self.pass(inputs, state, &[]);
+            let exchanged = self.pass(inputs, state, &[], false);
             self.tally.lost_at_start += exchanged;
         }
     }

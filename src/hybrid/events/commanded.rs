@@ -53,7 +53,7 @@ impl Eventful {
             }
         }
         if changed || self.progress.asleep || !self.goes_on_under(inputs, state) {
-            let exchanged = self.pass(inputs, state, &[]);
+            let exchanged = self.pass(inputs, state, &[], false);
             self.tally.lost_at_start += exchanged;
         }
         // A piece that is shared with a copy of the run is changed only if it has other targets.

@@ -253,13 +253,13 @@ impl Eventful {
         }
     }
 
-    /// Carries out the event at a state, and enters the mode that follows; returns the energy lost, and the work of driven surfaces.
-    pub fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> Exchange {
+    /// Carries out the event at a state, and enters the mode that follows; `brief` says that its slips stop within the shortest step. Returns the energy lost, and the work of driven surfaces.
+    pub fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched], brief: bool) -> Exchange {
         // Events happen to two motions at two times.
         if self.workspaces.accompanied {
             self.leave_companion();
         }
-        self.carry_out(inputs, state, Found { triggers, height: self.model.height, anew: false })
+        self.carry_out(inputs, state, Found { triggers, height: self.model.height, anew: false, brief })
     }
 
     /// The error of a motion that nothing gives way to, if the last event has found one.
@@ -298,7 +298,7 @@ impl Eventful {
     /// The same without known contacts: they are looked for everywhere.
     pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> Exchange {
         self.mode.contacts.clear();
-        self.carry_out(inputs, state, Found { triggers: &[], height: self.model.height, anew: true })
+        self.carry_out(inputs, state, Found { triggers: &[], height: self.model.height, anew: true, brief: false })
     }
 
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> Exchange {

@@ -243,7 +243,7 @@ impl Eventful {
                 triggers = self.overlooked();
             }
             let mode = self.mode.clone();
-            outcome.exchange += self.pass(inputs, state, &triggers);
+            outcome.exchange += self.pass(inputs, state, &triggers, at_start);
             if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
                 self.progress.crowding.count_repeated(left);
             }

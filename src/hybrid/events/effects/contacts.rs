@@ -35,6 +35,8 @@ const OVERLAP: f64 = 1e-12;
 const CLOSED: f64 = 1e-15;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
+/// Slips that friction stops within the shortest step may be faster than rest by this factor: those of light wheels and casters.
+pub(crate) const BRIEF: f64 = 1e6;
 /// A pair with more points than this at its flat ends is looked at without those that its load has needed before.
 const MOST_POINTS: usize = 12;
 
@@ -53,6 +55,8 @@ pub(crate) struct Contacts {
     pub(super) rest: f64,
     /// The factor by which slips may be faster than rest and are still stopped; 1 unless contacts jam ([`Contacts::jams`]).
     jam: f64,
+    /// Slips whose stop was found may be faster than rest by this factor.
+    stopped: f64,
 }
 
 impl Contacts {
@@ -67,6 +71,7 @@ impl Contacts {
             candidates: Vec::new(),
             rest: SLOWEST_SLIP,
             jam: 1.0,
+            stopped: if found.brief { BRIEF } else { STOPPED_SLIP },
         };
         let slid = before.contacts.iter().enumerate().filter(|(_, closed)| closed.slides.is_some());
         contacts.slid = slid.map(|(index, _)| index).collect();
@@ -219,7 +224,7 @@ impl Contacts {
             *slip = slip.max(touch_motion(&contact.joint, &bodies).slip.norm());
             let stops = known.is_some_and(|known| yielding.stops.contains(&known));
             if stops || yielding.stops_together.contains(&contact.pair) {
-                *most = STOPPED_SLIP;
+                *most = self.stopped;
             }
         }
         let (mut rows, mut candidates) = (Vec::new(), Vec::new());
@@ -231,7 +236,7 @@ impl Contacts {
             }
             let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
             let (slip, (largest, most)) = (touch.slip.norm(), together[&contact.pair]);
-            let own = if is(&yielding.stops) { STOPPED_SLIP.max(self.jam) } else { self.jam };
+            let own = if is(&yielding.stops) { self.stopped.max(self.jam) } else { self.jam };
             let sticks = slip <= own * self.rest || largest <= most * self.rest;
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);

@@ -61,6 +61,8 @@ pub(crate) struct Found<'f> {
     pub height: f64,
     /// Whether contacts are looked for everywhere: at the start of a run.
     pub anew: bool,
+    /// Whether the functions change their signs within the shortest step from the state on, so that friction stops slips before any step ends.
+    pub brief: bool,
 }
 
 /// The effects of an event.
