@@ -323,7 +323,11 @@ impl Eventful {
         let work = had.map_or(done.driven, rest);
         self.tally.events.extend(done.events);
         self.tally.unsolved += done.unsolved;
-        self.progress.blocked = self.progress.blocked.or(done.blocked);
+        if done.blocked.is_some() {
+            // The run ends here.
+            self.progress.blocked = done.blocked;
+            return Exchange::default();
+        }
         let (rebounds, energy) = done.cut;
         self.tally.leave_out(rebounds, energy, &self.model.whole, state);
         self.tally.left_of_impacts += done.left;

@@ -122,7 +122,6 @@ pub(crate) fn transit(
     done.blocked = done.blocked.map(|of| contacts.pair_of(of).map_or(of, Of::Contact));
     if done.blocked.is_some() {
         state.velocity = velocity;
-        (done.lost, done.driven) = (0.0, 0.0);
         return done;
     }
     memory.omit_flights(&flights);
