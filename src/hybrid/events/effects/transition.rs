@@ -118,7 +118,7 @@ pub(crate) fn transit(
     let met =
         Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
     note_impacts(scene, memory, state.time, &contacts, &met, &mut done);
-    done.blocked = blocked(scene, &velocity, state, &meetings);
+    done.blocked = blocked(scene, &velocity, state, &meetings, &impulses.normal);
     done.blocked = done.blocked.map(|of| contacts.pair_of(of).map_or(of, Of::Contact));
     if done.blocked.is_some() {
         state.velocity = velocity;
