@@ -24,6 +24,9 @@ use crate::stepping::integrator::StepPace;
 
 /// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;
+/// Watched functions are sampled in steps that are shorter by this factor than those in which stages resolve motions and loads over time: a force that
+/// follows a sine is negative for a part of its period.
+const SAMPLED: f64 = 2.0;
 
 impl Eventful {
     /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen, and the loads where nothing moves; no
@@ -36,8 +39,9 @@ impl Eventful {
             Some(StepPace::Grid { .. }) => return until,
         };
         let resolved = self.model.resolved_step(time, step, until);
-        // Where bodies move, their steps look at the loads themselves.
-        let resolved = if pace.is_none() { self.model.whole.resolved_step(time, resolved, until) } else { resolved };
+        // Where bodies move, stages resolve the loads; the samples of watched functions are fewer than the stages.
+        let times = if pace.is_none() { 1.0 } else { SAMPLED };
+        let resolved = resolved.min(self.model.whole.resolved_step(time, times * resolved, until) / times);
         if resolved < step.min(until - time) { time + resolved } else { until }
     }
 }
