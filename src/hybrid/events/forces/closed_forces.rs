@@ -33,6 +33,9 @@ use nalgebra::{DMatrix, DVector};
 /// Held rows whose response is singular to this part are redundant.
 const SINGULAR: f64 = 1e-10;
 
+/// A row that answers with less than this part of the largest answer has roundings for entries.
+const NOTHING: f64 = 1e-24;
+
 /// Bodies whose relative acceleration is below this part of their fall are in common free fall and do not press. Tilts of 1e-13 that an impact has
 /// left make this much of a spin.
 const FALLS: f64 = 1e-10;
@@ -211,14 +214,23 @@ pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> Cl
     }
     let falls = held.falls();
     let together = held.falls_together(&falls);
-    // Torques have another unit, and the rows that stand for normal forces are those forces.
-    let is_force: Vec<bool> =
-        blocks.iter().flat_map(|block| vec![!matches!(block.of, Of::Moment { .. }); block.rows.len()]).collect();
+    // Torques have another unit, and the rows that stand for normal forces are those forces. Tangents of a sliding contact are no equations: where
+    // nothing answers along them, as between a moved cam and a guided follower, they would be of any size.
+    let counts = |block: &Block| {
+        let equations = match (block.of, block.law) {
+            (Of::Moment { .. }, _) => 0,
+            (_, Law::Sliding { .. }) => 1,
+            _ => block.rows.len(),
+        };
+        (0..block.rows.len()).map(move |row| row < equations)
+    };
+    let is_force: Vec<bool> = blocks.iter().flat_map(counts).collect();
     let size = |row: usize| {
         let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
-    let size = (0..forces.len()).filter(|&row| is_force[row]).map(size).fold(0.0, f64::max);
+    let answers = |row: &usize| rows.square[(*row, *row)] > NOTHING * rows.square.diagonal().max();
+    let size = (0..forces.len()).filter(|&row| is_force[row]).filter(answers).map(size).fold(0.0, f64::max);
     ClosedForces { joints, contacts, moments, weights, size, load: Load { held, together } }
 }
 
