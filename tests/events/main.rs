@@ -4,6 +4,7 @@
 mod common;
 
 mod belts;
+mod blocked;
 mod closed;
 mod contacts;
 mod contacts_bowl;
@@ -51,6 +52,7 @@ mod loose;
 mod mechanisms;
 mod motions;
 mod motors;
+mod moved_contacts;
 mod orders;
 mod over_edges;
 mod pendulum;
@@ -70,3 +72,4 @@ mod ticks;
 mod toys;
 mod turnings;
 mod weights;
+mod wheels;

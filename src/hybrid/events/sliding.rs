@@ -8,13 +8,13 @@
 //!
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
+use crate::events::effects::contacts::BRIEF;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::piece::Piece;
-use crate::events::effects::contacts::BRIEF;
 use crate::events::modes::tolerances::slip_at_rest;
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;

@@ -17,10 +17,10 @@ use crate::events::next_step::{Ending, NextStep};
 use crate::events::parts::crowding::Ended;
 use crate::events::quiet::QUIET;
 use crate::events::sliding::{JAM, Stopping};
-use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::energy;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
@@ -285,7 +285,8 @@ impl Eventful {
         if !self.model.touching.pairs.is_empty() {
             self.trial.placed.place(&self.model.whole, state, &mut self.trial.bodies);
             let speeds = self.trial.bodies.iter().map(|body| body.velocity.norm());
-            let touching = self.mode.contacts.iter().map(|closed| speed_of_terms(&closed.contact.joint, &self.trial.bodies));
+            let touching =
+                self.mode.contacts.iter().map(|closed| speed_of_terms(&closed.contact.joint, &self.trial.bodies));
             self.memory.fastest = speeds.chain(touching).fold(self.memory.fastest, f64::max);
             self.memory.kinetic = self.memory.kinetic.max(energy(&self.model.whole, &self.trial.bodies).kinetic);
         }

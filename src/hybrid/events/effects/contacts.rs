@@ -182,7 +182,10 @@ impl Contacts {
 
     /// Rims at rest that begin to tilt in a plane touch at one point ([`crate::events::effects::planar_rims`]).
     pub fn begin_to_tilt(&self, scene: &Scene, state: &State, decided: &Decided, closed: &mut [Closed]) {
-        if !closed.iter().any(|closed| matches!(closed.contact.joint.touch.features, [Feature::Plane, Feature::Rim { .. }])) {
+        if !closed
+            .iter()
+            .any(|closed| matches!(closed.contact.joint.touch.features, [Feature::Plane, Feature::Rim { .. }]))
+        {
             return;
         }
         let bodies = body_states(scene.whole, state);
