@@ -70,8 +70,13 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
         Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),
         // A run that failed does so again, and has the same log up to there.
         Ok(())
-        | Err(RunError::Step(_) | RunError::Undefined { .. } | RunError::Observer(_) | RunError::BeginsAgain { .. }) => {
-        }
+        | Err(
+            RunError::Step(_)
+            | RunError::Undefined { .. }
+            | RunError::PaidOut { .. }
+            | RunError::Observer(_)
+            | RunError::BeginsAgain { .. },
+        ) => {}
     }
     let version = env!("CARGO_PKG_VERSION");
     let (messages, time) = (compared.messages, compared.time);

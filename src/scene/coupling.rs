@@ -84,8 +84,10 @@ pub struct SceneRope {
     pub name: String,
     /// Its points in their order, two or more: its ends, and the eyelets between.
     pub points: Vec<Point>,
-    /// m.
+    /// m; the most of it, if a winch pays it out.
     pub length: f64,
+    /// The joint whose position is the length that is paid out, if that changes in time. The rope then begins at its end, behind its first point.
+    pub winch: Option<JointReference>,
     /// e of the blow with which it goes taut, 0 to 1.
     pub restitution: f64,
     /// Its line.

@@ -1,5 +1,5 @@
 //! Ropes through several points, against closed forms and independent integrations: two weights over eyelets, a movable pulley, a blow, a weight
-//! that circles or swings while the rope runs through an eyelet, a tendon along an arm, and three bodies on one rope in free flight.
+//! that circles or swings while the rope runs through an eyelet, a tendon along an arm, three bodies on one rope in free flight, and winches.
 
 use crate::common::scratch;
 use crate::scene_files::{joint, report};
@@ -359,6 +359,68 @@ fn a_winch_is_a_slide_that_a_motion_moves_and_its_work_is_the_tension_times_its_
     near("height", (place(&end, "load")[2], 1.0 + speed * time));
     near("tension", (tension(&end), mass * GRAVITY));
     near("work", (end.energy.work, mass * GRAVITY * speed * time));
+}
+
+/// A load of 4 kg at rest, 1 m under a winch that pays out `length` over an eyelet 0.5 m beside it.
+fn lift(folder: &str, length: &str) -> PathBuf {
+    let text = format!(
+        "[[body]]\nname = \"load\"\nshape = {{ type = \"sphere\", radius = 0.05 }}\nmass = 4.0\npose.position = [0.5, 0, -1]\n\
+         [[rope]]\nname = \"cable\"\npoints = [{{ link = \"world\" }}, {{ link = \"world\", position = [0.5, 0, 0] }}, {{ link = \"load\" }}]\n\
+         length = {length}\n"
+    );
+    let file = scratch(folder).join("scene.toml");
+    std::fs::write(&file, text).expect("a scene");
+    file
+}
+
+#[test]
+fn a_length_in_time_lifts_with_the_tension_and_the_work_of_the_acceleration_and_slackens_when_it_outruns_the_fall() {
+    let (rises, time) = (2.5, 0.6);
+    let file = lift("lift", &format!("{{ formula = \"1.5 - a*t^2/2\", a = {rises} }}"));
+    let up = run(&file, time);
+    let way = 0.5 * rises * time * time;
+    near("height", (place(&up, "load")[2], way - 1.0));
+    near("paid out", (joint(&up, "cable/length").0, 1.5 - way));
+    near("tension", (tension(&up), 4.0 * (GRAVITY + rises)));
+    near("work", (up.energy.work, 4.0 * (GRAVITY + rises) * way));
+    // Paid out at 15 m/s², faster than the fall; the winch then stops at its own longest, where the rope goes taut again.
+    let outruns = lift("outruns", "{ formula = \"1.5 - a*t^2/2\", a = -15 }\nlongest = 9");
+    let free = run(&outruns, time);
+    near("fall", (place(&free, "load")[2], -1.0 - 0.5 * GRAVITY * time * time));
+    near("work without tension", (free.energy.work, 0.0));
+    assert!(free.contact.points.is_empty(), "{:?}", free.contact.points);
+    // A table of times and lengths: at rest at both ends.
+    let by_table = report(&lift("table", "[[0, 1.5], [0.5, 1.2], [1, 1.0]]"), &[], &[], Some(1.5), 1e-11);
+    // Third derivatives of a spline jump inside steps, which keep to the tolerance.
+    assert!(by_table.energy.max_relative_error < 1e-11, "{:?}", by_table.energy);
+    near("height by a table", (place(&by_table, "load")[2], -0.5));
+    near("work by a table", (by_table.energy.work, 4.0 * GRAVITY * 0.5));
+}
+
+#[test]
+fn a_winch_pays_out_no_more_than_its_longest_stands_in_the_world_and_has_key_paths() {
+    use catena::prelude::Simulation;
+    let file = lift("longest", "{ formula = \"1.5 + v*t\", v = 0.2 }\nlongest = 1.7");
+    let model = Model::load(&file).expect("a model");
+    let mut simulation = Simulation::new(&model).duration(2.0);
+    let error = simulation.run().expect_err("no more rope").to_string();
+    assert!(error.contains("cable/length") && error.contains("longest") && error.contains("t = 1"), "{error}");
+    let moved = Model::loader().set("rope.cable.length.v", -0.1).set("rope.cable.points.2.position.x", 0.6).load(&file);
+    let mut simulation = Simulation::new(&moved.expect("a model")).duration(1.0);
+    simulation.run().expect("a run");
+    let end = simulation.finish().expect("a report");
+    near("paid out", (joint(&end, "cable/length").0, 1.4));
+    let text = std::fs::read_to_string(&file).expect("a scene");
+    for (from, to, said) in [
+        ("points = [{ link = \"world\" }", "points = [{ link = \"load\" }", "stands in the world"),
+        ("{ formula = \"1.5 + v*t\", v = 0.2 }", "1.5", "longest"),
+        ("{ formula = \"1.5 + v*t\", v = 0.2 }", "-1.5", "greater than zero"),
+        ("\"cable\"", "\"load\"", "no robot has"),
+    ] {
+        std::fs::write(&file, text.replace(from, to)).expect("a scene");
+        let error = Model::load(&file).expect_err("an error").to_string();
+        assert!(error.contains(said), "{to}: {error}");
+    }
 }
 
 #[test]

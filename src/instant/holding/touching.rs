@@ -40,7 +40,7 @@ pub(crate) struct Pair {
     surfaces: [Vector3<f64>; 2],
     /// The largest distance of each from the centre of mass of its body (m); infinite for a half space.
     pub reach: [f64; 2],
-    /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or those of every part of a rope through several points.
+    /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or all parts of a rope through several points.
     pub parts: Vec<Part>,
     /// The rope through several points that it is, if it is one.
     rope: Option<Rope>,

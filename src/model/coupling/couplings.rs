@@ -27,10 +27,12 @@ impl Model {
         mimics.extend(builder.relations()?);
         mimics.extend(builder.motions()?);
         let limits = builder.limits(&mut warnings);
+        let of_winches = builder.limits_of_winches();
         let rotors = builder.rotors(&mut warnings);
         self.mechanism.mimics = mimics;
         self.mechanism.nonsmooth.limits.clone_from(&limits);
         self.mechanism.limits = limits;
+        self.mechanism.limits.extend(of_winches);
         for (body, armature) in rotors {
             self.mechanism.bodies[body].joint.armature = armature;
         }

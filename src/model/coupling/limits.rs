@@ -3,7 +3,7 @@
 use crate::mechanism::description::closure::JointLimit;
 use crate::model::coupling::builder::Builder;
 use crate::model::description::model_error::ModelError;
-use crate::scene::{Element, LimitChoice, SceneJoint, UrdfJoint, UrdfJointKind, Warning};
+use crate::scene::{Element, LimitChoice, SceneJoint, SceneRope, UrdfJoint, UrdfJointKind, Warning};
 
 impl Builder<'_> {
     /// The settings of the scene file for a joint.
@@ -22,6 +22,18 @@ impl Builder<'_> {
             self.coordinate(said.joint.robot, &said.joint.joint, &stand)?;
         }
         Ok(())
+    }
+
+    /// The limits of the winches of ropes: the motion of a winch that leaves them is refused.
+    pub(crate) fn limits_of_winches(&self) -> Vec<JointLimit> {
+        let ropes = self.scene.map_or(&[][..], |scene| &scene.ropes);
+        let limit = |rope: &SceneRope| {
+            let joint = rope.winch.as_ref()?;
+            let stand = self.stand(rope.line, Element::Rope(rope.name.clone()));
+            let coordinate = self.coordinate(joint.robot, &joint.joint, &stand).ok()?;
+            Some(JointLimit { coordinate, lower: 0.0, upper: rope.length, restitution: 0.0 })
+        };
+        ropes.iter().filter_map(limit).collect()
     }
 
     /// The limits of all joints that turn about or slide along an axis.

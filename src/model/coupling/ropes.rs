@@ -30,6 +30,10 @@ impl Builder<'_> {
         let colliders =
             [collider(&rope.name, a, Shape::Hollow { radius: rope.length }), collider(&last, b, Shape::Point)];
         let (length, restitution) = (rope.length, rope.restitution);
+        // What people see begins at the winch.
+        if rope.winch.is_some() {
+            links.remove(0);
+        }
         Ok(RopeRecord { name: rope.name.clone(), links, points, colliders, length, restitution })
     }
 }

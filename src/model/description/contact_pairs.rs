@@ -42,7 +42,7 @@ pub struct RopeRecord {
     pub name: String,
     /// The links of its points, in their order.
     pub links: Vec<String>,
-    /// Its points.
+    /// Its points; before them the one on its winch, which has no link here, if it has a winch.
     pub points: Vec<Attachment>,
     /// The ball in which it holds its second end, and that end; of a rope through more points, two of them on different bodies.
     pub colliders: [Collider; 2],
@@ -50,6 +50,13 @@ pub struct RopeRecord {
     pub length: f64,
     /// e.
     pub restitution: f64,
+}
+
+impl RopeRecord {
+    /// Its points without the one on its winch, if it has one.
+    pub fn seen_points(&self) -> &[Attachment] {
+        &self.points[self.points.len() - self.links.len()..]
+    }
 }
 
 /// The record of the shapes of a model.

@@ -3,7 +3,7 @@
 //! The shapes, meshes and obstacles are those of the page (`page/looks.rs`, `page/colliders.rs`); half spaces are planes of the background.
 
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz};
-use crate::model::Model;
+use crate::model::{Model, RopeRecord};
 use crate::output::film::camera::Bounds;
 use crate::output::film::canvas::{Linear, linear};
 use crate::output::film::normals::creased;
@@ -12,10 +12,13 @@ use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::looks::{DrawnShape, MeshSource, looks};
 use crate::output::page::shared_meshes::IndexedPart;
 use nalgebra::{Rotation3, Translation3, Vector3};
+use std::f64::consts::PI;
 
 /// The grey of shapes without a colour, that of obstacles, and the opacity of these, as in the page.
 const GREY: [f64; 4] = [0.72, 0.73, 0.75, 1.0];
 const OBSTACLE: [f64; 4] = [0.761, 0.659, 0.471, 0.55];
+/// The colour of ropes, as in the page.
+const ROPE: [f64; 4] = [0.541, 0.416, 0.231, 1.0];
 
 /// Triangles of one colour in one body.
 pub(super) struct Part {
@@ -43,6 +46,8 @@ pub(super) struct Parts {
     pub obstacles: Vec<Part>,
     /// Frames of half spaces.
     pub planes: Vec<Pose>,
+    /// The points of each rope, in their bodies (m).
+    pub ropes: Vec<Vec<(Option<usize>, Vector3<f64>)>>,
     /// The origins of links in their bodies (m), around which the camera looks, too.
     pub origins: Vec<(Option<usize>, Vector3<f64>)>,
     /// Shapes that are not drawn, or not as in their files, in sentences.
@@ -50,17 +55,39 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// The box around the links: around their shapes and origins.
+    /// The box around the links and ropes: around their shapes, origins and points.
     pub(super) fn bounds(&self, poses: &[Pose]) -> Bounds {
         let mut bounds = Bounds::NONE;
         for part in &self.links {
             bounds = bounds.joined(&part.bounds_at(poses));
         }
-        for (body, origin) in &self.origins {
+        for (body, origin) in self.origins.iter().chain(self.ropes.iter().flatten()) {
             let place = body.map_or(*origin, |body| poses[body].rotation * origin + poses[body].translation.vector);
             bounds.add(&place);
         }
         bounds
+    }
+
+    /// The ropes with the bodies at these poses, as rods of this radius (m), each with its place.
+    pub(super) fn rods(&self, poses: &[Pose], radius: f64) -> Vec<(Part, Pose)> {
+        let place = |&(body, point): &(Option<usize>, Vector3<f64>)| {
+            body.map_or(point, |body| poses[body].rotation * point + poses[body].translation.vector)
+        };
+        let mut rods = Vec::new();
+        for rope in &self.ropes {
+            let places: Vec<Vector3<f64>> = rope.iter().map(place).collect();
+            for ends in places.windows(2) {
+                let along = ends[1] - ends[0];
+                if along.norm() > 0.0 {
+                    // Half a turn about x where the rod points down.
+                    let turn = Rotation3::rotation_between(&Vector3::z(), &along);
+                    let turn = turn.unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI));
+                    let at = Pose::from_parts(Translation3::from(0.5 * (ends[0] + ends[1])), turn);
+                    rods.push((part(None, &Pose::identity(), &cylinder(radius, along.norm()), ROPE), at));
+                }
+            }
+        }
+        rods
     }
 
     /// Gathers the parts of a model, with at most about `mesh_limit` triangles of meshes.
@@ -72,6 +99,11 @@ impl Parts {
             |part: &IndexedPart| (part.color.map(|own| own.map(f64::from)), creased(&part.corners, &part.triangles));
         let meshes: Vec<Vec<Colored>> = meshes.iter().map(|parts| parts.iter().map(colored).collect()).collect();
         let mut parts = Parts { notes: drawn.notes.into_iter().chain(simplified).collect(), ..Parts::default() };
+        let seen = model.contact.ropes.iter().filter(|_| !model.contact.owners.is_empty());
+        let points = |rope: &RopeRecord| {
+            rope.seen_points().iter().map(|point| (point.body, point.frame.translation.vector)).collect()
+        };
+        parts.ropes = seen.map(points).collect();
         parts.origins = model.links.iter().map(|link| (link.body, link.in_body.translation.vector)).collect();
         for shape in &drawn.shapes {
             let link = &model.links[shape.link];

@@ -24,6 +24,9 @@ const LOOKS: usize = 24;
 /// A camera follows a robot that goes further than so many times its size, as in the page.
 const FAR: f64 = 4.0;
 
+/// The radius of ropes, as a part of the size of what is seen.
+const THIN: f64 = 2e-3;
+
 /// A translucent triangle: its distance (m), place, colour and opacity.
 type Glass = (f64, [Spot; 3], Linear, f32);
 
@@ -109,15 +112,16 @@ impl<'m> Scene<'m> {
         }
         self.canvas.color.copy_from_slice(&self.behind.color);
         self.canvas.nearness.copy_from_slice(&self.behind.nearness);
-        let all = || self.parts.links.iter().chain(&self.parts.obstacles);
+        let rods = self.parts.rods(&poses, THIN * self.ground.size);
+        let placed = self.parts.links.iter().chain(&self.parts.obstacles).map(|part| (part, part.pose(&poses)));
+        let all = || placed.clone().chain(rods.iter().map(|(rod, place)| (rod, *place)));
         for (plane, number) in self.ground.planes.iter().zip(1..=u8::MAX) {
-            for part in all() {
-                throw_shadow(part, &part.pose(&poses), plane, &self.camera, |spots| self.canvas.shadow(spots, number));
+            for (part, pose) in all() {
+                throw_shadow(part, &pose, plane, &self.camera, |spots| self.canvas.shadow(spots, number));
             }
         }
         self.glass.clear();
-        for part in all() {
-            let pose = part.pose(&poses);
+        for (part, pose) in all() {
             each_triangle(part, &pose, &self.camera, |distance, spots| {
                 if part.opacity < 1.0 {
                     self.glass.push((distance, *spots, part.color, part.opacity));

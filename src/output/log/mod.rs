@@ -15,6 +15,7 @@
 //! | `/motors`            | `sensor_msgs/msg/JointState`            | every sample: efforts of motors, if there are any |
 //! | `/contacts`          | `catena_msgs/msg/Contacts`              | every sample: closed contacts and their forces, if shapes may touch |
 //! | `/contact_forces`    | `visualization_msgs/msg/MarkerArray`    | every sample: the same forces as arrows  |
+//! | `/ropes`             | `visualization_msgs/msg/MarkerArray`    | every sample: ropes as lines             |
 //! | `/events`            | `catena_msgs/msg/Event`                 | events: time (s), kind, joint or pair `a\|b`, impulse of an impact |
 //! | `/energy`            | `catena_msgs/msg/Energy`                | step ends: the parts of the energy (J), by name |
 //! | `/constraint`        | `catena_msgs/msg/Constraint`            | step ends: constraint errors of positions and velocities |

@@ -41,7 +41,7 @@ use crate::output::page::looks::{DrawnShape, Looks, MeshSource, looks};
 use crate::output::page::motion::Motion;
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
-use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};
+use crate::output::page::tree::{DrawnRope, Frame, Tree, pose_numbers, ropes, tree};
 use crate::output::report::EventEntry;
 use crate::scene::MeshFile;
 use serde::Serialize;
@@ -132,6 +132,8 @@ struct Played<'p> {
     source: String,
     tree: Tree<'p>,
     shapes: Vec<DrawnShape>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ropes: Vec<DrawnRope<'p>>,
     meshes: Vec<PackedMesh>,
     /// Number of samples in all arrays.
     samples: usize,
@@ -341,6 +343,7 @@ impl<'p> Played<'p> {
             source,
             tree: tree(model, start),
             shapes: drawn.shapes,
+            ropes: ropes(model),
             meshes,
             samples,
             times: packed.doubles(&motion.times),

@@ -12,7 +12,7 @@
 use crate::mechanism::description::closure::{Attachment, Coordinate, LoopKind};
 use crate::mechanism::description::joint::{Pose, wxyz_from_rotation};
 use crate::mechanism::motion::state::State;
-use crate::model::Model;
+use crate::model::{Model, RopeRecord};
 use serde::Serialize;
 
 /// A pose as x, y, z (m), w, x, y, z.
@@ -86,6 +86,20 @@ pub(super) struct Tree<'m> {
     links: Vec<LinkInBody<'m>>,
     bodies: Vec<BodyOnJoint<'m>>,
     loops: Vec<LoopEnds<'m>>,
+}
+
+/// A rope, which is drawn as a line.
+#[derive(Serialize)]
+pub(super) struct DrawnRope<'m> {
+    name: &'m str,
+    points: Vec<Frame>,
+}
+
+/// The ropes of a model; a winch is drawn as the first point of its rope.
+pub(super) fn ropes(model: &Model) -> Vec<DrawnRope<'_>> {
+    let ropes = model.contact.ropes.iter().filter(|_| !model.contact.owners.is_empty());
+    let points = |rope: &RopeRecord| rope.seen_points().iter().map(Frame::from).collect();
+    ropes.map(|rope| DrawnRope { name: &rope.name, points: points(rope) }).collect()
 }
 
 /// The tree of a model with its joints at `start`.

@@ -259,9 +259,12 @@ impl Keys {
     /// Joints that are moved in time.
     fn motions(&mut self, scene: &Scene) {
         for (motion, one) in scene.motions.iter().enumerate() {
-            let mut put = |what: &str, place| {
-                self.put("motion", &format!("{}.position{what}", one.on), Range::Finite, place);
+            let rope = scene.ropes.iter().find(|rope| rope.winch.as_ref() == Some(&one.joint));
+            let (group, of) = match rope {
+                Some(rope) => ("rope", format!("{}.length", rope.name)),
+                None => ("motion", format!("{}.position", one.on)),
             };
+            let mut put = |what: &str, place| self.put(group, &format!("{of}{what}"), Range::Finite, place);
             let entries = one.table.as_ref().map_or(0, |table| table.points.len());
             for entry in 0..entries {
                 put(&format!(".{}.time", entry + 1), Place::MotionTime { motion, entry });
@@ -297,10 +300,14 @@ impl Keys {
             }
         }
         for (rope, one) in scene.ropes.iter().enumerate() {
-            self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
+            if one.winch.is_none() {
+                self.put("rope", &format!("{}.length", one.name), Range::Positive, Place::RopeLength(rope));
+            }
             self.put("rope", &format!("{}.restitution", one.name), Range::Fraction, Place::RopeRestitution(rope));
-            for end in 0..one.points.len() {
-                let rest = format!("{}.points.{}.position", one.name, end + 1);
+            // A winch has a point before the first, and is where that is.
+            let before = usize::from(one.winch.is_some());
+            for end in 2 * before..one.points.len() {
+                let rest = format!("{}.points.{}.position", one.name, end + 1 - before);
                 self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
             }
         }

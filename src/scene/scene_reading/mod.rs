@@ -44,3 +44,5 @@ pub(crate) mod target_csv;
 pub(crate) mod target_reader;
 #[cfg(feature = "scene")]
 pub(crate) mod toml_text;
+#[cfg(feature = "scene")]
+pub(crate) mod winch;

@@ -28,6 +28,7 @@ use crate::scene::scene_reading::base_velocity::base_velocity;
 use crate::scene::scene_reading::body_schema::BodyTable;
 use crate::scene::scene_reading::copies::{CopyKeys, copies};
 use crate::scene::scene_reading::coupling_reader::CouplingReader;
+use crate::scene::scene_reading::rope_reader::Ropes;
 use crate::scene::scene_reading::scene_files::{FilesOnDisk, SceneFiles};
 use crate::scene::scene_reading::scene_numbers::STAGES;
 use crate::scene::scene_reading::scene_schema::{
@@ -41,6 +42,9 @@ use nalgebra::Translation3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
+
+/// Until when lengths of ropes in time are looked at if the file says no duration (s).
+const LOOKED_AT: f64 = 10.0;
 
 /// Reads and validates a scene file and the files it names.
 ///
@@ -64,16 +68,22 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
-    let ropes = reader.ropes(file.rope)?;
     let mut tables = Vec::new();
+    let settings = file.simulation.map_or(Ok(SimulationSettings::default()), |table| simulation(&text, &table))?;
+    let Ropes { ropes, winches, motions: paid_out } =
+        reader.ropes(file.rope, settings.duration.unwrap_or(LOOKED_AT), files, &mut tables)?;
     let loads = reader.loads(file.load, files, &mut tables)?;
     let drags = reader.drags(file.drag)?;
     let couplings = reader.relations(file.coupling)?;
     let mut motors = reader.motors(file.motor, &loops, files, &mut tables)?;
-    let motions = reader.motions(file.motion, &loops, &mut motors, files, &mut tables)?;
+    let mut motions = reader.motions(file.motion, &loops, &mut motors, files, &mut tables)?;
+    motions.extend(paid_out);
     let joints = reader.joints(file.joint, &loops)?;
     let contact = reader.contact(has_bodies, file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
+    for winch in winches {
+        robots.push(winch.robot(path)?);
+    }
     for said in &contact.links {
         if let LinkReference::Link { robot, link } = said.link {
             let surface = &mut robots[robot].robot.links[link].surface;
@@ -103,7 +113,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         joints,
         contact,
         tables,
-        simulation: file.simulation.map_or(Ok(SimulationSettings::default()), |table| simulation(&text, &table))?,
+        simulation: settings,
         warnings,
     })
 }

@@ -120,7 +120,8 @@ pub(crate) struct SpringTable {
 pub(crate) struct RopeTable {
     pub name: Option<Spanned<String>>,
     pub points: Spanned<Vec<PointTable>>,
-    pub length: Positive,
+    pub length: Spanned<TargetKey>,
+    pub longest: Option<Spanned<Positive>>,
     pub restitution: Option<Fraction>,
 }
 

@@ -14,7 +14,7 @@ use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::making::Tells;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
-use crate::simulation::steps::undefined::undefined;
+use crate::simulation::steps::undefined::{beyond, undefined};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -47,6 +47,12 @@ pub enum RunError {
         short(*.time)
     )]
     Undefined { of: String, time: f64 },
+    /// A winch pays out more than there is of its rope, or less than nothing.
+    #[error(
+        "{joint:?} leaves the range from 0 to its longest at t = {} s: end the run before, or give the rope a larger longest",
+        short(*.time)
+    )]
+    PaidOut { joint: String, time: f64 },
     /// The steps were too coarse: [`Simulation::run`](crate::simulation::Simulation::run) restarts the run with finer ones.
     #[error("at t = {time} s the estimated error exceeds the tolerance")]
     BeginsAgain { time: f64 },
@@ -216,6 +222,9 @@ impl Course {
         let until = self.end.min(aim.until).min(aim.horizon);
         if let Some((of, time)) = undefined(mechanism, state.time, until) {
             return Err(RunError::Undefined { of, time });
+        }
+        if let Some((joint, time)) = beyond(mechanism, state.time, until) {
+            return Err(RunError::PaidOut { joint, time });
         }
         let end = self.end.min(aim.until);
         while state.time < end && state.time < aim.horizon {

@@ -6,6 +6,7 @@ mod events;
 mod file;
 mod layout;
 mod messages;
+mod ropes;
 
 use crate::common::scratch;
 use catena::mechanism::description::mechanism::Mechanism;

@@ -146,6 +146,21 @@ pub(crate) fn write_arrow(head: &Head, ends: [[f64; 3]; 2], length: f64, color: 
     write_rest(head, ("", false), writer);
 }
 
+/// Adds a line of this width through so many points (m), in red, green, blue, opacity.
+pub(crate) fn write_line(
+    head: &Head,
+    (points, count): (impl Iterator<Item = [f64; 3]>, usize),
+    width: f64,
+    color: [f64; 4],
+    writer: &mut CdrWriter,
+) {
+    let scale = [width, 0.0, 0.0];
+    write_body(head, &Body { kind: 4, action: 0, follows: false, pose: AT_FRAME, scale, color }, writer);
+    writer.unsigned(count as u32);
+    points.flatten().for_each(|coordinate| writer.double(coordinate));
+    write_rest(head, ("", false), writer);
+}
+
 fn write_marker(head: &Head, marker: &Marker, writer: &mut CdrWriter) {
     let at = marker.pose.translation.vector;
     let turn = UnitQuaternion::from_rotation_matrix(&marker.pose.rotation);

@@ -6,7 +6,7 @@
 use std::str::FromStr;
 
 /// The topics that can be left out; topics of robots in a scene have the robot's name before them.
-const NAMES: [&str; 15] = [
+const NAMES: [&str; 16] = [
     "robot_description",
     "visual_markers",
     "collision_shapes",
@@ -17,6 +17,7 @@ const NAMES: [&str; 15] = [
     "motors",
     "contacts",
     "contact_forces",
+    "ropes",
     "events",
     "energy",
     "constraint",

@@ -17,6 +17,7 @@ use crate::output::log::messages::figures::FigureMessages;
 use crate::output::log::messages::joints::JointMessages;
 use crate::output::log::messages::motors::MotorMessages;
 use crate::output::log::messages::options::LogOptions;
+use crate::output::log::messages::ropes::RopeMessages;
 use crate::output::log::messages::sensitivities::SensitivityMessages;
 use crate::output::log::messages::transforms::{TransformsEncoder, drawn_links, world_frame};
 use crate::output::log::recording::queue::{Between, Piece};
@@ -28,6 +29,8 @@ pub(crate) struct SampleEncoder {
     /// The time of the log at the start of the run, in nanoseconds.
     start: u64,
     lines: u16,
+    /// Number of the links among the places that are looked at: the first.
+    links: usize,
     /// `None` if it is not wanted.
     transforms: Option<(u16, TransformsEncoder)>,
     figures: FigureMessages,
@@ -36,6 +39,7 @@ pub(crate) struct SampleEncoder {
     events: Option<EventMessages>,
     contacts: Option<ContactMessages>,
     contact_forces: Option<ContactForces>,
+    ropes: Option<RopeMessages>,
     sensitivities: Option<SensitivityMessages>,
     instants: View,
     snapshots: Snapshots,
@@ -48,7 +52,7 @@ impl SampleEncoder {
     pub(crate) fn new(sink: &mut dyn MessageSink, model: &Model, options: &LogOptions) -> Result<Self, LogError> {
         let (mechanism, links) = (&model.mechanism, drawn_links(&model.links));
         let world = world_frame(&model.links);
-        let places: Vec<LinkPlace> = links.iter().map(|link| (link.body, link.in_body)).collect();
+        let mut places: Vec<LinkPlace> = links.iter().map(|link| (link.body, link.in_body)).collect();
         let wanted = &options.topics;
         let lines = sink.channel(line::TOPIC, &LOG, Durability::Volatile)?;
         let transforms = match wanted.has("/tf") {
@@ -58,9 +62,11 @@ impl SampleEncoder {
             }
             false => None,
         };
+        let ropes = RopeMessages::new(sink, model, world, wanted, &mut places)?;
         Ok(SampleEncoder {
             start: options.start,
             lines,
+            links: links.len(),
             transforms,
             figures: FigureMessages::new(sink, wanted)?,
             joints: JointMessages::new(sink, model, world, wanted)?,
@@ -68,6 +74,7 @@ impl SampleEncoder {
             events: EventMessages::new(sink, model, wanted)?,
             contacts: ContactMessages::new(sink, model, world, wanted)?,
             contact_forces: ContactForces::new(sink, model, world, wanted)?,
+            ropes,
             sensitivities: SensitivityMessages::new(sink, options.derivatives.as_ref(), wanted)?,
             instants: View::new(mechanism, &places),
             snapshots: Snapshots::new(mechanism, places.len()),
@@ -100,7 +107,7 @@ impl SampleEncoder {
                 }
                 let stamp = self.start + nanoseconds(time);
                 if let Some((channel, encoder)) = &self.transforms {
-                    let poses = self.snapshots.poses.iter().map(|[x, y, z, qw, qx, qy, qz]| {
+                    let poses = self.snapshots.poses[..self.links].iter().map(|[x, y, z, qw, qx, qy, qz]| {
                         ([x[instant], y[instant], z[instant]], [qw[instant], qx[instant], qy[instant], qz[instant]])
                     });
                     encoder.fill(sink.message(*channel, stamp, encoder.encoded())?, stamp, poses);
@@ -110,6 +117,9 @@ impl SampleEncoder {
                 self.joints.write((position, velocity), (&self.snapshots, instant), stamp, sink)?;
                 if let Some(motors) = &self.motors {
                     motors.write(instant, stamp, sink)?;
+                }
+                if let Some(ropes) = &mut self.ropes {
+                    ropes.write((&self.snapshots, instant), stamp, sink)?;
                 }
             }
         }

@@ -1,6 +1,7 @@
-// The robot: a group for each body, with the shapes of its links, and axes for each link.
+// The robot: a group for each body, with the shapes of its links, axes for each link, and ropes as lines through their points.
 
 const GREY = [0.72, 0.73, 0.75, 1];
+const ROPE_COLOR = 0x8a6a3b;
 
 class Robot {
   constructor(header, bytes, view) {
@@ -27,6 +28,35 @@ class Robot {
       }
     }
     this.links = header.tree.links;
+    this.ropes = (header.ropes || []).map((rope) => this.rope(rope));
+  }
+
+  // The line of a rope, and its points in their bodies.
+  rope({ name, points }) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * points.length), 3));
+    // Pieces between neighbours.
+    const pieces = points.slice(1).flatMap((_, k) => [k, k + 1]);
+    geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(pieces), 1));
+    const line = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: ROPE_COLOR }));
+    line.frustumCulled = false;
+    line.userData.link = name;
+    this.view.robot.add(line);
+    return { line, points: points.map(({ body, pose }) => ({ body, at: new THREE.Vector3(...pose.slice(0, 3)) })) };
+  }
+
+  // The place of a point of a rope.
+  tied({ body, at }) {
+    return body === null ? at : at.clone().applyMatrix4(this.matrices[body]);
+  }
+
+  // Draws the ropes where the bodies are.
+  tieRopes() {
+    for (const { line, points } of this.ropes) {
+      const places = line.geometry.attributes.position;
+      points.forEach((point, k) => places.setXYZ(k, ...this.tied(point).toArray()));
+      places.needsUpdate = true;
+    }
   }
 
   group(body) {
@@ -88,6 +118,7 @@ class Robot {
   // Shows the bodies where their matrices say.
   placed() {
     for (const group of [...this.bodies, ...this.followers]) group.matrixWorldNeedsUpdate = true;
+    this.tieRopes();
     this.view.draw();
   }
 
@@ -102,6 +133,7 @@ class Robot {
       const at = new THREE.Vector3(...link.pose.slice(0, 3)).applyMatrix4(this.group(link.body).matrixWorld);
       box.expandByPoint(at);
     }
+    for (const point of this.ropes.flatMap((rope) => rope.points)) box.expandByPoint(this.tied(point));
     return box;
   }
 
