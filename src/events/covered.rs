@@ -121,6 +121,32 @@ impl Eventful {
         self.trial.overlap = self.trial.overlap.max(-least);
     }
 
+    /// Asks whether the pairs that were left out of the last step have their certificates, and are as far apart at its ends and halfway.
+    fn check_left_out(&mut self, since: f64, end: f64) {
+        let touching = self.model.touching.clone();
+        let pairs = &touching.pairs;
+        if pairs.are_few() || self.progress.asleep {
+            return;
+        }
+        let (near, speeds) = (&self.trial.near, &self.trial.speeds);
+        let moves = |body: usize| (end - since) * speeds.seen_from(Some(body), None, 0.0);
+        let left_out = |pair: &usize| near.pairs().binary_search(pair).is_err();
+        let left_out: Vec<usize> = (0..pairs.len()).filter(left_out).collect();
+        for &pair in &left_out {
+            let proved = near.proves_apart(pairs, pair, speeds.first(), moves);
+            assert!(proved, "pair {pair} is left out from {since} to {end} s, and its bodies are not at home");
+        }
+        for time in [since, 0.5 * (since + end), end] {
+            self.place(Inside::roughly(time));
+            for &pair in &left_out {
+                let [a, b] = pairs.bodies_of(pair).map(|body| body.unwrap_or_default());
+                let apart = (self.trial.bodies[a].position - self.trial.bodies[b].position).norm();
+                let gap = apart - pairs.reach_of(a) - pairs.reach_of(b);
+                assert!(gap > 0.0, "pair {pair} is left out, and its bodies are {gap:e} m apart at {time} s");
+            }
+        }
+    }
+
     /// Asks the last step at many instants whether its certificates are true: no pair overlaps in a covered stretch, or moves faster than its bound.
     ///
     /// # Panics
@@ -131,6 +157,7 @@ impl Eventful {
         }
         let end = self.workspaces.active().small.time;
         assert!(!self.has_hole(since), "a hole in the step from {since} to {end} s: {:?}", self.trial.covers);
+        self.check_left_out(since, end);
         for watched in 0..Watched::after_gaps(&self.trial.watched) {
             let Watched::Approach(pair) = self.trial.watched[watched] else { continue };
             if self.open_pair(pair).is_none() {

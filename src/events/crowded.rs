@@ -80,7 +80,7 @@ impl Eventful {
 
     /// Whether steps over events leave something out: rolling and spinning friction, and ropes through several points.
     fn needs_events(&self) -> bool {
-        self.model.touching.pairs.iter().any(|pair| !pair.moments.are_zero() || pair.is_reeved())
+        self.model.touching.pairs.need_events()
     }
 
     /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.

@@ -36,6 +36,7 @@ const RENEWED: f64 = 1e-6;
 impl Eventful {
     /// Finds or makes the reduced mechanism of the mode, and its watched functions.
     pub(super) fn enter(&mut self, state: &mut State) {
+        self.look_around(state);
         self.trial.reserves.forget();
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
@@ -98,16 +99,12 @@ impl Eventful {
             let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
             Holding::new(&present, response, state, room)
         };
-        let moving = &self.workspaces.active().moving;
-        let apart = |pair: usize| {
-            let groups = |bodies: [Option<usize>; 2]| bodies.map(|body| body.and_then(|body| moving.group(body)));
-            self.model.touching.pairs[pair].parts.iter().map(|(bodies, _)| groups(*bodies)).any(|[a, b]| a != b)
-        };
         let unique = self.trial.holding.is_unique();
         self.trial.watched = if self.progress.asleep {
             Vec::new()
         } else {
-            Watched::of(&self.model.elements, &self.model.touching, &self.mode, unique, apart)
+            let HybridModel { elements, touching, .. } = &self.model;
+            Watched::of(elements, touching, &self.mode, self.trial.near.pairs(), unique, |pair| self.moves_apart(pair))
         };
     }
 

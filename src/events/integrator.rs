@@ -94,7 +94,7 @@ impl Eventful {
         let present = Present { whole: mechanism, elements, touching, mode: &mode, moving: &nothing };
         let holding = Holding::new(&present, &mut workspaces.response, &state, None);
         Ok(Eventful {
-            memory: Memory::new(elements.joints.len(), touching.pairs.len()),
+            memory: Memory::new(elements.joints.len()),
             trial: StepTrial::new(&model, holding, state),
             progress: Progress::new(),
             tally: Tally::default(),
@@ -272,17 +272,19 @@ impl Eventful {
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> Exchange {
         self.progress.asleep = false;
         let before = self.trace.is_some().then(|| state.clone());
+        self.look_around(state);
         let Eventful {
             model: HybridModel { elements, touching, whole, .. },
             workspaces: Workspaces { response, .. },
             tally: Tally { solvers, .. },
+            trial: StepTrial { near, .. },
             mode,
             memory,
             ..
         } = self;
         let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
         let had = whole.moves_joints().then(|| resting::energy(whole, state).total());
-        let mut scene = Scene { whole, elements, touching, response, solvers };
+        let mut scene = Scene { whole, elements, touching, near: near.pairs(), response, solvers };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         // Impulses that hold a moved joint at its rate do work, too: the rest of the balance.
         let rest = |had: f64| resting::energy(&self.model.whole, state).total() - had + done.lost;

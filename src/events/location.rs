@@ -77,6 +77,9 @@ impl Eventful {
 
     /// The first bracket in which a function changes its sign in the last step; `known` is one that does at its end.
     pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
+        let known = known.map(|known| (known, self.trial.watched[known.watched]));
+        self.see_step(since);
+        let known = known.map(|(known, of)| Bracket { watched: self.place_of(of, known.watched), ..known });
         let mut looking = std::mem::take(&mut self.trial.looking);
         let found = self.look(inputs, since, known.map(|known| known.watched), &mut looking);
         self.trial.looking = looking;
@@ -88,6 +91,14 @@ impl Eventful {
             (Some(found), Some(contact)) => Some(if contact.root < found.root { contact } else { found }),
             (found, contact) => found.or(contact),
         }
+    }
+
+    /// The place of a function among the watched ones, to which gaps of pairs may have been added since it was here.
+    fn place_of(&self, of: Watched, before: usize) -> usize {
+        if self.trial.watched[before] == of {
+            return before;
+        }
+        self.trial.watched.iter().position(|watched| *watched == of).unwrap_or(before)
     }
 
     /// The same, with room for it.
@@ -108,15 +119,15 @@ impl Eventful {
                 Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
                     self.trial.fresh_joints[joint]
                 }
-                Watched::Margin => self.trial.fresh_joints.contains(&true) || self.trial.fresh_pairs.contains(&true),
+                Watched::Margin => self.trial.fresh_joints.contains(&true) || self.trial.fresh_pairs.any(),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.trial.fresh_motors[motor],
-                Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.trial.fresh_pairs[pair],
+                Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.trial.fresh_pairs.holds(pair),
                 Watched::Presses(contact)
                 | Watched::Grips(contact)
                 | Watched::Slips(contact)
                 | Watched::Resists(contact, _)
                 | Watched::Turns(contact, _)
-                | Watched::Feature(contact) => self.trial.fresh_pairs[self.mode.contacts[contact].contact.pair],
+                | Watched::Feature(contact) => self.trial.fresh_pairs.holds(self.mode.contacts[contact].contact.pair),
             };
             if fresh { f64::INFINITY } else { zero }
         }));
@@ -144,15 +155,10 @@ impl Eventful {
         }
         let end = self.workspaces.active().small.time;
         let mut speeds = std::mem::take(&mut self.trial.speeds);
-        speeds.reset(self.model.whole.bodies.len());
-        for (sample, time) in ENDS.into_iter().zip([since, end]) {
-            self.place(Inside::roughly(time));
-            speeds.take(sample, &self.trial.bodies);
-        }
-        // In a span that is short beside the steps of the motion, the speeds at its ends tell whether a reserve lasts.
-        let mut sampled = self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span());
-        if !sampled {
-            self.sample_speeds([since, end], &mut speeds);
+        let mut sampled = self.is_short_span();
+        // Where bodies may come near, they have been taken.
+        if self.model.touching.pairs.are_few() {
+            self.take_speeds([since, end], &mut speeds);
         }
         self.trial.reserves.begin(&speeds, end - since);
         let mut first: Option<Bracket> = None;
@@ -175,7 +181,7 @@ impl Eventful {
             let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
             let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
             let measure = Measure {
-                closed: if self.trial.fresh_pairs[pair] { f64::INFINITY } else { zero },
+                closed: if self.trial.fresh_pairs.holds(pair) { f64::INFINITY } else { zero },
                 zero,
                 speed: speeds.closing_of(of),
                 resolution,
@@ -243,10 +249,28 @@ impl Eventful {
         let of = &self.model.touching.pairs[pair];
         // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds. A rope goes through
         // more bodies than the two whose travel is known.
-        if self.trial.fresh_pairs[pair] || self.is_closed(pair) || of.is_reeved() {
+        if self.trial.fresh_pairs.holds(pair) || self.is_closed(pair) || of.is_reeved() {
             return None;
         }
         self.trial.reserves.lasts(pair, length * speeds.closing_of(of))
+    }
+
+    /// Whether the last step is a span that is short beside the steps of the motion.
+    fn is_short_span(&self) -> bool {
+        self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span())
+    }
+
+    /// Takes the speeds of the bodies in the last step, from its start to its end (s), as far as they are needed to tell whether a reserve lasts: in a
+    /// short span those at its ends.
+    pub(super) fn take_speeds(&mut self, [since, end]: [f64; 2], speeds: &mut Speeds) {
+        speeds.reset(self.model.whole.bodies.len());
+        for (sample, time) in ENDS.into_iter().zip([since, end]) {
+            self.place(Inside::roughly(time));
+            speeds.take(sample, &self.trial.bodies);
+        }
+        if !self.is_short_span() {
+            self.sample_speeds([since, end], speeds);
+        }
     }
 
     /// Takes the speeds of the bodies inside the last step, from its start to its end (s), at the samples that its motion needs.
@@ -267,7 +291,7 @@ impl Eventful {
     /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching
     /// pairs.
     pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
-        !self.trial.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
+        !self.trial.fresh_pairs.holds(pair) && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
     }
 
     /// The most that a pair can close by in the last step [m/s].
@@ -294,7 +318,10 @@ impl Eventful {
                 return Ok(Located::Jumps(if force { Rejected::ForceJump } else { Rejected::NotSmooth }));
             }
             let end = self.workspaces.active().small.time;
-            match self.detect(inputs, since, Some(bracket)) {
+            let own = self.trial.watched[bracket.watched];
+            let found = self.detect(inputs, since, Some(bracket));
+            bracket.watched = self.place_of(own, bracket.watched);
+            match found {
                 Some(earlier) if earlier.root < end - SAME_END * (end - since) => bracket = earlier,
                 _ => break,
             }

@@ -49,6 +49,7 @@ mod last_step;
 mod location;
 mod modes;
 mod moving;
+mod nearing;
 mod next_step;
 mod parts;
 mod quiet;

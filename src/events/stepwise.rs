@@ -18,15 +18,17 @@
 use crate::events::closing::{Bearing, Closing, Pressed, impulses_among, limits_in, pressed_in};
 use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
-use crate::events::finding::speeds::speed_of;
+use crate::events::finding::speeds::{speed_at, speed_of};
 use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::inward;
 use crate::instant::holding::moments::{Turning, blocks_of_turning};
+use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::Contact;
 use crate::instant::start::assembly::assemble;
+use crate::mechanism::description::body_state::WORLD;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::distance;
@@ -70,6 +72,14 @@ struct Pushed {
     driven: f64,
     /// The part of its length that the step may have, so that no pair passes through each other.
     part: f64,
+}
+
+/// What was seen of a pair.
+struct Looked {
+    pair: usize,
+    /// Its distance (m), and whether that is near enough.
+    distance: f64,
+    near: bool,
 }
 
 impl Eventful {
@@ -179,8 +189,14 @@ impl Eventful {
     }
 
     /// Blocks that may close or hold in a step of this length from a state, for velocities without it, and their gaps (m or rad). Pairs as far from
-    /// each other as `wider` (m) are among them. Returns also the distance of each pair (m), and whether it is near enough.
-    fn closing_within(&self, step: f64, start: &State, velocity: &[f64], wider: &[f64]) -> (Closing, Vec<(f64, bool)>) {
+    /// each other as `wider` (m) are among them. Returns also what was seen of each pair.
+    fn closing_within(
+        &mut self,
+        step: f64,
+        start: &State,
+        velocity: &[f64],
+        wider: &PerPair<f64>,
+    ) -> (Closing, Vec<Looked>) {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
         for (index, joint) in self.model.elements.joints.iter().enumerate() {
             let freedom = joint.coordinate.freedom;
@@ -203,16 +219,22 @@ impl Eventful {
             }
         }
         let bodies = body_states(&self.model.whole, start);
-        let mut seen = Vec::with_capacity(self.model.touching.pairs.len());
-        for (pair, of) in self.model.touching.pairs.iter().enumerate() {
+        self.look_ahead(&bodies, |body, reach| {
+            let fastest = bodies[body].velocity.norm() + bodies[body].angular_velocity.norm() * reach;
+            2.0 * step * fastest + 5.0 * step * step
+        });
+        let mut seen = Vec::with_capacity(self.trial.near.pairs().len());
+        for &pair in self.trial.near.pairs() {
+            let of = &self.model.touching.pairs[pair];
             let ends = of.parts.iter().flat_map(|(bodies, reach)| bodies.iter().zip(reach));
             let speed = ends.filter_map(|(body, reach)| {
                 let state = &bodies[(*body)?];
                 Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size()))
             });
-            let within = (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider[pair]);
+            let within =
+                (2.0 * step * speed.sum::<f64>() + 10.0 * step * step).max(wider.get(pair).copied().unwrap_or(0.0));
             let distance = self.model.touching.distance_within(pair, &bodies, within);
-            seen.push((distance, distance <= within));
+            seen.push(Looked { pair, distance, near: distance <= within });
             if distance > within {
                 continue;
             }
@@ -235,7 +257,7 @@ impl Eventful {
     /// Adds the free accelerations, and the impulses of all blocks that may close in a step, to velocities at its start. A pair that was far may come
     /// near because others push it: it is then looked at as well.
     fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
-        let mut wider = vec![0.0; self.model.touching.pairs.len()];
+        let mut wider: PerPair<f64> = PerPair::default();
         let mut round = 0;
         loop {
             for ((rate, before), acceleration) in velocity.iter_mut().zip(&start.velocity).zip(free) {
@@ -261,17 +283,23 @@ impl Eventful {
             }
             let moving = body_states(&self.model.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
             let (mut part, mut widened) = (1.0_f64, false);
-            for ((pair, of), &(distance, near)) in self.model.touching.pairs.iter().enumerate().zip(&seen) {
+            for &Looked { pair, distance, near } in &seen {
+                let of = &self.model.touching.pairs[pair];
                 let moves = MOVES * step * speed_of(of, &moving);
                 if near {
                     let through = of.breadth.max(THIN * of.size());
                     part = part.min(if moves > through { 0.5 * through / moves } else { 1.0 });
                 } else if distance <= moves {
-                    (wider[pair], widened) = (moves, true);
+                    (*wider.of(pair), widened) = (moves, true);
                 }
             }
+            // Pairs that were left out may come near because others push them.
+            let begins = body_states(&self.model.whole, start);
+            widened |= self.look_ahead(&begins, |body, reach| {
+                MOVES * step * speed_at([moving[body], WORLD], [reach, f64::INFINITY])
+            });
             if !widened || round == WIDENED {
-                let near = (0..seen.len()).filter(|&pair| seen[pair].1).collect();
+                let near = seen.iter().filter(|looked| looked.near).map(|looked| looked.pair).collect();
                 return Pushed { pressed, limits, near, rebounds, driven, part };
             }
             round += 1;

@@ -9,7 +9,7 @@
 //! | `shapes` | shapes, prepared; convex pieces of a surface; the triangles of a hull, for drawing |
 //! | `features` | vertices, edges, faces, rims, sides: names, parts, borders; closed forms by pair; points that stand for rims |
 //! | `distances` | the distance of two shapes with its certificate; all places where they touch; how far the rest is |
-//! | `pair` | answers |
+//! | `prepared_shape`, `pair` | a shape, shared by its pairs; answers |
 //!
 //! parry proposes candidates (GJK, hulls, the tree of triangles, VHACD). This crate computes every result from the features.
 
@@ -18,6 +18,7 @@
 mod distances;
 mod features;
 mod pair;
+mod prepared_shape;
 mod shapes;
 #[cfg(test)]
 mod tests;
@@ -25,6 +26,7 @@ mod tests;
 pub use features::feature::FeatureId;
 pub use features::place::{PlaceId, TouchPlace};
 pub use pair::{Distance, PairGeometry};
+pub use prepared_shape::PreparedShape;
 pub use shapes::convex::{check_shape, kind};
 pub use shapes::decompose::{Pieces, decompose};
 pub use shapes::error::GeometryError;

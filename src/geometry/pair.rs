@@ -4,10 +4,8 @@
 
 use crate::distances::axes::{Found, places};
 use crate::distances::beyond::{height, height_of_moved};
-use crate::distances::half_space::HalfSpace;
 use crate::distances::hollow::Hollow;
 use crate::distances::manifold::manifold;
-use crate::distances::mesh::Mesh;
 use crate::distances::nearest::nearest;
 use crate::features::both::{Both, Candidate};
 use crate::features::crossing::off_crossing;
@@ -15,11 +13,11 @@ use crate::features::feature::{FeatureId, Part, inside, off_neighbours, off_tilt
 use crate::features::meet::{Guess, meet};
 use crate::features::place::{Bearer, PlaceId, TouchPlace, place};
 use crate::features::rims::{Joined, Meeting, off_rim};
-use crate::shapes::convex::{Convex, Core, kind};
+use crate::prepared_shape::{First, PreparedShape};
+use crate::shapes::convex::{Convex, Core};
 use crate::shapes::error::GeometryError;
 use crate::shapes::extents::{Extents, Lengths};
-use crate::shapes::prepared::Prepared;
-use catena_mechanism::description::contact::{Collider, Shape, Surface};
+use catena_mechanism::description::contact::Collider;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -39,9 +37,6 @@ const NEARBY: f64 = 0.05;
 /// The relative rounding error of a lower bound of a distance.
 const ROUNDED: f64 = 1e-13;
 
-/// The prepared surfaces of triangles.
-static MESHES: Prepared<Surface, Mesh> = Prepared::new();
-
 /// Two colliders, prepared for questions.
 #[derive(Clone, Debug)]
 pub struct PairGeometry {
@@ -51,15 +46,6 @@ pub struct PairGeometry {
     exchanged: bool,
     reach: [f64; 2],
     extents: Extents,
-}
-
-/// The collider in whose frame the questions are answered.
-#[derive(Clone, Debug)]
-enum First {
-    HalfSpace(HalfSpace),
-    Hollow(Hollow),
-    Mesh(Arc<Mesh>),
-    Convex(Arc<Convex>),
 }
 
 /// The distance of two colliders at one instant.
@@ -78,35 +64,17 @@ pub struct Distance {
 impl PairGeometry {
     /// Prepares two colliders; their shapes and their poses in the bodies count, and for tolerances whether they are obstacles.
     pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
-        let (one, other) = (Convex::shared(&a.shape, &a.pose)?, Convex::shared(&b.shape, &b.pose)?);
-        for (own, other) in [(a, b), (b, a)] {
-            if matches!(own.shape, Shape::Ellipsoid { .. }) && other.shape != Shape::HalfSpace {
-                return Err(GeometryError::Ellipsoid { other: kind(&other.shape) });
-            }
-        }
-        let exchanged = one.is_some() && other.is_none();
-        let obstacle = |collider: &Collider| match &collider.shape {
-            Shape::Mesh(surface) => {
-                let make = || Mesh::new(surface, &collider.pose);
-                Ok(First::Mesh(MESHES.of(surface, &collider.pose, make)?))
-            }
-            Shape::Hollow { radius } => {
-                Ok(First::Hollow(Hollow { centre: collider.pose.translation.vector, length: *radius }))
-            }
-            _ => Ok(First::HalfSpace(HalfSpace {
-                point: collider.pose.translation.vector,
-                normal: collider.pose.rotation * Vector3::z(),
-            })),
-        };
-        let (first, second) = match (one, other) {
-            (Some(one), Some(other)) => (First::Convex(one), other),
-            (None, Some(other)) => (obstacle(a)?, other),
-            (Some(one), None) => (obstacle(b)?, one),
-            (None, None) => return Err(GeometryError::Obstacles { a: kind(&a.shape), b: kind(&b.shape) }),
-        };
-        if matches!(first, First::Hollow(_)) && second.size > 0.0 {
-            return Err(GeometryError::Obstacles { a: kind(&a.shape), b: kind(&b.shape) });
-        }
+        let (a, b) = (PreparedShape::new(a)?, PreparedShape::new(b)?);
+        a.may_touch(&b)?;
+        Ok(PairGeometry::of(&a, &b))
+    }
+
+    /// The same of two prepared colliders that may touch: a shape is shared by all its pairs. Of two obstacles the second counts as a point.
+    pub fn of(a: &PreparedShape, b: &PreparedShape) -> Self {
+        let exchanged = a.convex().is_some() && b.convex().is_none();
+        let (first, second) = if exchanged { (b, a) } else { (a, b) };
+        let second = second.convex().cloned().unwrap_or_else(PreparedShape::point);
+        let first = first.side.clone();
         let mut reach = [first.reach(), second.reach()];
         let mut standing = [first.lengths(), Lengths::of_convex(&second)];
         if exchanged {
@@ -114,11 +82,11 @@ impl PairGeometry {
             standing.reverse();
         }
         let lengths = |side: usize, moves: bool| if moves { Lengths::of_moving(reach[side]) } else { standing[side] };
-        let mut extents = Extents::new([lengths(0, a.body.is_some()), lengths(1, b.body.is_some())]);
+        let mut extents = Extents::new([lengths(0, a.moves), lengths(1, b.moves)]);
         if let First::Hollow(Hollow { length, .. }) = &first {
             extents = Extents { larger: *length, smaller: *length, whole: *length, ..extents };
         }
-        Ok(PairGeometry { first, second, exchanged, reach, extents })
+        PairGeometry { first, second, exchanged, reach, extents }
     }
 
     /// Distance of the farthest point of each shape from the origin of its body (m); infinite for half spaces.
@@ -474,30 +442,6 @@ impl PairGeometry {
         let rotation = first.rotation.matrix().tr_mul(second.rotation.matrix());
         let translation = first.rotation.matrix().tr_mul(&(second.translation.vector - first.translation.vector));
         (first, (rotation, translation))
-    }
-}
-
-impl First {
-    /// Distance of its farthest point from the origin of the body (m).
-    fn reach(&self) -> f64 {
-        match self {
-            First::HalfSpace(_) => f64::INFINITY,
-            First::Hollow(rope) => rope.centre.norm(),
-            First::Mesh(mesh) => mesh.reach(),
-            First::Convex(convex) => convex.reach(),
-        }
-    }
-
-    /// Its lengths as an obstacle.
-    fn lengths(&self) -> Lengths {
-        match self {
-            First::HalfSpace(half_space) => Lengths::of_plane(&half_space.point),
-            First::Hollow(rope) => {
-                Lengths { place: rope.centre.norm() + rope.length, whole: rope.length, part: rope.length }
-            }
-            First::Mesh(mesh) => mesh.lengths(),
-            First::Convex(convex) => Lengths::of_convex(convex),
-        }
     }
 }
 

@@ -19,6 +19,7 @@ mod contacts_far;
 mod contacts_given_steps;
 mod contacts_many_points;
 mod contacts_mesh;
+mod contacts_of_many;
 mod contacts_orders;
 mod contacts_pads;
 mod contacts_pairs;

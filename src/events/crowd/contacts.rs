@@ -12,6 +12,8 @@ use crate::crowd::rows::{Rows, Side};
 use crate::crowd::trees::Trees;
 use crate::geometry::PlaceId;
 use crate::instant::holding::elements::{Elements, inward};
+use crate::instant::holding::near::Near;
+use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::contact::Cores;
@@ -28,6 +30,8 @@ pub(super) const CLOSED: f64 = 1e-9;
 const NEARLY: f64 = 1e-6;
 /// Speeds grow in a step by this factor at most; more is found out at its end.
 const FASTER: f64 = 1.25;
+/// Margins are larger than bounds by this factor, for roundings.
+const ROUNDED: f64 = 1.0 + 1e-12;
 /// A limit is looked at from this rate on [rad/s or m/s].
 const LIMIT_RATE: f64 = 2.0;
 
@@ -84,12 +88,20 @@ pub(crate) struct Contacts {
 /// Distances of pairs that were seen before.
 #[derive(Clone, Default)]
 pub(crate) struct Clearances {
-    /// How far the bodies of a pair may move before it is looked at again (m).
-    clear: Vec<f64>,
-    /// Pairs with candidates at the last look.
-    near: Vec<bool>,
+    /// The pairs that may be within reach.
+    near: Near,
+    pairs: PerPair<Clearance>,
     bodies: Vec<BodyState>,
     moved: Vec<(f64, f64)>,
+}
+
+/// What is known of a pair.
+#[derive(Clone, Copy, Default)]
+struct Clearance {
+    /// How far its bodies may move before it is looked at again (m).
+    clear: f64,
+    /// Whether it had candidates at the last look.
+    likely: bool,
 }
 
 impl Candidate {
@@ -174,18 +186,25 @@ impl Contacts {
     ) {
         self.list.clear();
         let Scene { whole, elements, touching } = scene;
-        clearances.see(bodies, touching.pairs.len());
         let fall = 2.0 * whole.gravity.norm() * step * step + 2.0 * CLOSED;
-        for (pair, of) in touching.pairs.iter().enumerate() {
+        clearances.see(bodies);
+        let near = &mut clearances.near;
+        near.see(&touching.pairs, bodies, |body| {
+            let fastest = rates[body].0 + rates[body].1 * touching.pairs.reach_of(body);
+            ROUNDED * (FASTER * step * fastest + 0.5 * fall)
+        });
+        clearances.pairs.extend(near.pairs(), |_| Clearance::default());
+        for place in 0..clearances.near.pairs().len() {
+            let pair = clearances.near.pairs()[place];
+            let of = &touching.pairs[pair];
             let speed =
                 |side: usize| of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side]);
             let within = FASTER * step * (speed(0) + speed(1)) + fall;
             if clearances.is_beyond(pair, of.bodies, of.reach, within) {
                 continue;
             }
-            let (found, apart) = touching.soon(pair, bodies, within, clearances.near[pair]);
-            clearances.near[pair] = !found.is_empty();
-            clearances.clear[pair] = apart.max(0.0);
+            let (found, apart) = touching.soon(pair, bodies, within, clearances.pairs.of(pair).likely);
+            *clearances.pairs.of(pair) = Clearance { clear: apart.max(0.0), likely: !found.is_empty() };
             for contact in found {
                 self.list.push(Candidate::touch(contact, of.friction, of.restitution, bodies));
             }
@@ -350,9 +369,8 @@ impl Candidate {
 
 impl Clearances {
     /// Takes the places of the bodies now: how far they have moved since the last look.
-    fn see(&mut self, bodies: &[BodyState], pairs: usize) {
-        if self.clear.len() != pairs || self.bodies.len() != bodies.len() {
-            (self.clear, self.near) = (vec![0.0; pairs], vec![false; pairs]);
+    fn see(&mut self, bodies: &[BodyState]) {
+        if self.bodies.len() != bodies.len() {
             self.bodies = bodies.to_vec();
         }
         self.moved.clear();
@@ -365,20 +383,21 @@ impl Clearances {
 
     /// Whether a pair is still farther apart than `within` (m).
     fn is_beyond(&mut self, pair: usize, of: [Option<usize>; 2], reach: [f64; 2], within: f64) -> bool {
+        let known = self.pairs.of(pair);
         for (body, reach) in of.into_iter().zip(reach) {
             if let Some(body) = body {
                 let (moved, turned) = self.moved[body];
-                self.clear[pair] -= moved + turned * reach;
+                known.clear -= moved + turned * reach;
             }
         }
-        if self.near[pair] {
+        if known.likely {
             return false;
         }
-        if self.clear[pair] <= within {
+        if known.clear <= within {
             let place = |body: Option<usize>| body.map_or(WORLD.position, |body| self.bodies[body].position);
             let apart = (place(of[0]) - place(of[1])).norm() - reach[0] - reach[1];
-            self.clear[pair] = self.clear[pair].max(apart);
+            known.clear = known.clear.max(apart);
         }
-        self.clear[pair] > within
+        known.clear > within
     }
 }

@@ -27,6 +27,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Overlaps of more than this part of the size of a pair are moved apart.
 const OVERLAP: f64 = 1e-12;
@@ -75,7 +76,18 @@ impl Contacts {
         let bodies = body_states(whole, state);
         let speeds = bodies.iter().map(|body| body.velocity.norm());
         contacts.rest = SLOWEST_SLIP.max(slip_at_rest(speeds.fold(fastest, f64::max)));
-        for (pair, of) in touching.pairs.iter().enumerate() {
+        // Nothing happens in the others, which have no contacts.
+        let mut asked: BTreeSet<usize> = before.contacts.iter().map(|closed| closed.contact.pair).collect();
+        asked.extend(&before.idle);
+        asked.extend(found.triggers.iter().filter_map(|trigger| match trigger {
+            Watched::Approach(pair) => Some(*pair),
+            _ => None,
+        }));
+        if found.anew {
+            asked.extend(scene.near);
+        }
+        for pair in asked {
+            let of = &touching.pairs[pair];
             let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
             let happens = |trigger: &Watched| match *trigger {
                 Watched::Approach(of) => of == pair,
@@ -186,9 +198,9 @@ impl Contacts {
             }
         }
         // The contacts of one pair stop together, up to the differences of forces that are not unique.
-        let mut together = vec![(0.0_f64, SLIPS_TOGETHER); scene.touching.pairs.len()];
+        let mut together: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
         for (contact, known) in self.all.iter().zip(&self.known) {
-            let (slip, most) = &mut together[contact.pair];
+            let (slip, most) = together.entry(contact.pair).or_insert((0.0, SLIPS_TOGETHER));
             *slip = slip.max(touch_motion(&contact.joint, &bodies).slip.norm());
             let stops = known.is_some_and(|known| yielding.stops.contains(&known));
             if stops || yielding.stops_together.contains(&contact.pair) {
@@ -203,7 +215,7 @@ impl Contacts {
                 continue;
             }
             let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
-            let (slip, (largest, most)) = (touch.slip.norm(), together[contact.pair]);
+            let (slip, (largest, most)) = (touch.slip.norm(), together[&contact.pair]);
             let own = if is(&yielding.stops) { STOPPED_SLIP.max(self.jam) } else { self.jam };
             let sticks = slip <= own * self.rest || largest <= most * self.rest;
             let slip = if sticks { Vector3::zeros() } else { touch.slip };

@@ -26,7 +26,8 @@ use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::moments::{Turning, blocks_of_turning, solve_with_moments};
-use crate::instant::holding::touching::{Contact, Pair, RimOf, Touching};
+use crate::instant::holding::pairs::Pair;
+use crate::instant::holding::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::{Moment, Moments, TouchJoint};
 use crate::mechanism::description::mechanism::Mechanism;
@@ -51,6 +52,8 @@ pub(crate) struct Scene<'s> {
     pub whole: &'s Mechanism,
     pub elements: &'s Elements,
     pub touching: &'s Touching,
+    /// The pairs that may touch in the state of the event, in the order of their numbers.
+    pub near: &'s [usize],
     pub response: &'s mut Response,
     /// Counts the contact solvers that its problems need.
     pub solvers: &'s mut ContactSolvers,
@@ -143,7 +146,7 @@ pub(crate) fn decide(
     yielding: &Yielding,
     candidates: &[Candidate],
 ) -> Result<Decided, Undecided> {
-    let Scene { whole, elements, touching, response, solvers } = scene;
+    let Scene { whole, elements, touching, response, solvers, .. } = scene;
     let (whole, elements, touching) = (*whole, *elements, *touching);
     let mut blocks: Vec<Block> = Vec::new();
     let mut efforts = efforts.to_vec();

@@ -69,7 +69,7 @@ pub(crate) fn gather_meetings(
     }
     let first = all.len();
     all.extend(contacts.meetings(scene, state, crowded));
-    for (pair, known) in memory.pairs.iter().enumerate() {
+    for (pair, known) in memory.pairs.iter() {
         let own = |meeting: &&mut Meeting| contacts.pair_of(meeting.block.of) == Some(pair);
         // Rates of what touches are roundings: a blow that passes through it does not end its impacts.
         let approaching = |meeting: &&mut Meeting| meeting.rate(&state.velocity) < -meeting.rest;

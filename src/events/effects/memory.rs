@@ -5,6 +5,7 @@
 use crate::events::effects::impact::Meeting;
 use crate::events::finding::watched::Watched;
 use crate::instant::holding::blocks::Of;
+use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::motion::event::{Event, Side};
 
@@ -43,7 +44,7 @@ struct Ends {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     pub joints: Vec<ImpactMemory>,
-    pub pairs: Vec<ImpactMemory>,
+    pub pairs: PerPair<ImpactMemory>,
     /// The largest speed of any body at an end of a step [m/s].
     pub fastest: f64,
     /// The largest kinetic energy at an end of a step, in scenes where shapes may touch (J).
@@ -78,7 +79,7 @@ pub(crate) struct Done {
     /// Which joints, motors and pairs have changed or begin from zero.
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,
-    pub pairs: Vec<bool>,
+    pub pairs: PerPair<bool>,
     /// The limits and contacts that met, and the contacts by their numbers.
     pub meetings: Vec<Meeting>,
     pub contacts: Vec<Contact>,
@@ -89,11 +90,11 @@ pub(crate) struct Done {
 }
 
 impl Memory {
-    /// The memory at the start of a run with these numbers of joints and pairs.
-    pub fn new(joints: usize, pairs: usize) -> Self {
+    /// The memory at the start of a run with this number of joints.
+    pub fn new(joints: usize) -> Self {
         Memory {
             joints: vec![ImpactMemory::default(); joints],
-            pairs: vec![ImpactMemory::default(); pairs],
+            pairs: PerPair::default(),
             fastest: 0.0,
             kinetic: 0.0,
             crowd: (0, f64::NEG_INFINITY),
@@ -112,7 +113,7 @@ impl Memory {
         self.crowd.0 += 1;
         let known = match of {
             Of::Joint(joint) => &mut self.joints[joint],
-            Of::Contact(pair) | Of::Moment { contact: pair, .. } => &mut self.pairs[pair],
+            Of::Contact(pair) | Of::Moment { contact: pair, .. } => self.pairs.of(pair),
         };
         let weaker = known.last.is_some_and(|(before, _, faster)| before == side && rate < faster);
         known.in_a_row = if weaker { known.in_a_row + 1 } else { 0 };
@@ -126,7 +127,7 @@ impl Memory {
         for &(of, until) in flights {
             let known = match of {
                 Of::Joint(joint) => &mut self.joints[joint],
-                Of::Contact(pair) | Of::Moment { contact: pair, .. } => &mut self.pairs[pair],
+                Of::Contact(pair) | Of::Moment { contact: pair, .. } => self.pairs.of(pair),
             };
             known.in_flight_until = Some(until);
         }
@@ -180,7 +181,7 @@ mod tests {
 
     #[test]
     fn an_impact_after_one_without_speed_keeps_its_restitution() {
-        let mut memory = Memory::new(1, 0);
+        let mut memory = Memory::new(1);
         // Each bounce takes half as long as the one before, so that all end at 2 s.
         for (time, rate) in [(0.0, 1.0), (1.0, 0.5), (1.5, 0.25), (1.75, 0.125)] {
             memory.remember(Of::Joint(0), Side::Lower, time, rate);

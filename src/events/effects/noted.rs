@@ -9,8 +9,10 @@ use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::Of;
 use crate::instant::holding::elements::Elements;
+use crate::instant::holding::per_pair::PerPair;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::{Event, EventKind, Side};
+use std::collections::BTreeSet;
 
 /// Rates and impulses along the first rows of the meetings.
 pub(crate) struct Met<'m> {
@@ -57,7 +59,7 @@ pub(crate) fn note_impacts(
     met: &Met,
     done: &mut Done,
 ) {
-    let mut pairs = vec![(0.0_f64, 0.0_f64); scene.touching.pairs.len()];
+    let mut pairs: PerPair<(f64, f64)> = PerPair::default();
     for ((meeting, &rate), &impulse) in met.meetings.iter().zip(met.rates).zip(met.impulses) {
         // A joint that is held both ways has met no limit.
         let bilateral = matches!(meeting.block.law, Law::Interval { lower: f64::NEG_INFINITY, .. });
@@ -76,13 +78,13 @@ pub(crate) fn note_impacts(
             }
             of @ (Of::Contact(_) | Of::Moment { .. }) => {
                 let Some(pair) = contacts.pair_of(of) else { continue };
-                let (sum, fastest) = &mut pairs[pair];
+                let (sum, fastest) = pairs.of(pair);
                 (*sum, *fastest) = (*sum + impulse, fastest.max(-rate));
             }
         }
     }
-    for (pair, &(sum, rate)) in pairs.iter().enumerate().filter(|(_, (sum, _))| *sum > 0.0) {
-        done.pairs[pair] = true;
+    for (pair, &(sum, rate)) in pairs.iter().filter(|(_, (sum, _))| *sum > 0.0) {
+        *done.pairs.of(pair) = true;
         // A pair at rest passes on the impulses of others.
         if rate > 0.0 {
             memory.remember(Of::Contact(pair), Side::Lower, time, rate);
@@ -140,13 +142,15 @@ pub(crate) fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], 
             Some(_) => known,
         })
     };
-    for pair in 0..scene.touching.pairs.len() {
+    // The others stay open.
+    let closed = before.contacts.iter().chain(&after.contacts).map(|closed| closed.contact.pair);
+    for pair in closed.collect::<BTreeSet<usize>>() {
         let features = |mode: &Mode| {
             let own = mode.contacts.iter().filter(|closed| closed.contact.pair == pair);
             own.map(|closed| (closed.contact.features, closed.slides.is_some(), closed.held_turns()))
                 .collect::<Vec<_>>()
         };
-        done.pairs[pair] |= features(before) != features(after);
+        *done.pairs.of(pair) |= features(before) != features(after);
         let (was, is) = (of(before, pair), of(after, pair));
         let stops = |trigger: &Watched| match *trigger {
             Watched::Slips(contact) => before.contacts[contact].contact.pair == pair,

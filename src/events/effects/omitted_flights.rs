@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 fn in_flight(memory: &Memory, contacts: &Contacts, meetings: &[Meeting], velocity: &[f64], time: f64) -> Vec<usize> {
     let until = |of: Of| match (of, contacts.pair_of(of)) {
         (Of::Joint(joint), _) => memory.joints[joint].in_flight_until,
-        (_, Some(pair)) => memory.pairs[pair].in_flight_until,
+        (_, Some(pair)) => memory.pairs.get(pair).and_then(|known| known.in_flight_until),
         (Of::Contact(_) | Of::Moment { .. }, None) => None,
     };
     let rests = |meeting: &Meeting| meeting.rate(velocity).abs() <= meeting.rest;

@@ -112,6 +112,7 @@ mod tests {
                 whole: &mechanism,
                 elements: &elements,
                 touching: &touching,
+                near: &[0],
                 response: &mut response,
                 solvers: &mut solvers,
             };

@@ -50,7 +50,6 @@ pub(crate) fn transit(
     let mut done = Done {
         joints: vec![false; elements.joints.len()],
         motors: vec![false; elements.motors.len()],
-        pairs: vec![false; scene.touching.pairs.len()],
         ..Done::default()
     };
     let before = mode.clone();

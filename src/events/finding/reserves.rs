@@ -16,7 +16,8 @@
 use crate::events::finding::speeds::Speeds;
 use crate::events::finding::travel::Travel;
 use crate::events::modes::tolerances::AT_EVENT;
-use crate::instant::holding::touching::Touching;
+use crate::instant::holding::pairs::{Pair, Pairs};
+use crate::instant::holding::per_pair::PerPair;
 use crate::mechanism::description::mechanism::Mechanism;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -28,7 +29,9 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reserves {
     travel: Travel,
-    pairs: Vec<Reserve>,
+    pairs: PerPair<Reserve>,
+    /// The first body of the robot of each body.
+    roots: Vec<usize>,
     /// The bits of `M + r` and the number of each pair that is not to be asked; numbers above zero have the order of their bits.
     queue: BinaryHeap<Reverse<(u64, usize)>>,
     /// The pairs that the step asks, in the order of their numbers.
@@ -49,36 +52,43 @@ struct Reserve {
 }
 
 impl Reserves {
-    /// For the pairs of a mechanism, of which nothing is known.
-    pub fn new(mechanism: &Mechanism, touching: &Touching) -> Self {
+    /// For the bodies of a mechanism, without pairs.
+    pub fn new(mechanism: &Mechanism) -> Self {
         let mut roots: Vec<usize> = Vec::with_capacity(mechanism.bodies.len());
         for (index, body) in mechanism.bodies.iter().enumerate() {
             roots.push(body.parent.map_or(index, |parent| roots[parent]));
         }
-        let mut travel = Travel::default();
-        let pairs = touching.pairs.iter().map(|pair| {
-            let carrier = match pair.bodies {
-                [Some(a), Some(b)] if roots[a] == roots[b] => Some(roots[a]),
-                _ => None,
-            };
-            let bodies = [0, 1].map(|side| {
-                let body = pair.bodies[side].filter(|body| Some(*body) != carrier)?;
-                Some(travel.traveller(body, carrier, pair.reach[side]))
-            });
-            Reserve { bodies, spent_at: f64::NEG_INFINITY, closed: pair.within(AT_EVENT) }
-        });
-        let pairs: Vec<Reserve> = pairs.collect();
-        Reserves { asked: (0..pairs.len()).collect(), travel, pairs, ..Reserves::default() }
+        Reserves { roots, ..Reserves::default() }
+    }
+
+    /// Takes these pairs, whose numbers ascend, instead of those before; of new ones nothing is known.
+    pub fn take(&mut self, near: &[usize], all: &Pairs) {
+        if self.pairs.iter().map(|(pair, _)| pair).eq(near.iter().copied()) {
+            return;
+        }
+        let Reserves { travel, pairs, roots, queue, asked, left } = self;
+        let stays = |pair: usize| near.binary_search(&pair).is_ok();
+        if pairs.iter().any(|(pair, _)| !stays(pair)) {
+            pairs.retain(stays);
+            queue.retain(|Reverse((_, pair))| stays(*pair));
+            asked.retain(|&pair| stays(pair));
+            left.retain(|&(pair, _)| stays(pair));
+        }
+        let new: Vec<usize> = near.iter().copied().filter(|&pair| pairs.get(pair).is_none()).collect();
+        let made: Vec<Reserve> = new.iter().map(|&pair| Reserve::unknown(&all[pair], roots, travel)).collect();
+        pairs.extend(&new, |pair| made[new.binary_search(&pair).unwrap_or_default()]);
+        asked.extend(new);
+        asked.sort_unstable();
     }
 
     /// Forgets all reserves: another mode begins, in which bodies may be quicker between the samples of steps than those before told.
     pub fn forget(&mut self) {
         let Reserves { pairs, queue, asked, left, .. } = self;
-        pairs.iter_mut().for_each(|pair| pair.spent_at = f64::NEG_INFINITY);
+        pairs.values_mut().for_each(|pair| pair.spent_at = f64::NEG_INFINITY);
         queue.clear();
         left.clear();
         asked.clear();
-        asked.extend(0..pairs.len());
+        asked.extend(pairs.iter().map(|(pair, _)| pair));
     }
 
     /// A look at a step with these speeds and this length (s) begins. The same step may be looked at again with another end.
@@ -106,8 +116,9 @@ impl Reserves {
     /// The step before is done, with these reserves at its end.
     fn take_left(&mut self) {
         for &(pair, rest) in &self.left {
-            let [sum, _] = self.travel.of(self.pairs[pair].bodies);
-            self.pairs[pair].spent_at = rest + sum;
+            let known = self.pairs.of(pair);
+            let [sum, _] = self.travel.of(known.bodies);
+            known.spent_at = rest + sum;
         }
     }
 
@@ -116,8 +127,9 @@ impl Reserves {
         let Reserves { travel, pairs, queue, asked, .. } = self;
         let [most, _] = travel.most();
         asked.retain(|&pair| {
-            let [rest, _] = pairs[pair].left(travel);
-            let last = most + (rest - pairs[pair].closed);
+            let known = pairs.of(pair);
+            let [rest, _] = known.left(travel);
+            let last = most + (rest - known.closed);
             let waits = last > most && last.is_finite();
             if waits {
                 queue.push(Reverse((last.to_bits(), pair)));
@@ -133,14 +145,15 @@ impl Reserves {
 
     /// A lower bound of the gap of a pair at the end of the step (m), unless it was looked at.
     pub fn at_end(&self, pair: usize) -> f64 {
-        self.pairs[pair].left(&self.travel)[1]
+        self.pairs.get(pair).map_or(f64::NEG_INFINITY, |known| known.left(&self.travel)[1])
     }
 
     /// Whether an asked pair that closes by no more than `closes` (m) in the step keeps enough of its reserve; the rest of it (m), if it does.
     pub fn lasts(&mut self, pair: usize, closes: f64) -> Option<f64> {
-        let [start, _] = self.pairs[pair].left(&self.travel);
+        let known = self.pairs.of(pair);
+        let [start, _] = known.left(&self.travel);
         let rest = start - closes;
-        if rest > self.pairs[pair].closed {
+        if rest > known.closed {
             self.note(pair, rest);
             return Some(rest);
         }
@@ -153,7 +166,26 @@ impl Reserves {
     }
 }
 
+impl Default for Reserve {
+    fn default() -> Self {
+        Reserve { bodies: [None, None], spent_at: f64::NEG_INFINITY, closed: 0.0 }
+    }
+}
+
 impl Reserve {
+    /// Of a pair of which nothing is known.
+    fn unknown(pair: &Pair, roots: &[usize], travel: &mut Travel) -> Self {
+        let carrier = match pair.bodies {
+            [Some(a), Some(b)] if roots[a] == roots[b] => Some(roots[a]),
+            _ => None,
+        };
+        let bodies = [0, 1].map(|side| {
+            let body = pair.bodies[side].filter(|body| Some(*body) != carrier)?;
+            Some(travel.traveller(body, carrier, pair.reach[side]))
+        });
+        Reserve { bodies, spent_at: f64::NEG_INFINITY, closed: pair.within(AT_EVENT) }
+    }
+
     /// r at the start and at the end of the step (m).
     fn left(&self, travel: &Travel) -> [f64; 2] {
         travel.of(self.bodies).map(|sum| self.spent_at - sum - ROUNDING * sum)
@@ -170,14 +202,12 @@ mod tests {
     /// Pairs of two bodies and the world, with a reach of 0.1 m.
     fn reserves(pairs: &[[Option<usize>; 2]]) -> Reserves {
         let mut travel = Travel::default();
-        let pairs: Vec<Reserve> = pairs
-            .iter()
-            .map(|bodies| {
-                let bodies = bodies.map(|body| body.map(|body| travel.traveller(body, None, 0.1)));
-                Reserve { bodies, spent_at: f64::NEG_INFINITY, closed: 1e-12 }
-            })
-            .collect();
-        Reserves { asked: (0..pairs.len()).collect(), travel, pairs, ..Reserves::default() }
+        let mut reserves = Reserves::default();
+        for (number, bodies) in pairs.iter().enumerate() {
+            let bodies = bodies.map(|body| body.map(|body| travel.traveller(body, None, 0.1)));
+            *reserves.pairs.of(number) = Reserve { bodies, spent_at: f64::NEG_INFINITY, closed: 1e-12 };
+        }
+        Reserves { asked: (0..pairs.len()).collect(), travel, ..reserves }
     }
 
     /// The first body moves along x at 1 m/s, the second one rests at −1 m.

@@ -15,7 +15,8 @@
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2.
 
 use crate::events::finding::detection::SAMPLES;
-use crate::instant::holding::touching::{Pair, Part};
+use crate::instant::holding::pairs::Pair;
+use crate::instant::holding::rope::Part;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::Vector3;
 

@@ -22,13 +22,15 @@ use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::instant::cone::problem::outside_cone;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::moments::Turning;
-use crate::instant::holding::touching::{Contact, Pair, Touching};
+use crate::instant::holding::pairs::Pair;
+use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::Moment;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// One function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,17 +93,19 @@ pub(crate) const BORDER: f64 = 1.2e-11;
 const NEARBY: f64 = 0.02;
 
 impl Watched {
-    /// The functions of a mode; `unique` says whether the forces that hold joints and contacts are, `apart` whether a pair can close.
+    /// The functions of a mode and of the pairs that are near; `unique` says whether the forces that hold joints and contacts are, `apart` whether a
+    /// pair can close.
     pub fn of(
         elements: &Elements,
         touching: &Touching,
         mode: &Mode,
+        near: &[usize],
         unique: bool,
         apart: impl Fn(usize) -> bool,
     ) -> Vec<Watched> {
         let mut all = Vec::new();
         let mut holds = !mode.contacts.is_empty();
-        all.extend((0..touching.pairs.len()).filter(|&pair| apart(pair)).map(Watched::Approach));
+        all.extend(near.iter().copied().filter(|&pair| apart(pair)).map(Watched::Approach));
         let slide = |pair: usize| {
             mode.contacts.iter().filter(|closed| closed.contact.pair == pair && closed.slides.is_some()).count()
         };
@@ -130,7 +134,8 @@ impl Watched {
         // The slips of one pair stop together, up to the unknown part of their forces; one of them stops alone if the bodies turn about it.
         let slides = |pair: &usize| touching.pairs[*pair].friction > 0.0 && slide(*pair) > 0;
         if !unique {
-            all.extend((0..touching.pairs.len()).filter(slides).map(Watched::SlipsTogether));
+            let closed: BTreeSet<usize> = mode.contacts.iter().map(|closed| closed.contact.pair).collect();
+            all.extend(closed.into_iter().filter(slides).map(Watched::SlipsTogether));
         }
         for (index, (joint, state)) in elements.joints.iter().zip(&mode.joints).enumerate() {
             match state {

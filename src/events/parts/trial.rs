@@ -13,6 +13,8 @@ use crate::events::modes::inside_bodies::InsideBodies;
 use crate::events::modes::instants::Evaluated;
 use crate::events::modes::placed::PlacedBodies;
 use crate::events::parts::model::HybridModel;
+use crate::instant::holding::near::Near;
+use crate::instant::holding::per_pair::PerPair;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
@@ -32,11 +34,13 @@ pub(crate) struct StepTrial {
     /// Functions whose zero at the start of the step is no event.
     pub fresh_joints: Vec<bool>,
     pub fresh_motors: Vec<bool>,
-    pub fresh_pairs: Vec<bool>,
+    pub fresh_pairs: PerPair<bool>,
     /// Room for looks at steps.
     pub looking: Looking,
     /// Bounds of the speeds of bodies over the step.
     pub speeds: Speeds,
+    /// The pairs that are looked at: all others are proved apart.
+    pub near: Near,
     /// How far pairs are from closing, by the looks at steps before.
     pub reserves: Reserves,
     /// The covered stretches of the last step for each pair that may close in it, by its number among the watched functions.
@@ -59,7 +63,7 @@ pub(crate) struct StepTrial {
 impl StepTrial {
     /// Before the first step.
     pub fn new(model: &HybridModel, holding: Holding, state: State) -> Self {
-        let HybridModel { whole, elements, touching, .. } = model;
+        let HybridModel { whole, elements, .. } = model;
         StepTrial {
             origin: state.clone(),
             sample: state,
@@ -68,10 +72,11 @@ impl StepTrial {
             watched: Vec::new(),
             fresh_joints: vec![false; elements.joints.len()],
             fresh_motors: vec![false; elements.motors.len()],
-            fresh_pairs: vec![false; touching.pairs.len()],
+            fresh_pairs: PerPair::default(),
             looking: Looking::default(),
             speeds: Speeds::default(),
-            reserves: Reserves::new(whole, touching),
+            reserves: Reserves::new(whole),
+            near: Near::default(),
             covers: Vec::new(),
             overlap: 0.0,
             bodies: vec![WORLD; whole.bodies.len()],
@@ -85,7 +90,8 @@ impl StepTrial {
 
     /// Takes another mechanism with the same bodies and joints.
     pub fn replace(&mut self, model: &HybridModel) {
-        self.reserves = Reserves::new(&model.whole, &model.touching);
+        self.reserves = Reserves::new(&model.whole);
+        self.reserves.take(self.near.pairs(), &model.touching.pairs);
         self.placed.forget();
     }
 
@@ -93,7 +99,7 @@ impl StepTrial {
     pub fn wear_off(&mut self) {
         self.fresh_joints.fill(false);
         self.fresh_motors.fill(false);
-        self.fresh_pairs.fill(false);
+        self.fresh_pairs.clear();
     }
 
     /// Forgets the looks at the last step: it is another, or bodies that are held in it have moved.

@@ -21,6 +21,7 @@ use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows, add_pulls, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::moments::{Turning, blocks_of_turning, have_moments, solve_with_moments};
+use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -152,7 +153,10 @@ impl Exerted {
     /// The contacts that touch and do not part, as blocks after the blocks of the joints.
     fn take_contacts(&mut self, bodies: &[BodyState]) -> Vec<(Contact, TouchMotion)> {
         let mut contacts = Vec::new();
-        for (pair, of) in self.touching.pairs.iter().enumerate() {
+        let pairs = &self.touching.pairs;
+        let near = Near::within(pairs, bodies, |body| TOUCHED * pairs.reach_of(body));
+        for &pair in near.pairs() {
+            let of = &self.touching.pairs[pair];
             for (contact, _) in self.touching.near(pair, bodies, of.within(TOUCHED)) {
                 let touch = touch_motion(&contact.joint, bodies);
                 if touch.rate > AT_REST {

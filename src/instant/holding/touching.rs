@@ -3,130 +3,27 @@
 //! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. A pose belongs
 //! to a body; the world has its own.
 
-use crate::geometry::{Extents, FeatureId, PairGeometry, PlaceId, TouchPlace};
+use crate::geometry::{FeatureId, PlaceId, TouchPlace};
+use crate::instant::holding::pairs::{Pair, Pairs};
+use crate::instant::holding::rope::ROUNDED;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Attachment;
-use crate::mechanism::description::contact::{ContactPair, Grip, MomentLengths, Moments, Shape, Touch, TouchJoint};
+use crate::mechanism::description::contact::{Grip, Moments, Touch, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::description::nonsmooth::{Nonsmooth, Reeving};
 use crate::mechanism::motion::contact_point::ContactPoint;
-use crate::mechanism::motion::reeved::rope_length;
 use crate::mechanism::motion::touches::{TouchMotion, touch_motion};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// Features this near to each other, relative to the size of their pair, touch.
 pub(crate) const TOUCHED: f64 = 1e-11;
-/// The same in a state without a known mode, relative to the smaller shape.
-const TOUCHED_ANEW: f64 = 1e-9;
 /// Shapes whose gap is more than this part of the smaller one are well apart.
 const WELL_APART: f64 = 1e-3;
-/// The rounding of the gap of a rope through several points, as a part of its length.
-const ROUNDED: f64 = 1e-13;
 
 /// The pairs of a mechanism.
 #[derive(Clone, Default)]
 pub(crate) struct Touching {
-    pub pairs: Vec<Pair>,
-}
-
-/// Two colliders that may touch.
-#[derive(Clone)]
-pub(crate) struct Pair {
-    geometry: PairGeometry,
-    /// The bodies that they are fixed in.
-    pub bodies: [Option<usize>; 2],
-    /// The velocities of their surfaces over the bodies, in the axes of the bodies or of the world [m/s].
-    surfaces: [Vector3<f64>; 2],
-    /// The largest distance of each from the centre of mass of its body (m); infinite for a half space.
-    pub reach: [f64; 2],
-    /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or all parts of a rope through several points.
-    pub parts: Vec<Part>,
-    /// The rope through several points that it is, if it is one.
-    rope: Option<Rope>,
-    /// μ and e.
-    pub friction: f64,
-    pub restitution: f64,
-    /// ρ and σ.
-    pub moments: MomentLengths,
-    /// Its number in the whole mechanism.
-    pub number: usize,
-    /// The lengths from which its tolerances are made.
-    pub extents: Extents,
-    /// How far a body moves at least while it passes through the other (m).
-    pub breadth: f64,
-}
-
-/// Two bodies, and how far they reach (m).
-pub(crate) type Part = ([Option<usize>; 2], [f64; 2]);
-
-/// A rope through several points ([`crate::mechanism::motion::reeved`]).
-#[derive(Clone)]
-struct Rope {
-    /// m.
-    length: f64,
-    points: Vec<Attachment>,
-    /// Where two of its points on different bodies are, as of a rope between them.
-    place: TouchPlace,
-}
-
-impl Rope {
-    /// The course of the rope that a pair is, if it has one.
-    fn new(mechanism: &Mechanism, pair: &ContactPair, geometry: &PairGeometry) -> Option<Self> {
-        let Nonsmooth { colliders, reevings, .. } = &mechanism.nonsmooth;
-        let Reeving { points, .. } = reevings.iter().find(|rope| rope.collider == pair.a)?;
-        let Shape::Hollow { radius: length } = colliders[pair.a].shape else { return None };
-        let apart = |shift: Vector3<f64>| {
-            let moved = Pose::from_parts(Translation3::from(shift), Rotation3::identity());
-            geometry.touches(&Pose::identity(), &moved, f64::INFINITY).pop()
-        };
-        let place = [Vector3::zeros(), Vector3::x()].into_iter().find_map(apart)?;
-        Some(Rope { length, points: points.clone(), place })
-    }
-
-    /// Its parts between points on different bodies.
-    fn parts(&self) -> Vec<Part> {
-        let ends = self.points.windows(2).map(|ends| [0, 1].map(|end: usize| ends[end]));
-        let apart = ends.filter(|[one, other]| one.body != other.body);
-        apart.map(|ends| (ends.map(|end| end.body), ends.map(|end| end.frame.translation.vector.norm()))).collect()
-    }
-
-    /// φ (m).
-    fn gap(&self, bodies: &[BodyState]) -> f64 {
-        self.length - rope_length(&self.points, bodies)
-    }
-}
-
-impl Pair {
-    /// Whether it is a rope through several points.
-    pub fn is_reeved(&self) -> bool {
-        self.rope.is_some()
-    }
-
-    /// The tolerance that is this part of its size (m).
-    pub fn within(&self, part: f64) -> f64 {
-        self.extents.within(part)
-    }
-
-    /// The arm by which a turning counts as a speed of its smaller shape (m).
-    pub fn arm(&self) -> f64 {
-        self.extents.smaller
-    }
-
-    /// Whether its shapes have one pair of features at most.
-    pub fn has_one_place(&self) -> bool {
-        self.geometry.has_one_place()
-    }
-
-    /// How far the larger of its two shapes extends (m).
-    pub fn size(&self) -> f64 {
-        self.extents.whole
-    }
-
-    /// Gaps up to this are closed in a state without a known mode (m): at the beginning of a run, and after steps of first order.
-    pub fn closed_anew(&self) -> f64 {
-        (TOUCHED_ANEW * self.extents.smaller).max(self.within(TOUCHED))
-    }
+    pub pairs: Pairs,
 }
 
 /// One contact of a pair.
@@ -203,33 +100,7 @@ impl Touching {
 
     /// The pairs of a mechanism. Pairs of impossible shapes are left out; the reader of a scene refuses them.
     pub fn new(mechanism: &Mechanism) -> Self {
-        let nonsmooth = &mechanism.nonsmooth;
-        let pairs = nonsmooth.pairs.iter().filter_map(|pair| {
-            let (a, b) = (&nonsmooth.colliders[pair.a], &nonsmooth.colliders[pair.b]);
-            let geometry = PairGeometry::new(a, b).ok()?;
-            let reach = geometry.reach();
-            let (extents, breadth) = (geometry.extents(), geometry.breadth());
-            let ContactPair { friction, restitution, moments, number, .. } = *pair;
-            let bodies = [a.body, b.body];
-            let surfaces = [a.surface_velocity, b.surface_velocity];
-            let rope = Rope::new(mechanism, pair, &geometry);
-            let parts = rope.as_ref().map_or_else(|| vec![(bodies, reach)], Rope::parts);
-            Some(Pair {
-                geometry,
-                bodies,
-                surfaces,
-                reach,
-                parts,
-                rope,
-                friction,
-                restitution,
-                moments,
-                number,
-                extents,
-                breadth,
-            })
-        });
-        Touching { pairs: pairs.collect() }
+        Touching { pairs: Pairs::new(mechanism) }
     }
 
     /// The distance of a pair (m); negative where it overlaps.

@@ -13,6 +13,7 @@
 use crate::instant::cone::bounded::minimise;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
@@ -25,6 +26,8 @@ const ROUNDS: usize = 60;
 const APART: f64 = 1e-14;
 /// Contacts of a pair that overlaps are near if their gaps are less than this part of its size,
 const NEAR: f64 = 0.1;
+/// a little less than this part of the reaches of its bodies,
+const NEARER: f64 = 0.11;
 /// and less than this many times the deepest overlap: to move apart by a rounding, features of dense hulls a tenth of their size apart do not matter.
 const MOVES: f64 = 100.0;
 /// Gaps of the linear problem above minus this part of the deepest overlap are closed.
@@ -36,7 +39,8 @@ const REACH: f64 = 0.2;
 pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State) -> Option<(usize, f64)> {
     let bodies = body_states(mechanism, state);
     let depth = |pair: usize| (pair, -touching.distance_within(pair, &bodies, 0.0));
-    let all = (0..touching.pairs.len()).map(depth);
+    let near = Near::within(&touching.pairs, &bodies, |_| 0.0);
+    let all = near.pairs().iter().copied().map(depth);
     let overlaps = all.filter(|&(pair, depth)| depth > touching.pairs[pair].within(APART));
     overlaps.max_by(|one, other| one.1.total_cmp(&other.1))
 }
@@ -51,7 +55,10 @@ pub(crate) fn move_apart(
 ) -> bool {
     let bodies = body_states(mechanism, state);
     let (mut rows, mut gaps) = (Vec::new(), Vec::new());
-    for (pair, near) in touching.pairs.iter().map(|pair| pair.within(NEAR).min(MOVES * depth)).enumerate() {
+    let pairs = &touching.pairs;
+    let all = Near::within(pairs, &bodies, |body| NEARER * pairs.reach_of(body));
+    for &pair in all.pairs() {
+        let near = pairs[pair].within(NEAR).min(MOVES * depth);
         if touching.distance_within(pair, &bodies, near) > near {
             continue;
         }

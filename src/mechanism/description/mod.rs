@@ -3,6 +3,7 @@
 pub mod body_state;
 pub mod closure;
 pub mod contact;
+pub mod contact_pairs;
 pub mod course;
 pub mod forces;
 pub mod formula;

@@ -5,6 +5,7 @@
 
 use crate::description::closure::{Attachment, Coordinate, JointLimit};
 use crate::description::contact::{Collider, ContactPair};
+use crate::description::contact_pairs::ContactPairs;
 use crate::description::target::Target;
 
 /// Dry (Coulomb) friction along one scalar joint coordinate: the effort `τ` on the child is
@@ -129,7 +130,7 @@ pub struct Nonsmooth {
     /// Shapes that may touch.
     pub colliders: Vec<Collider>,
     /// Which of them may, and how.
-    pub pairs: Vec<ContactPair>,
+    pub pairs: ContactPairs,
     /// The ropes among the colliders that go through more than two points.
     pub reevings: Vec<Reeving>,
 }
@@ -166,13 +167,18 @@ impl Nonsmooth {
             stays
         });
         let colliders = &self.colliders;
-        self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
-            (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
-                (pair.a, pair.b) = (a, b);
-                true
-            }
-            _ => false,
-        });
+        let moves = |pair: &ContactPair| colliders[pair.a].body.or(colliders[pair.b].body).is_some();
+        let same = places.iter().enumerate().all(|(number, place)| *place == Some(number));
+        // Pairs that stay as they are stay shared with the copies of this.
+        if !(same && self.pairs.iter().all(moves)) {
+            self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
+                (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
+                    (pair.a, pair.b) = (a, b);
+                    true
+                }
+                _ => false,
+            });
+        }
         self.reevings.retain_mut(|rope| {
             let Some(collider) = places[rope.collider] else { return false };
             rope.collider = collider;

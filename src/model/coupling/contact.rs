@@ -68,7 +68,7 @@ impl Model {
             pairs.push(ContactPair::without_moments(number, [a, a + 1], 0.0, rope.restitution));
         }
         self.mechanism.nonsmooth.colliders = colliders;
-        self.mechanism.nonsmooth.pairs = pairs;
+        self.mechanism.nonsmooth.pairs = pairs.into();
         self.mechanism.nonsmooth.reevings = reevings;
         self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));

@@ -40,9 +40,9 @@ impl Model {
         }
         let all = std::mem::take(&mut self.mechanism.nonsmooth.pairs);
         let (left, mut kept): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|pair| links.iter().any(|known| *known == self.names(pair)));
+            all.iter().copied().partition(|pair| links.iter().any(|known| *known == self.names(pair)));
         number(&mut kept);
-        self.mechanism.nonsmooth.pairs = kept;
+        self.mechanism.nonsmooth.pairs = kept.into();
         let because = NeverTouch::Overlap;
         self.contact.left_out.extend(left.into_iter().map(|pair| LeftOutPair { pair, because }));
         let mut named: Vec<String> = links.iter().map(|[a, b]| format!("{a:?} and {b:?}")).collect();

@@ -33,7 +33,7 @@ fn touching_arm() -> Model {
     let pair = |number, b| ContactPair::without_moments(number, [0, b], 0.5, 0.0);
     model.mechanism.nonsmooth.colliders =
         vec![collider("slider", Some(1)), collider("floor", None), collider("wall", None)];
-    model.mechanism.nonsmooth.pairs = vec![pair(0, 1), pair(1, 2)];
+    model.mechanism.nonsmooth.pairs = vec![pair(0, 1), pair(1, 2)].into();
     model
 }
 
