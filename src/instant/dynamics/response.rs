@@ -25,6 +25,15 @@ pub(crate) struct Response {
     /// On which tree, once a state has been asked for.
     way: Option<Way>,
     unit: Vec<f64>,
+    trees: Arc<Trees>,
+}
+
+/// The trees of a mechanism, by their first bodies.
+struct Trees {
+    /// The tree of each degree of freedom.
+    of_freedoms: Vec<usize>,
+    /// The degrees of freedom of each tree; none for bodies that begin no tree.
+    freedoms: Vec<Vec<usize>>,
 }
 
 #[derive(Clone)]
@@ -47,7 +56,16 @@ struct Elsewhere {
 impl Response {
     /// For a mechanism with its forces.
     pub fn new(mechanism: &Mechanism) -> Self {
-        Response { mechanism: Arc::new(mechanism.clone()), way: None, unit: vec![0.0; mechanism.velocity_count] }
+        let mut roots: Vec<usize> = Vec::with_capacity(mechanism.bodies.len());
+        let (bodies, count) = (mechanism.bodies.len(), mechanism.velocity_count);
+        let mut trees = Trees { of_freedoms: vec![0; count], freedoms: vec![Vec::new(); bodies] };
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            roots.push(body.parent.map_or(index, |parent| roots[parent]));
+            trees.of_freedoms[body.joint.velocity_range()].fill(roots[index]);
+            trees.freedoms[roots[index]].extend(body.joint.velocity_range());
+        }
+        let trees = Arc::new(trees);
+        Response { mechanism: Arc::new(mechanism.clone()), way: None, unit: vec![0.0; count], trees }
     }
 
     /// The way, chosen in the first state that is asked for.
@@ -105,15 +123,34 @@ impl Response {
         self.unit = unit;
     }
 
-    /// Y Wᵀ (n × m) for rows W of efforts, at a state.
+    /// Y Wᵀ (n × m) for rows W of efforts, at a state. Rows that act on different trees are answered together.
     pub fn answers(&mut self, state: &State, rows: &[impl Deref<Target = [f64]>]) -> DMatrix<f64> {
         self.place(state);
         let mut columns = DMatrix::zeros(self.unit.len(), rows.len());
         let mut column = vec![0.0; self.unit.len()];
-        for (index, row) in rows.iter().enumerate() {
-            self.answer(row, &mut column);
-            columns.column_mut(index).copy_from_slice(&column);
+        if !matches!(&self.way, Some(Way::OfFile(response)) if response.trees_are_apart()) {
+            for (index, row) in rows.iter().enumerate() {
+                self.answer(row, &mut column);
+                columns.column_mut(index).copy_from_slice(&column);
+            }
+            return columns;
         }
+        let trees = self.trees.clone();
+        let of_rows: Vec<Vec<usize>> = rows.iter().map(|row| acting(row, &trees.of_freedoms)).collect();
+        let freedoms = |row: usize| of_rows[row].iter().flat_map(|&tree| trees.freedoms[tree].iter().copied());
+        let mut efforts = std::mem::take(&mut self.unit);
+        for group in groups(&of_rows, self.mechanism.bodies.len()) {
+            efforts.fill(0.0);
+            for &row in &group {
+                freedoms(row).for_each(|freedom| efforts[freedom] = rows[row][freedom]);
+            }
+            self.answer(&efforts, &mut column);
+            for &row in &group {
+                freedoms(row).for_each(|freedom| columns[(freedom, row)] = column[freedom]);
+            }
+        }
+        efforts.fill(0.0);
+        self.unit = efforts;
         columns
     }
 
@@ -160,6 +197,28 @@ impl Response {
     }
 }
 
+/// The trees on which a row acts, in their order.
+fn acting(row: &[f64], trees: &[usize]) -> Vec<usize> {
+    let acting = row.iter().zip(trees).filter(|(entry, _)| **entry != 0.0).map(|(_, tree)| *tree);
+    let mut acting: Vec<usize> = acting.collect();
+    acting.sort_unstable();
+    acting.dedup();
+    acting
+}
+
+/// Rows in groups of which no two act on the same tree, of this number of bodies.
+fn groups(of_rows: &[Vec<usize>], bodies: usize) -> Vec<Vec<usize>> {
+    let mut next = vec![0; bodies];
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (row, trees) in of_rows.iter().enumerate() {
+        let group = trees.iter().map(|&tree| next[tree]).max().unwrap_or(0);
+        trees.iter().for_each(|&tree| next[tree] = group + 1);
+        groups.resize(groups.len().max(group + 1), Vec::new());
+        groups[group].push(row);
+    }
+    groups
+}
+
 impl Way {
     /// The one with the least work; the axes of loop joints point as they do in a state.
     fn new(file: &Mechanism, state: &State) -> Self {
@@ -176,5 +235,45 @@ impl Way {
             answer: vec![0.0; freedoms],
             other,
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instant::cone::scenes::Random;
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn rows_on_different_trees_that_are_answered_together_are_answered_as_alone() {
+        // Three trees of two bodies, with seven freedoms each.
+        let body = |number: usize| {
+            let kind = if number % 2 == 0 { JointKind::Floating } else { JointKind::Revolute };
+            let joint = Joint::new("joint", kind, Pose::translation(0.1, 0.2, 0.3), Pose::translation(0.0, -0.2, 0.1));
+            let (mass, inertia) = (1.0 + number as f64, Vector3::new(0.1, 0.2, 0.25));
+            Body { name: "body".into(), parent: (number % 2 == 1).then(|| number - 1), mass, inertia, joint }
+        };
+        let mechanism = Mechanism::new("trees", Vector3::zeros(), (0..6).map(body).collect()).expect("trees");
+        let (mut response, mut random) = (Response::new(&mechanism), Random::new(7));
+        let state = State::zero(&mechanism);
+        // A row on each tree, one on each two, and one on none.
+        let acts = [vec![0], vec![1], vec![2], vec![0, 1], vec![1, 2], vec![0, 2], vec![], vec![1]];
+        let rows: Vec<Vec<f64>> = acts
+            .iter()
+            .map(|acts| {
+                (0..21).map(|freedom| if acts.contains(&(freedom / 7)) { random.signed() } else { 0.0 }).collect()
+            })
+            .collect();
+        let together = response.answers(&state, &rows);
+        for (index, row) in rows.iter().enumerate() {
+            let mut alone = vec![0.0; 21];
+            response.answer(row, &mut alone);
+            assert_eq!(together.column(index).as_slice(), alone.as_slice(), "row {index}");
+            assert_eq!(alone.iter().any(|rate| *rate != 0.0), !acts[index].is_empty());
+        }
+        let of_rows: Vec<Vec<usize>> = rows.iter().map(|row| acting(row, &response.trees.of_freedoms)).collect();
+        assert_eq!(groups(&of_rows, 6), [vec![0, 1, 2, 6], vec![3], vec![4], vec![5, 7]]);
     }
 }

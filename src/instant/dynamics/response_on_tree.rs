@@ -93,6 +93,11 @@ impl ResponseOnTree {
         }
     }
 
+    /// Whether the trees of the mechanism answer each to its own efforts alone, in the state that was taken last.
+    pub fn trees_are_apart(&self) -> bool {
+        self.closing.is_none() && self.following.is_none()
+    }
+
     /// Brings velocities on the closures, with the least change in the metric of H.
     pub fn close_velocities(&mut self, state: &mut State) {
         if self.closing.is_none() {

@@ -249,11 +249,16 @@ impl Rows {
         // A contact has entries for the freedoms of two bodies and of what carries them.
         let entries = |row: &Row| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
         let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(entries).collect();
-        let half = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
+        let mut square = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
             entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
         });
         // Symmetric to the last bit.
-        let square = 0.5 * (&half + half.transpose());
+        for column in 0..rows.len() {
+            for row in 0..column {
+                let mean = 0.5 * (square[(row, column)] + square[(column, row)]);
+                (square[(row, column)], square[(column, row)]) = (mean, mean);
+            }
+        }
         Rows { rows, columns, square }
     }
 

@@ -239,7 +239,7 @@ mod tests {
                 assert!(is_near || near.proves_apart(&pairs, pair, &bodies, margin), "round {round}: {a} and {b}");
             }
         }
-        // Balls in 64 m³, each with 0.4 m around it at most: 8 % of the pairs are near in a still picture, and more while they move through it.
+        // Balls in 64 m³ whose homes reach 0.3 m at most: 1 % of the pairs are near.
         assert!(counts[1] * 3 < counts[0], "{counts:?} far and near");
     }
 
