@@ -113,6 +113,7 @@ impl Case {
             mode: &self.mode,
             start: &self.start,
             step: 0.02,
+            begun: &self.start,
             toward: &self.start,
             inside: &[],
             efforts: &self.efforts,

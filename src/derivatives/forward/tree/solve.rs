@@ -24,7 +24,10 @@ pub(in crate::derivatives::forward) fn solve_tree(
     let (n, all) = (free.len(), problem.start.velocity.len());
     let family = Family::new(&problem.figures.plain, free);
     let mut velocities = vec![0.0; all];
-    free.iter().for_each(|&freedom| velocities[freedom] = problem.toward.velocity[freedom]);
+    for &freedom in free {
+        let faster = problem.start.velocity[freedom] - problem.begun.velocity[freedom];
+        velocities[freedom] = problem.toward.velocity[freedom] + faster;
+    }
     let (mut stages, mut factors) = match known {
         Some((SolvedStep { stages, factors: Factors::Tree(factors), drift, .. }, change)) => {
             velocities.copy_from_slice(&stages.last()?.velocity);
@@ -72,15 +75,24 @@ pub(in crate::derivatives::forward) fn solve_tree(
     None
 }
 
-/// Stages i = 2..s: those of the run if they are known, otherwise on a cubic curve through both ends.
+/// Stages i = 2..s: the known ones of the run, moved along with the start, otherwise on a cubic curve through both ends.
 fn first_stages(problem: &StepProblem) -> Vec<State> {
-    let count = problem.tableau.stages - 2;
-    let mut stages = match problem.inside.len() == count {
-        true => problem.inside.iter().chain([problem.toward]).cloned().collect(),
-        false => on_a_cubic(problem),
+    let StepProblem { mechanism, tableau, start, begun, toward, inside, .. } = *problem;
+    let mut stages = if inside.len() + 2 == tableau.stages {
+        let moved = motion_between(mechanism, begun, start);
+        let mut stages: Vec<State> = inside.iter().chain([toward]).cloned().collect();
+        for (stage, node) in stages.iter_mut().zip(&tableau.nodes[1..]) {
+            let gone = problem.step * node;
+            let faster = |freedom: usize| start.velocity[freedom] - begun.velocity[freedom];
+            let along: Vec<f64> = (0..moved.len()).map(|freedom| moved[freedom] + gone * faster(freedom)).collect();
+            stage.displace(mechanism, &along);
+        }
+        stages
+    } else {
+        on_a_cubic(problem)
     };
-    for (stage, node) in stages.iter_mut().zip(&problem.tableau.nodes[1..]) {
-        stage.time = problem.start.time + problem.step * node;
+    for (stage, node) in stages.iter_mut().zip(&tableau.nodes[1..]) {
+        stage.time = start.time + problem.step * node;
     }
     stages
 }

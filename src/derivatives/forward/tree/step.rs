@@ -129,8 +129,8 @@ impl<'s> TreeStep<'s> {
             if is_end {
                 sum = self.rates[1][body].minus(&self.rates[0][body]);
             }
-            for (ahead, &weight) in self.ahead.iter().zip(&weights) {
-                sum = sum.plus(&ahead[body].scaled(weight));
+            for i in 0..weights.len() {
+                sum = sum.plus(&self.ahead[i][body].scaled(weights[i]));
             }
             sum.origin = sum.origin + fall;
             mixed.push(sum);
