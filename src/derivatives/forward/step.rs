@@ -38,9 +38,9 @@ pub(super) const SLOW: f64 = 0.1;
 /// Corrections this small (rad or m) that do not shrink any more are rounding.
 pub(super) const ROUNDING: f64 = 1e-10;
 /// Newton's method is at its end if the next correction, the last one times the drift of the matrix, is smaller than this (rad² or m²).
-pub(super) const SQUARE: f64 = 1e-24;
-/// Factors with less drift belong to the solution: derivatives are off by some times as large a part.
-pub(super) const KEPT: f64 = 1e-15;
+pub(super) const SQUARE: f64 = 1e-19;
+/// Factors with less drift belong to the solution: derivatives are off by up to a hundred times as large a part.
+pub(super) const KEPT: f64 = 1e-14;
 
 /// A step that is solved.
 pub struct SolvedStep {

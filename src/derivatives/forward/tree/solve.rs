@@ -5,6 +5,8 @@
 //! ```text
 //!     y(c) = h v₀ c + (3Δ − 2 h v₀ − h v₁) c² + (h v₀ + h v₁ − 2Δ) c³        Δ = y₁ − y₀
 //! ```
+//!
+//! A correction δv̄ of the velocities at the end counts as h δv̄: the matrix depends on them.
 
 use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::step::{Factors, ITERATIONS, KEPT, ROUNDING, SLOW, SQUARE, SolvedStep, StepProblem};
@@ -45,7 +47,9 @@ pub(in crate::derivatives::forward) fn solve_tree(
         };
         let residual = step.residual(&efforts(&step));
         let correction = own.solve(&DMatrix::from_column_slice(residual.len(), 1, residual.as_slice()));
-        let size = correction.rows(0, (s - 1) * n).amax();
+        let [displaced, faster] =
+            [(0, s - 1), (s - 1, 1)].map(|(stage, many)| correction.rows(stage * n, many * n).amax());
+        let size = displaced.max(h.abs() * faster);
         if !size.is_finite() {
             return None;
         }

@@ -1,8 +1,8 @@
 //! The messages of `/sensitivities/…`: the derivatives of the run by a parameter, a topic each, at the ends of steps.
 //!
-//! A message is a `sensor_msgs/msg/JointState`. Its names are degrees of freedom, its positions ∂q/∂θ and its velocities ∂v/∂θ. If the
-//! standard deviation σ of θ is known, its efforts are σ |∂q/∂θ|. The frame of its header is the whole key of θ. The name of a topic has a slash for each dot of the key, and an underscore for all that ROS does not
-//! allow in names.
+//! A message is a `sensor_msgs/msg/JointState`. Its names are degrees of freedom, its positions ∂q/∂θ and its velocities ∂v/∂θ. If the standard
+//! deviation σ of θ is known, its efforts are σ |∂q/∂θ|. The frame of its header is the whole key of θ. The name of a topic has a slash for each dot
+//! of the key, and an underscore for all that ROS does not allow in names.
 //!
 //! Ends of steps whose instants move with a parameter, as those at events, have no message: derivatives are at fixed times.
 
