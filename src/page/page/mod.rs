@@ -21,6 +21,7 @@ pub(crate) mod motion;
 mod packing;
 pub(crate) mod shared_meshes;
 mod simplify;
+mod spreads;
 mod step_figures;
 mod tree;
 
