@@ -64,7 +64,7 @@ pub struct SensitivityArgs {
 #[derive(Clone, Debug, PartialEq)]
 pub struct By {
     pub key: String,
-    deviation: Option<f64>,
+    pub deviation: Option<f64>,
 }
 
 impl std::str::FromStr for By {
@@ -94,7 +94,7 @@ pub fn run(args: &SensitivityArgs) -> Result<(), Failure> {
         fixed: args.stages.zip(args.step),
         start: [&args.position, &args.velocity],
     };
-    let found = differentiate(settings.run(&model)?, &args.by)?;
+    let found = differentiate(settings.run(&model)?, &args.by, &[])?;
     if let Some(output) = &args.output {
         let written = std::fs::write(output, as_csv(&found));
         written.with_context(|| format!("{} cannot be written", output.display())).map_err(Failure::run)?;
@@ -138,13 +138,13 @@ impl RunSettings<'_> {
     }
 }
 
-/// The derivatives of a run by parameters.
+/// The derivatives of a run by parameters, at the ends of its steps and at some times (s).
 ///
 /// # Errors
 /// Unknown parameters, and runs without derivatives.
-pub fn differentiate(run: Simulation, by: &[By]) -> Result<Sensitivity, Error> {
+pub fn differentiate(run: Simulation, by: &[By], times: &[f64]) -> Result<Sensitivity, Error> {
     let keys: Vec<&str> = by.iter().map(|by| by.key.as_str()).collect();
-    run.sensitivity(&keys)
+    run.sensitivity_at(&keys, times)
 }
 
 /// The standard deviations of all parameters.

@@ -90,7 +90,7 @@ pub struct Arguments {
     precise: bool,
 
     /// Derivatives of the run by a parameter, as `catena sensitivity --by` takes it, with its standard deviation S if the report is to have that of
-    /// the motion: in the log, its tables and the report (repeatable)
+    /// the motion and the page is to draw it: in the log, its tables and the report (repeatable)
     #[arg(long, help_heading = REPORT, value_name = "KEY[=S]", conflicts_with_all = ["from", "base_velocity", "reversible", "precise"])]
     sensitivity: Vec<By>,
 
@@ -194,9 +194,9 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
     let Setup { state, settled, mut log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
-    let derived = derivatives(arguments, &loaded)?;
-    log.derivatives = derived.as_ref().map(|found| Arc::new(logged(found)));
     let Settled { duration, choice, rate } = settled;
+    let derived = derivatives(arguments, &loaded, (duration, rate))?;
+    log.derivatives = derived.as_ref().map(|found| Arc::new(logged(found, deviations(&arguments.sensitivity, found))));
     let model = &loaded.model;
     output.iter().try_for_each(|output| check_log(output, model, duration, &log)).map_err(Failure::input)?;
     if let (Some(page), Some(log)) = (&arguments.report, &output) {
@@ -280,7 +280,12 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
 }
 
 /// The derivatives that are asked for, before the run: a scene without them is refused, and no log is touched.
-fn derivatives(arguments: &Arguments, loaded: &Loaded) -> Result<Option<Sensitivity>, Failure> {
+/// Samples have derivatives of their own if a standard deviation is to be drawn.
+fn derivatives(
+    arguments: &Arguments,
+    loaded: &Loaded,
+    (duration, rate): (f64, f64),
+) -> Result<Option<Sensitivity>, Failure> {
     if arguments.sensitivity.is_empty() {
         return Ok(None);
     }
@@ -295,11 +300,14 @@ fn derivatives(arguments: &Arguments, loaded: &Loaded) -> Result<Option<Sensitiv
     };
     let run = settings.run(&model)?;
     let run = if arguments.no_estimate { run.without_estimate() } else { run };
-    Ok(Some(differentiate(run, &arguments.sensitivity)?))
+    let is_drawn = !arguments.no_log && arguments.sensitivity.iter().any(|by| by.deviation.is_some());
+    let samples = (1..).map(|sample| f64::from(sample) / rate).take_while(|time| is_drawn && *time < duration);
+    let times: Vec<f64> = samples.collect();
+    Ok(Some(differentiate(run, &arguments.sensitivity, &times)?))
 }
 
 /// Derivatives as a log has them.
-fn logged(found: &Sensitivity) -> Derivatives {
+fn logged(found: &Sensitivity, deviations: Vec<Option<f64>>) -> Derivatives {
     let column = |of: &nalgebra::DMatrix<f64>, key: usize| of.column(key).iter().copied().collect::<Vec<f64>>();
     let rows = found.times.iter().enumerate().map(|(index, &time)| DerivativesRow {
         time,
@@ -307,7 +315,8 @@ fn logged(found: &Sensitivity) -> Derivatives {
             .map(|key| [column(&found.dq[index], key), column(&found.dv[index], key)])
             .collect(),
     });
-    Derivatives { keys: found.keys.clone(), freedoms: found.freedoms.clone(), rows: rows.collect() }
+    let (keys, freedoms) = (found.keys.clone(), found.freedoms.clone());
+    Derivatives { keys, deviations, freedoms, rows: rows.collect() }
 }
 
 /// The page of a run is made from its log: that must be a file, and another one.

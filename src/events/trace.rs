@@ -78,6 +78,7 @@ impl Eventful {
         let (step, of_scheme) = (state.time - since, ending.is_of_scheme());
         let Piece { key, .. } = self.workspaces.active();
         let mut entry = TracedStep {
+            start: self.trial.origin.clone(),
             end: state.clone(),
             mode: self.mode.clone(),
             inside: Vec::new(),

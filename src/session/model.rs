@@ -6,7 +6,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
 use crate::output::report::{pair_count, pair_name};
-use crate::scene::{Scene, Touching, Warning};
+use crate::scene::{Parameter, Scene, Touching, Warning};
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
 use crate::session::held_start::Hold;
@@ -180,6 +180,25 @@ impl Model {
         Ok(model)
     }
 
+    /// The scene of the file with the numbers that were set.
+    pub(crate) fn scene_with_numbers(&self) -> Result<Scene, Error> {
+        let mut scene = Scene::clone(&*self.scene()?);
+        self.world().set_numbers(&mut scene)?;
+        Ok(scene)
+    }
+
+    /// The model of [`Model::scene_with_numbers`] with another number, which is known. Its own parameters have the numbers of the file.
+    ///
+    /// # Errors
+    /// As of [`Model::with_params`].
+    pub(crate) fn of_numbers(&self, scene: &Scene, number: &Parameter, value: f64) -> Result<Self, Error> {
+        let mut scene = scene.clone();
+        scene.set(&[(number.clone(), value)])?;
+        let world = World { set: Vec::new(), ..self.world().clone() };
+        let loaded = world.place_read(scene)?;
+        Ok(Model::of_loaded(loaded, self.path().to_path_buf(), world))
+    }
+
     /// The scene of the file.
     fn scene(&self) -> Result<Arc<Scene>, Error> {
         if let Some(scene) = self.shared.scene.get() {
@@ -195,9 +214,7 @@ impl Model {
     /// # Errors
     /// As of [`Model::load`].
     pub fn params(&self) -> Result<Vec<(String, Option<f64>)>, Error> {
-        let mut scene = Scene::clone(&*self.scene()?);
-        self.world().set_numbers(&mut scene)?;
-        Ok(scene.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
+        Ok(self.scene_with_numbers()?.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
     }
 
     /// Names of the movable joints, in the order of q and v.

@@ -3,12 +3,13 @@
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::events::impact::Impact;
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::limit_impact::{LimitImpact, is_on_limits};
 use crate::derivatives::events::meet::Met;
 use crate::derivatives::events::struck::struck;
 use crate::derivatives::events::walk::{Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH};
-use crate::derivatives::forward::tangent::with;
+use crate::derivatives::forward::tangent::{Tangent, with};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
 use crate::events::trace::{Meeting, TracedJump};
@@ -65,14 +66,29 @@ impl Walk<'_> {
         let gradient = self.gradient(&mode);
         let closed = Independent::of(&gradient, &vec![1.0; n]).rows;
         let lost = || SensitivityError::Impact { time: jump.before.time };
+        let met: Option<Vec<Met<f64>>> =
+            jump.meetings.iter().map(|meeting| self.met(meeting, jump, &self.figures.laws)).collect();
+        let met = met.ok_or_else(lost)?;
         let (values, found) = {
-            let met: Option<Vec<Met<f64>>> =
-                jump.meetings.iter().map(|meeting| self.met(meeting, jump, &self.figures.laws)).collect();
             let still = vec![0.0; n];
             let at = Instant { figures: &self.figures, state: &self.state, offsets: &still, closed: &mode.closed };
             let closures = gradient.select_rows(&closed);
-            struck(&at, &met.ok_or_else(lost)?, &closures, &self.state.velocity, rounds).ok_or_else(lost)?
+            struck(&at, &met, &closures, &self.state.velocity, rounds).ok_or_else(lost)?
         };
+        if is_on_limits(&self.figures.plain, &met, &found) {
+            let slopes = self.varied.slopes();
+            let restitution = |meeting: usize, column: usize| match (jump.meetings[meeting].block.of, &slopes[column]) {
+                (Of::Joint(index), Some(slopes)) if jump.meetings[meeting].restitution != 0.0 => {
+                    slopes.laws.joints[index].restitution
+                }
+                _ => 0.0,
+            };
+            let (figures, state) = (&self.figures.plain, &self.state);
+            let impact = LimitImpact { figures, state, met: &met, restitution: &restitution, slopes };
+            let Tangent { positions, velocities, .. } = &self.tangent;
+            self.tangent.velocities = impact.after(positions, velocities, &found).ok_or_else(lost)?;
+            return Ok(values);
+        }
         let mut tangent = self.tangent.velocities.clone();
         for (chunk, figures) in self.varied.chunks().iter().enumerate() {
             let first = chunk * WIDTH;

@@ -81,7 +81,7 @@ impl Walk<'_> {
         let at_start = self.value(traced, mode, &start, since, (trigger, contact)).unwrap_or(0.0);
         let still = DVector::zeros(self.tangent.times.len());
         self.carry(mode, step, &solved, &efforts, closed, &still)?;
-        self.take_end(solved, since + step);
+        self.take_end(&solved, since + step);
         self.see_turn(traced, trigger, &start, &words);
         let mut longer = DVector::zeros(still.len());
         for (chunk, closed) in closed.iter().enumerate() {

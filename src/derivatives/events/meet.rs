@@ -51,7 +51,7 @@ pub(super) struct Moving<T> {
     pub rates: Vec<T>,
 }
 
-/// The blocks that meet at an instant, and those of them that take part in an answer.
+/// The blocks that meet at an instant, and their numbers in an answer.
 pub(super) struct Meet<'m, T> {
     pub at: &'m Instant<'m, T>,
     pub met: &'m [Met<T>],

@@ -11,9 +11,10 @@
 //!
 //! Source: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 12.
 
+use crate::derivatives::events::efforts::Efforts;
 use crate::derivatives::events::parameter::Parameter;
 use crate::derivatives::events::validity::{MetEvent, Validity};
-use crate::derivatives::events::walk::{Subject, Walk};
+use crate::derivatives::events::walk::{SmoothStep, Subject, Walk};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::Factors;
 use crate::derivatives::forward::tangent::Tangent;
@@ -21,6 +22,9 @@ use crate::derivatives::forward::tree::{FigureCotangents, pulled_back};
 use crate::events::trace::{Closed, MotorMode, Traced, TracedStep};
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
+
+/// Room for steps that are kept solved (bytes).
+const ROOM: usize = 256 << 20;
 
 /// The derivatives of a loss by the state at an instant.
 #[derive(Clone, Debug)]
@@ -69,6 +73,9 @@ pub(crate) struct Tape<'t> {
     walk: Walk<'t>,
     /// The trace of each piece of the run, up to where the integrator came back.
     pieces: Vec<Vec<Traced>>,
+    /// The solved step of each piece that is one step to a given instant, while there is room and every state is kept.
+    solved: Vec<Option<SmoothStep>>,
+    room: usize,
     /// The number of events before each piece.
     first_events: Vec<usize>,
     /// The first place, and one for every so many pieces.
@@ -80,7 +87,8 @@ impl<'t> Tape<'t> {
     /// The empty tape of a run from a start on; `subject` has no parameters, and the state is kept once in `every` pieces.
     pub fn new(subject: &'t Subject<'t>, start: &State, every: usize) -> Self {
         let walk = Walk::new(subject, start);
-        Tape { subject, walk, pieces: Vec::new(), first_events: Vec::new(), kept: Vec::new(), every: every.max(1) }
+        let (pieces, solved, first_events, kept) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Tape { subject, walk, pieces, solved, room: ROOM, first_events, kept, every: every.max(1) }
     }
 
     /// The state at the end.
@@ -117,7 +125,13 @@ impl<'t> Tape<'t> {
             return Err(SensitivityError::Unsupported { part, advice });
         }
         self.first_events.push(self.walk.events.len());
+        self.walk.smooth = None;
+        self.walk.keeps = self.every == 1 && trace.len() == 1 && self.room > 0;
         self.walk.along(&trace, &mut |_, _| {})?;
+        let solved = self.walk.smooth.take();
+        let rows = solved.as_ref().map_or(0, |step| step.mode.size(self.subject.tableau.stages));
+        self.room = self.room.saturating_sub(rows * rows * size_of::<f64>());
+        self.solved.push(solved);
         self.pieces.push(trace);
         Ok(())
     }
@@ -162,7 +176,8 @@ impl<'t> Tape<'t> {
                     back.adjoint = back.adjoint.plus(&said);
                 }
                 let first_event = self.first_events[first + index];
-                back.over(piece, place, &|own| of_event(first_event + own))?;
+                let solved = self.solved[first + index].as_ref();
+                back.over((piece, solved), place, &|own| of_event(first_event + own))?;
             }
         }
         let Back { walk, figures, mut gradient, adjoint, .. } = back;
@@ -216,14 +231,14 @@ struct Back<'b> {
 impl Back<'_> {
     fn over(
         &mut self,
-        piece: &[Traced],
+        (piece, solved): (&[Traced], Option<&SmoothStep>),
         place: &Place,
         of_event: &dyn Fn(usize) -> Option<Adjoint>,
     ) -> Result<(), SensitivityError> {
         place.restore(&mut self.walk);
         match piece {
             [Traced::Step(step)] if step.triggers.is_empty() && step.mode.contacts.is_empty() => {
-                match self.over_step(step)? {
+                match self.over_step(step, solved)? {
                     true => Ok(()),
                     false => self.over_matrices(piece, of_event),
                 }
@@ -275,28 +290,36 @@ impl Back<'_> {
     }
 
     /// Over a step of a tree to a given instant by its transpose; false if it is none.
-    fn over_step(&mut self, traced: &TracedStep) -> Result<bool, SensitivityError> {
+    fn over_step(&mut self, traced: &TracedStep, solved: Option<&SmoothStep>) -> Result<bool, SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
         let since = self.walk.state.time;
         let step = traced.end.time - since;
         for (body, _) in self.walk.subject.mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
             body.joint.velocity_range().for_each(|freedom| self.walk.state.velocity[freedom] = 0.0);
         }
-        let mode = self.walk.mode(traced)?;
-        if mode.free.is_empty() {
-            return Ok(false);
-        }
-        let (solved, efforts) = self.walk.solved(traced, &mode, step, None)?;
+        let made = match solved {
+            Some(_) => None,
+            None => {
+                let mode = self.walk.mode(traced)?;
+                if mode.free.is_empty() {
+                    return Ok(false);
+                }
+                let (solved, efforts) = self.walk.solved(traced, &mode, step, None)?;
+                let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
+                Some(SmoothStep { mode, solved, efforts })
+            }
+        };
+        let Some(SmoothStep { mode, solved, efforts: values }) = solved.or(made.as_ref()) else { return Ok(false) };
         let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
-        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let problem = self.walk.problem(&mode, step, &values);
+        let nodes = &self.walk.subject.tableau.nodes;
+        let at = |node: &f64| self.walk.efforts(&traced.mode, since, since + step * node);
+        let efforts: Vec<Efforts> = nodes.iter().map(at).collect();
+        let problem = self.walk.problem(mode, step, values);
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
-        let pulled =
-            pulled_back(&problem, &solved, factors, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
-                .ok_or_else(|| self.walk.failed())?;
+        let pulled = pulled_back(&problem, solved, factors, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
+            .ok_or_else(|| self.walk.failed())?;
         let later = self.walk.later(traced, since);
         let (mut longer, mut of_time) = (pulled.given.longer, 0.0);
-        let nodes = &self.walk.subject.tableau.nodes;
         for (stage, of_efforts) in pulled.given.efforts.iter().enumerate() {
             for (freedom, by) in of_efforts.iter().enumerate() {
                 let by_time = by * efforts[stage].rates[freedom];

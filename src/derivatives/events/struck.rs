@@ -28,6 +28,8 @@ pub(super) struct Struck {
     pub velocities: Vec<f64>,
     pub impulses: Vec<f64>,
     pub multipliers: Vec<f64>,
+    /// M (n × n).
+    pub mass: DMatrix<f64>,
     pub factors: LU<f64, Dyn, Dyn>,
 }
 
@@ -129,6 +131,7 @@ impl Linear<'_> {
                     velocities: part(0, n),
                     impulses: part(n, impulses),
                     multipliers: part(n + impulses, self.closures.nrows()),
+                    mass: self.mass.clone(),
                     factors,
                 });
             }

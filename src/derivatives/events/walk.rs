@@ -17,7 +17,7 @@ use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
-use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem, WIDTH, lifted};
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem, lifted};
 use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
@@ -29,8 +29,8 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// A tick is this close to a multiple of its period.
-const AT_TICK: f64 = 1e-9;
+/// A tick or an instant of a law is this close to its time, in parts of it.
+pub(super) const AT_TICK: f64 = 1e-9;
 
 /// The model of a run whose derivatives are wanted.
 pub(crate) struct Subject<'w> {
@@ -46,6 +46,14 @@ pub(crate) struct Subject<'w> {
 /// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
 type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
 
+/// A step to a given instant, solved.
+pub(super) struct SmoothStep {
+    pub mode: StepMode,
+    pub solved: SolvedStep,
+    /// At all stages (n each).
+    pub efforts: Vec<DVector<f64>>,
+}
+
 /// Derivatives along a run.
 pub(crate) struct Walk<'w> {
     pub(super) subject: &'w Subject<'w>,
@@ -56,17 +64,20 @@ pub(crate) struct Walk<'w> {
     pub state: State,
     pub tangent: Tangent,
     /// Of efforts that motors hold between ticks (motors × p).
-    given: DMatrix<f64>,
+    pub(super) given: DMatrix<f64>,
     /// When the run began (s).
     pub(super) began: f64,
     /// Whether a step was made.
-    begun: bool,
+    pub(super) begun: bool,
     /// The largest rate before a jump [rad/s or m/s].
     pub(super) fastest: f64,
     /// Points of contacts that stick, with their derivatives for each [`WIDTH`] parameters.
     pub(super) anchored: Vec<Anchored>,
     /// The closed contacts of the last step.
     pub(super) entered: Vec<Closed>,
+    /// Whether the last step is kept if it went to a given instant, and the step.
+    pub(super) keeps: bool,
+    pub(super) smooth: Option<SmoothStep>,
     /// Events so far, and how far the derivatives hold.
     pub events: Vec<MetEvent>,
     pub validity: Validity,
@@ -100,6 +111,8 @@ impl<'w> Walk<'w> {
             fastest: fastest(&start.velocity),
             anchored: Vec::new(),
             entered: Vec::new(),
+            keeps: false,
+            smooth: None,
             events: Vec::new(),
             validity: Validity::new(p),
             warnings: Vec::new(),
@@ -182,36 +195,6 @@ impl<'w> Walk<'w> {
         DMatrix::from_fn(rows, n, |row, column| columns[column][row].value)
     }
 
-    /// The derivatives of efforts that motors work out at a tick.
-    fn meet_ticks(&mut self, mode: &Mode, since: f64) {
-        let Subject { elements, laws, parameters, .. } = *self.subject;
-        let of = EffortLaws { elements, laws, parameters, varied: &self.varied };
-        for (index, motor) in elements.motors.iter().enumerate() {
-            let MotorMode::Given(effort) = mode.motors[index] else { continue };
-            let ticks = since / motor.period;
-            if self.begun && (ticks - ticks.round()).abs() > AT_TICK {
-                continue;
-            }
-            let (at, p) = (motor.coordinate, parameters.len());
-            let (_, slopes, rate) = of.drive(index, since, since);
-            for column in 0..p {
-                let law = &self.varied.chunks()[column / WIDTH].laws.motors[index];
-                let part = |value: &Part| value.parts[column % WIDTH];
-                let bounded = effort.abs() >= motor.max_effort;
-                self.given[(index, column)] = if bounded {
-                    effort.signum() * part(&law.bound)
-                } else {
-                    slopes[column] + rate * self.tangent.times[column]
-                        - law.kp.value * self.tangent.positions[(at.freedom, column)]
-                        - law.kd.value * self.tangent.velocities[(at.freedom, column)]
-                        - part(&law.kp) * self.state.position[at.position]
-                        - part(&law.kd) * self.state.velocity[at.freedom]
-                };
-            }
-        }
-        self.begun = true;
-    }
-
     fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
         let Subject { mechanism, .. } = *self.subject;
         let since = self.state.time;
@@ -238,8 +221,12 @@ impl<'w> Walk<'w> {
         let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since, None)?;
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
-        self.take_end(solved, traced.end.time);
+        self.take_end(&solved, traced.end.time);
         self.see_near(traced, &before);
+        if self.keeps {
+            let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
+            self.smooth = Some(SmoothStep { mode, solved, efforts });
+        }
         Ok(())
     }
 
@@ -267,8 +254,8 @@ impl<'w> Walk<'w> {
         let efforts: Vec<Efforts> =
             nodes.iter().map(|node| self.efforts(&traced.mode, since, since + step * node)).collect();
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let (toward, inside) = (&traced.end, &traced.inside[..]);
-        let problem = StepProblem { toward, inside, ..self.problem(mode, step, &values) };
+        let (begun, toward, inside) = (&traced.start, &traced.end, &traced.inside[..]);
+        let problem = StepProblem { begun, toward, inside, ..self.problem(mode, step, &values) };
         let solved = problem.solve(known).ok_or_else(|| self.failed())?;
         Ok((solved, efforts))
     }
@@ -282,6 +269,7 @@ impl<'w> Walk<'w> {
             mode,
             start: &self.state,
             step,
+            begun: &self.state,
             toward: &self.state,
             inside: &[],
             efforts,
@@ -310,9 +298,9 @@ impl<'w> Walk<'w> {
     }
 
     /// Goes to the end of a solved step.
-    pub(super) fn take_end(&mut self, solved: SolvedStep, time: f64) {
-        if let Some(end) = solved.stages.into_iter().last() {
-            self.state = end;
+    pub(super) fn take_end(&mut self, solved: &SolvedStep, time: f64) {
+        if let Some(end) = solved.stages.last() {
+            self.state = end.clone();
         }
         self.state.time = time;
         self.fastest = self.fastest.max(fastest(&self.state.velocity));

@@ -4,8 +4,9 @@
 //!     P S A = L U          S: powers of two near the reciprocals of the largest entries of the rows
 //! ```
 //!
-//! The scales let pivots compare the rows of light joints with those of heavy ones. Rows are eliminated four pivots at a time, so that each entry is
-//! loaded and stored once for four. The loops run in the widest vectors of the processor, with the same roundings on all.
+//! The scales let pivots compare the rows of light joints with the rows of heavy ones. Rows are eliminated four pivots at a time, so that each entry is
+//! loaded and stored once for four. The columns of these pivots lie side by side meanwhile. The loops run in the widest vectors of the processor, with
+//! the same roundings on all.
 //!
 //! Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition 2013, sections 3.2 and 3.4.
 
@@ -47,43 +48,44 @@ impl Elimination {
     /// `None` if the matrix is singular.
     pub fn new(matrix: &DMatrix<f64>) -> Option<Self> {
         let count = matrix.nrows();
-        let mut scales = vec![0.0; count];
-        for column in matrix.column_iter() {
-            scales.iter_mut().zip(&column).for_each(|(most, entry): (&mut f64, &f64)| *most = most.max(entry.abs()));
+        let entries = matrix.as_slice();
+        let mut scales = vec![0.0_f64; count];
+        for column in 0..count {
+            let own = &entries[column * count..][..count];
+            for row in 0..count {
+                let size = own[row].abs();
+                scales[row] = if size > scales[row] { size } else { scales[row] };
+            }
         }
-        let scale = |largest: f64| if largest > 0.0 { (-largest.log2().round()).exp2() } else { 1.0 };
-        scales.iter_mut().for_each(|entry| *entry = scale(*entry));
+        scales.iter_mut().for_each(|entry| *entry = near_reciprocal(*entry));
         let mut rows = vec![0.0; count * count];
-        for (number, column) in matrix.column_iter().enumerate() {
-            for (row, entry) in column.iter().enumerate() {
-                rows[row * count + number] = scales[row] * entry;
+        for row in 0..count {
+            let own = &mut rows[row * count..][..count];
+            for column in 0..count {
+                own[column] = scales[row] * entries[column * count + row];
             }
         }
         let mut found = Elimination { count, rows, order: (0..count).collect(), scales };
-        found.eliminate_widely().then_some(found)
+        let mut panel = vec![0.0; PANEL * count];
+        let done = eight_in_avx512(Widely(|| found.eliminate(&mut panel)));
+        let done = done.or_else(|| eight_in_avx2(Widely(|| found.eliminate(&mut panel))));
+        done.unwrap_or_else(|| eight_in_portable(Widely(|| found.eliminate(&mut panel)))).then_some(found)
     }
 
-    fn eliminate_widely(&mut self) -> bool {
-        let done = eight_in_avx512(Widely(|| self.eliminate()));
-        done.or_else(|| eight_in_avx2(Widely(|| self.eliminate())))
-            .unwrap_or_else(|| eight_in_portable(Widely(|| self.eliminate())))
-    }
-
-    /// Whether all pivots are finite and not zero.
+    /// Whether all pivots are finite and not zero; `panel` is room for the columns of four pivots.
     #[inline(always)]
-    fn eliminate(&mut self) -> bool {
+    fn eliminate(&mut self, panel: &mut [f64]) -> bool {
         let count = self.count;
         for first in (0..count).step_by(PANEL) {
             let after = count.min(first + PANEL);
-            for pivot in first..after {
-                if !self.eliminate_within(pivot, after) {
-                    return false;
-                }
+            let panel = &mut panel[..(after - first) * (count - first)];
+            if !self.eliminate_panel(first, panel) {
+                return false;
             }
             // U of the pivots, right of the panel.
             for pivot in first + 1..after {
+                let (before, own) = self.rows.split_at_mut(pivot * count);
                 for above in first..pivot {
-                    let (before, own) = self.rows.split_at_mut(pivot * count);
                     let factor = own[above];
                     subtract(&mut own[after..count], &before[above * count + after..][..count - after], factor);
                 }
@@ -94,7 +96,8 @@ impl Elimination {
             let (before, below) = self.rows.split_at_mut(after * count);
             let pivots: [&[f64]; PANEL] =
                 [0, 1, 2, 3].map(|number| &before[(first + number) * count + after..][..count - after]);
-            for row in below.chunks_exact_mut(count) {
+            for number in 0..count - after {
+                let row = &mut below[number * count..][..count];
                 let factors = [row[first], row[first + 1], row[first + 2], row[first + 3]];
                 subtract_four(&mut row[after..], pivots, factors);
             }
@@ -102,34 +105,47 @@ impl Elimination {
         true
     }
 
-    /// Finds a pivot, and eliminates below it within the panel.
+    /// Finds pivots and eliminates within the columns from `first` on, side by side in `panel`, and exchanges the rows.
     #[inline(always)]
-    fn eliminate_within(&mut self, pivot: usize, after: usize) -> bool {
+    fn eliminate_panel(&mut self, first: usize, panel: &mut [f64]) -> bool {
         let count = self.count;
-        let (mut best, mut largest) = (pivot, 0.0);
-        for row in pivot..count {
-            let size = self.rows[row * count + pivot].abs();
-            if size > largest {
-                (best, largest) = (row, size);
+        let length = count - first;
+        let width = panel.len() / length;
+        for row in 0..length {
+            let own = &self.rows[(first + row) * count + first..][..width];
+            for column in 0..width {
+                panel[column * length + row] = own[column];
             }
         }
-        if !(largest > 0.0 && largest < f64::INFINITY) {
-            return false;
+        for pivot in 0..width {
+            let (best, size) = largest(&panel[pivot * length + pivot..][..length - pivot]);
+            if !(size > 0.0 && size < f64::INFINITY) {
+                return false;
+            }
+            let best = pivot + best;
+            if best != pivot {
+                self.order.swap(first + pivot, first + best);
+                let (above, below) = self.rows.split_at_mut((first + best) * count);
+                above[(first + pivot) * count..][..count].swap_with_slice(&mut below[..count]);
+                (0..width).for_each(|column| panel.swap(column * length + pivot, column * length + best));
+            }
+            let (before, later) = panel.split_at_mut((pivot + 1) * length);
+            let own = &mut before[pivot * length..][..length];
+            let reciprocal = 1.0 / own[pivot];
+            own[pivot] = reciprocal;
+            for row in pivot + 1..length {
+                own[row] *= reciprocal;
+            }
+            for column in 0..width - pivot - 1 {
+                let column = &mut later[column * length..][..length];
+                let factor = column[pivot];
+                subtract(&mut column[pivot + 1..], &own[pivot + 1..], factor);
+            }
         }
-        if best != pivot {
-            self.order.swap(pivot, best);
-            let (before, below) = self.rows.split_at_mut(best * count);
-            before[pivot * count..][..count].swap_with_slice(&mut below[..count]);
-        }
-        let (before, below) = self.rows.split_at_mut((pivot + 1) * count);
-        let own = &mut before[pivot * count..];
-        own[pivot] = 1.0 / own[pivot];
-        let own = &*own;
-        for row in below.chunks_exact_mut(count) {
-            row[pivot] *= own[pivot];
-            let factor = row[pivot];
-            for column in pivot + 1..after {
-                row[column] -= factor * own[column];
+        for row in 0..length {
+            let own = &mut self.rows[(first + row) * count + first..][..width];
+            for column in 0..width {
+                own[column] = panel[column * length + row];
             }
         }
         true
@@ -178,33 +194,68 @@ impl Elimination {
     }
 }
 
+/// The power of two near the reciprocal of a size; 1 for zero.
+fn near_reciprocal(size: f64) -> f64 {
+    if size > 0.0 { (-size.log2().round()).exp2() } else { 1.0 }
+}
+
+// These loops count indices. Iterators over several slices would be made by calls, row by row.
+
 /// `row − factor · other`.
 #[inline(always)]
 fn subtract(row: &mut [f64], other: &[f64], factor: f64) {
-    row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
+    let count = row.len().min(other.len());
+    let (row, other) = (&mut row[..count], &other[..count]);
+    for index in 0..count {
+        row[index] -= factor * other[index];
+    }
 }
 
-/// The same for four rows.
+/// The same for four rows of the same length.
 #[inline(always)]
-fn subtract_four(row: &mut [f64], [a, b, c, d]: [&[f64]; 4], factors: [f64; 4]) {
-    let others = a.iter().zip(b).zip(c.iter().zip(d));
-    for (entry, ((a, b), (c, d))) in row.iter_mut().zip(others) {
-        *entry = *entry - factors[0] * a - factors[1] * b - factors[2] * c - factors[3] * d;
+fn subtract_four(row: &mut [f64], others: [&[f64]; 4], factors: [f64; 4]) {
+    let count = row.len();
+    let (a, b, c, d) = (&others[0][..count], &others[1][..count], &others[2][..count], &others[3][..count]);
+    for index in 0..count {
+        let both = row[index] - factors[0] * a[index] - factors[1] * b[index];
+        row[index] = both - factors[2] * c[index] - factors[3] * d[index];
     }
 }
 
 /// Σ of the products of all entries, in sums side by side.
 #[inline(always)]
 fn product(one: &[f64], other: &[f64]) -> f64 {
+    let count = one.len().min(other.len());
+    let (one, other) = (&one[..count], &other[..count]);
     let mut sums = [0.0; SUMS];
-    let (ones, others) = (one.chunks_exact(SUMS), other.chunks_exact(SUMS));
-    let rest: f64 = ones.remainder().iter().zip(others.remainder()).map(|(one, other)| one * other).sum();
-    for (one, other) in ones.zip(others) {
+    let mut first = 0;
+    while first + SUMS <= count {
         for index in 0..SUMS {
-            sums[index] += one[index] * other[index];
+            sums[index] += one[first + index] * other[first + index];
+        }
+        first += SUMS;
+    }
+    for index in first..count {
+        sums[index - first] += one[index] * other[index];
+    }
+    let mut sum = 0.0;
+    for part in sums {
+        sum += part;
+    }
+    sum
+}
+
+/// The place of the largest entry, and its size.
+#[inline(always)]
+fn largest(entries: &[f64]) -> (usize, f64) {
+    let (mut best, mut most) = (0, 0.0);
+    for index in 0..entries.len() {
+        let size = entries[index].abs();
+        if size > most {
+            (best, most) = (index, size);
         }
     }
-    sums.iter().sum::<f64>() + rest
+    (best, most)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 pub(crate) mod between;
 mod elimination;
 pub mod failure;
-mod figure_slopes;
+pub(in crate::derivatives) mod figure_slopes;
 mod spatial;
 pub mod stage_equations;
 pub mod step;

@@ -39,7 +39,7 @@ pub(super) const SLOW: f64 = 0.1;
 pub(super) const ROUNDING: f64 = 1e-10;
 /// Newton's method is at its end if the next correction, the last one times the drift of the matrix, is smaller than this (rad² or m²).
 pub(super) const SQUARE: f64 = 1e-19;
-/// Factors with less drift are those of the solution: derivatives are off by as large a part.
+/// Factors with less drift belong to the solution: derivatives are off by up to a hundred times as large a part.
 pub(super) const KEPT: f64 = 1e-14;
 
 /// A step that is solved.
@@ -128,7 +128,8 @@ pub struct StepProblem<'p> {
     pub start: &'p State,
     /// h (s).
     pub step: f64,
-    /// A state near the end, with its velocities, and states near the inner stages, if they are known.
+    /// The same step from a state nearby: its start, its end, and its inner stages, if they are known.
+    pub begun: &'p State,
     pub toward: &'p State,
     pub inside: &'p [State],
     /// Efforts from outside at all stages (n each).

@@ -51,6 +51,8 @@ impl<T: Number> Twelve<T> {
 
     #[inline]
     pub(super) fn scaled(&self, factor: T) -> Self {
-        Twelve { origin: self.origin.scaled(factor), axes: self.axes.map(|column| column.scaled(factor)) }
+        let [x, y, z] = self.axes.0;
+        let axes = Matrix([x.scaled(factor), y.scaled(factor), z.scaled(factor)]);
+        Twelve { origin: self.origin.scaled(factor), axes }
     }
 }

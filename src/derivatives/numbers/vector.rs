@@ -35,7 +35,8 @@ impl<T: Number> Vector<T> {
     /// Times a number.
     #[inline]
     pub fn scaled(self, factor: T) -> Self {
-        self.map(|entry| entry * factor)
+        let [x, y, z] = self.0;
+        Vector([x * factor, y * factor, z * factor])
     }
 
     /// The scalar product.
@@ -109,7 +110,8 @@ impl<T: Number> Matrix<T> {
     /// Times a matrix.
     #[inline]
     pub fn product(&self, other: &Self) -> Self {
-        other.map(|column| self.apply(column))
+        let [x, y, z] = other.0;
+        Matrix([self.apply(x), self.apply(y), self.apply(z)])
     }
 
     /// Its transpose.

@@ -10,7 +10,8 @@ use crate::mechanism::motion::state::State;
 /// A step of the scheme.
 #[derive(Clone)]
 pub(crate) struct TracedStep {
-    /// The state of the whole mechanism at the end, before the event there.
+    /// The state of the whole mechanism at the start, and at the end, before the event there.
+    pub start: State,
     pub end: State,
     pub mode: Mode,
     /// The states at the inner stages; empty if the step was made in another way.

@@ -13,4 +13,7 @@ pub(super) struct CurveName {
     pub unit: &'static str,
     /// Whether it is drawn on a logarithmic axis.
     pub logarithmic: bool,
+    /// The column with its standard deviation, if the log tells it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<usize>,
 }

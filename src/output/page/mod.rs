@@ -21,6 +21,7 @@ pub(in crate::output) mod motion;
 mod packing;
 pub(in crate::output) mod shared_meshes;
 mod simplify;
+mod spreads;
 mod step_figures;
 mod tree;
 

@@ -9,9 +9,10 @@ use crate::mechanism::description::joint::{Pose, rotation_from_wxyz};
 use crate::model::Model;
 use crate::output::inspection::joint_values::{JointKinds, JointValue, Quantity, joint_kinds, joint_values};
 use crate::output::log::reading::decode::{LinkPose, LoggedEvent};
-use crate::output::log::reading::frames::{Figures, Frame, Visitor};
+use crate::output::log::reading::frames::{Figures, Frame, Slopes, Visitor};
 use crate::output::page::contacts::Contacts;
 use crate::output::page::curve_name::CurveName;
+use crate::output::page::spreads::Spreads;
 use crate::output::page::step_figures::StepFigures;
 use crate::output::page::tree::pose_numbers;
 use crate::output::report::EventEntry;
@@ -42,6 +43,8 @@ pub(in crate::output) struct Motion<'m> {
     /// The names of the curves, and their values at all times.
     pub(super) curves: Vec<CurveName>,
     pub values: Vec<Vec<f32>>,
+    /// Standard deviations of positions.
+    spreads: Spreads,
     /// The figures of steps.
     pub(super) steps: StepFigures,
     /// The closed contacts at all times.
@@ -72,6 +75,7 @@ impl<'m> Motion<'m> {
             poses: bodies.map(|_| Vec::new()).collect(),
             curves: Vec::new(),
             values: Vec::new(),
+            spreads: Spreads::default(),
             steps: StepFigures::default(),
             contacts: Contacts::default(),
             events: Vec::new(),
@@ -91,6 +95,12 @@ impl<'m> Motion<'m> {
             self.take(&frame);
         }
         self.steps.thin();
+        for curve in &mut self.curves {
+            if let Some(column) = self.spreads.at(&curve.name, &self.times) {
+                curve.spread = Some(self.values.len());
+                self.values.push(column);
+            }
+        }
     }
 
     fn take(&mut self, frame: &Frame) {
@@ -150,6 +160,10 @@ impl Visitor for Motion<'_> {
         self.steps.take(figures);
     }
 
+    fn slopes(&mut self, slopes: &Slopes) {
+        self.spreads.take(slopes);
+    }
+
     fn event(&mut self, event: LoggedEvent) {
         let LoggedEvent { time, kind, what, impulse } = event;
         if self.events.len() < MOST_EVENTS {
@@ -162,7 +176,8 @@ fn of_joint(value: &JointValue) -> CurveName {
     let quantity = value.quantity;
     // The effort along the axis is a part of the reaction, and not of its components in the world.
     let group = if value.name.ends_with(".effort") { Quantity::Effort.title() } else { quantity.title() };
-    CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic() }
+    let (name, unit, logarithmic) = (value.name.clone(), quantity.unit(), quantity.is_logarithmic());
+    CurveName { name, group, unit, logarithmic, spread: None }
 }
 
 fn pose(link: &LinkPose) -> Pose {

@@ -76,6 +76,7 @@ impl StepFigures {
             group,
             unit,
             logarithmic,
+            spread: None,
         };
         if self.rows.is_empty() { Vec::new() } else { CURVES.iter().map(curve).collect() }
     }

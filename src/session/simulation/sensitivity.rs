@@ -95,7 +95,15 @@ impl Simulation {
     /// # Errors
     /// Unknown parameters; events without a derivative; and errors of the run.
     pub fn sensitivity(self, keys: &[&str]) -> Result<Sensitivity, Error> {
-        let prepared = Prepared::new(self, keys, &[])?;
+        self.sensitivity_at(keys, &[])
+    }
+
+    /// The same at some times as well, at which steps end (s).
+    ///
+    /// # Errors
+    /// As [`Simulation::sensitivity`]; times that are not in the run.
+    pub fn sensitivity_at(self, keys: &[&str], times: &[f64]) -> Result<Sensitivity, Error> {
+        let prepared = Prepared::new(self, keys, times)?;
         let (start, model) = (&prepared.start, &prepared.model);
         let subject = prepared.subject(&prepared.parameters);
         let mut walk = Walk::new(&subject, start);

@@ -1,6 +1,6 @@
 //! The numbers in a page are those of the log and of the files, unpacked here by the letter of `packing.rs`.
 
-use super::{between, done, header, with_log};
+use super::{RED, between, done, folder, header, with_log};
 use serde_json::Value;
 use std::path::Path;
 
@@ -271,4 +271,36 @@ fn a_page_of_an_arm_is_small() {
     let size = std::fs::metadata(folder.join("arm.html")).expect("a page").len();
     // What issue 35 asks for.
     assert!(size <= 1_500_000, "{size} bytes");
+}
+
+#[test]
+fn a_page_has_the_standard_deviation_of_a_position_at_every_sample_through_an_impact() {
+    let folder = folder("spread");
+    std::fs::write(folder.join("red.urdf"), RED).expect("written");
+    let asked = ["--position", "hinge=1", "--sensitivity", "start.q.hinge=0.01", "--report", "red.html", "--quiet"];
+    done(&folder, &[&["simulate", "red.urdf", "--duration", "2"][..], &asked[..]].concat());
+    done(&folder, &["inspect", "red.mcap", "--csv", "red.csv"]);
+    let page = std::fs::read_to_string(folder.join("red.html")).expect("a page");
+    let (header, bytes) = (header(&page), bytes(&page));
+    let samples = header["samples"].as_u64().expect("samples") as usize;
+    let curves = header["curves"].as_array().expect("curves");
+    let spreads: Vec<&Value> = curves.iter().filter(|curve| curve.get("spread").is_some()).collect();
+    assert_eq!(spreads.len(), 1, "positions alone have a standard deviation");
+    assert_eq!(spreads[0]["name"], "hinge.position");
+    let column = spreads[0]["spread"].as_u64().expect("a column") as usize;
+    let values = &floats(&bytes, &header["values"])[column * samples..][..samples];
+    let table = std::fs::read_to_string(folder.join("red.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let place = |name: &str| rows[0].iter().position(|head| *head == name).expect(name);
+    let (time, at) = (place("time [s]"), place("sensitivity_at [s]"));
+    let slope = place("dhinge.position/dstart.q.hinge");
+    assert_eq!(rows.len(), 1 + samples);
+    for (row, value) in rows[1..].iter().zip(values) {
+        assert_eq!(row[time], row[at], "each sample has derivatives of its own");
+        let slope: f64 = row[slope].parse().expect("a number");
+        // The page has single precision.
+        assert!((f64::from(*value) - 0.01 * slope.abs()).abs() <= 1e-9, "{}: {value} and {slope}", row[time]);
+    }
+    assert_eq!(values[0], 0.01);
+    assert!(values.iter().all(|value| value.is_finite()), "also behind the impact");
 }

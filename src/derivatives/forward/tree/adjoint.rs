@@ -69,7 +69,7 @@ impl FigureCotangents {
 
 /// The sum of the products of all entries.
 fn product(one: &Matrix<f64>, other: &Matrix<f64>) -> f64 {
-    (0..3).map(|column| one.0[column].dot(other.0[column])).sum()
+    one.0[0].dot(other.0[0]) + one.0[1].dot(other.0[1]) + one.0[2].dot(other.0[2])
 }
 
 /// The cotangent of a motion that carries another one, where the power of the change on (F, N) counts.
@@ -79,14 +79,16 @@ fn of_carrier(carried: &Twist, force: Vector<f64>, torque: Vector<f64>) -> Twist
 
 /// The cotangent of a motion of a place.
 fn of_motion(place: &Twelve<f64>, own: &Twelve<f64>) -> Twist {
-    let axes = (0..3).fold(place.origin.cross(own.origin), |sum, c| sum + place.axes.0[c].cross(own.axes.0[c]));
-    Twist { turn: axes, shift: own.origin }
+    let of_axis = |c: usize| place.axes.0[c].cross(own.axes.0[c]);
+    let turn = place.origin.cross(own.origin) + of_axis(0) + of_axis(1) + of_axis(2);
+    Twist { turn, shift: own.origin }
 }
 
 /// The momentum of (w, Ω) of a body.
 fn momentum(body: &BodyFigures<f64>, of: &Twelve<f64>) -> Twelve<f64> {
-    let axes = [0, 1, 2].map(|c| of.origin.scaled(body.moment.0[c]) + of.axes.apply(body.second_moments.0[c]));
-    Twelve { origin: of.origin.scaled(body.mass) + of.axes.apply(body.moment), axes: Matrix(axes) }
+    let axis = |c: usize| of.origin.scaled(body.moment.0[c]) + of.axes.apply(body.second_moments.0[c]);
+    let axes = Matrix([axis(0), axis(1), axis(2)]);
+    Twelve { origin: of.origin.scaled(body.mass) + of.axes.apply(body.moment), axes }
 }
 
 /// The same of a rate, which shifts do not change.
@@ -178,12 +180,13 @@ impl TreeStep<'_> {
                 found.longer -= factor_rate * of_w.origin.dot(plain.gravity);
                 if is_end {
                     parts.faster[body] = of_w;
-                    for (ahead, weight) in self.ahead.iter().zip(&own_weights) {
-                        found.longer -= weight / h * dot(&of_w, &ahead[body]);
+                    for i in 0..own_weights.len() {
+                        found.longer -= own_weights[i] / h * dot(&of_w, &self.ahead[i][body]);
                     }
                 }
-                for (ahead, weight) in parts.ahead.iter_mut().zip(&own_weights) {
-                    ahead[body] = ahead[body].plus(&of_w.scaled(*weight));
+                for i in 0..own_weights.len() {
+                    let ahead = &mut parts.ahead[i][body];
+                    *ahead = ahead.plus(&of_w.scaled(own_weights[i]));
                 }
             }
             parts.stages.push(own);

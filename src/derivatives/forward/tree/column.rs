@@ -76,12 +76,12 @@ impl TreeStep<'_> {
                 if let Some(varies) = &varies {
                     if is_end {
                         w = varies.faster[body];
-                        for (ahead, weight) in self.ahead.iter().zip(&weights) {
-                            w = w.plus(&ahead[body].scaled(-longer * weight / h));
+                        for i in 0..weights.len() {
+                            w = w.plus(&self.ahead[i][body].scaled(-longer * weights[i] / h));
                         }
                     }
-                    for (ahead, weight) in varies.ahead.iter().zip(&weights) {
-                        w = w.plus(&ahead[body].scaled(*weight));
+                    for i in 0..weights.len() {
+                        w = w.plus(&varies.ahead[i][body].scaled(weights[i]));
                     }
                     w.origin = w.origin + figures.gravity.scaled(-longer * factor_rate);
                 }

@@ -178,7 +178,7 @@ impl TreeStep<'_> {
         FrameCourse { course, rate }
     }
 
-    /// The cotangent of the motion of a frame, from that of its course.
+    /// The cotangent of the motion of a frame, from the cotangent of its course.
     pub fn frame_cotangent(&self, body: usize, which: usize, of: &FrameCourse) -> Twist {
         let (on, point) = self.frame_of(body, which);
         let [begin_speed, end_speed] = [self.speed_of(on, 0), self.speed_of(on, 1)];

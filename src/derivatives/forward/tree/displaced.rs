@@ -62,7 +62,7 @@ impl Displaced {
         }
     }
 
-    /// The cotangents of the motions, from those of the displacements.
+    /// The cotangents of the motions, from the cotangents of the displacements.
     pub fn pulled(mut self, family: &Family) -> Vec<JointCotangents> {
         let mut found = Vec::with_capacity(self.bodies.len());
         for body in (0..self.bodies.len()).rev() {

@@ -51,7 +51,7 @@ impl Family {
         family
     }
 
-    /// Adds the entries of all bodies to those of their parents.
+    /// Adds the entries of all bodies to the entries of their parents.
     pub fn gather<S>(&self, of: &mut [S], add: impl Fn(&mut S, &S)) {
         for body in (0..self.parents.len()).rev() {
             if let Some(parent) = self.parents[body] {

@@ -95,19 +95,19 @@ impl TreeMatrix {
         for k in 0..s {
             for i in k.max(1)..s {
                 second.clear();
-                let bodies = step.stages[k].places.iter().zip(&inside[i]).zip(&single[i]);
-                second.extend(bodies.map(|((at, inside), single)| shifted(at, inside, *single)));
+                for body in 0..figures.bodies.len() {
+                    second.push(shifted(&step.stages[k].places[body], &inside[i][body], single[i][body]));
+                }
                 step.family.gather(&mut second, |of, own| *of = sum(of, own));
                 block.fill(0.0);
                 step.add_pair(&second, [k, i], &mass, [&first[k], &first[i]], &mut block);
                 let to = if k + 1 == s { &mut end } else { &mut stages };
                 let row = if k + 1 == s { 0 } else { k * n };
-                add(to, [row, (i - 1) * n], &block, weights[k][i - 1]);
+                add(to, [row, (i - 1) * n], &block, weights[k][i - 1], false);
                 if i > k && k > 0 {
-                    block.transpose_mut();
                     let to = if i + 1 == s { &mut end } else { &mut stages };
                     let row = if i + 1 == s { 0 } else { i * n };
-                    add(to, [row, (k - 1) * n], &block, weights[i][k - 1]);
+                    add(to, [row, (k - 1) * n], &block, weights[i][k - 1], true);
                 }
                 if i == k {
                     own.fill(0.0);
@@ -117,7 +117,7 @@ impl TreeMatrix {
                         step.add_rates(&second, &mass, &first[k], &mut own);
                     }
                     let to = if k + 1 == s { &mut end } else { &mut stages };
-                    add(to, [row, (i - 1) * n], &own, 1.0);
+                    add(to, [row, (i - 1) * n], &own, 1.0, false);
                 }
             }
             let (to, row) = if k + 1 == s { (&mut end, 0) } else { (&mut stages, k * n) };
@@ -271,8 +271,14 @@ impl TreeStep<'_> {
     }
 }
 
-/// Adds a multiple of a block whose first row and column are given.
-fn add(to: &mut DMatrix<f64>, at: [usize; 2], block: &DMatrix<f64>, weight: f64) {
-    let mut to = to.view_mut((at[0], at[1]), block.shape());
-    to.zip_apply(block, |entry, by| *entry += weight * by);
+/// Adds a multiple of a square block, or of its transpose, whose first row and column are given.
+fn add(to: &mut DMatrix<f64>, at: [usize; 2], block: &DMatrix<f64>, weight: f64, is_transposed: bool) {
+    let (n, rows) = (block.nrows(), to.nrows());
+    let (to, block) = (to.as_mut_slice(), block.as_slice());
+    for column in 0..n {
+        let own = &mut to[(at[1] + column) * rows + at[0]..][..n];
+        for row in 0..n {
+            own[row] += weight * block[if is_transposed { row * n + column } else { column * n + row }];
+        }
+    }
 }

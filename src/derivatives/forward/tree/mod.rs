@@ -11,6 +11,7 @@
 //! | `column` | their derivatives by all that is given |
 //! | `adjoint` | the transpose of that, for gradients |
 //! | `solve` | steps solved |
+//! | `momenta` | momenta of velocities at one place, and how they vary: for impacts |
 //! | `carrying` | derivatives carried over them: columns, rows, and against time |
 //! | `over_step` | the choice between these equations and the equations of all mechanisms |
 
@@ -23,10 +24,12 @@ mod course;
 mod displaced;
 mod family;
 mod matrix;
+mod momenta;
 mod over_step;
 mod solve;
 mod step;
 
 pub(in crate::derivatives) use adjoint::FigureCotangents;
 pub(in crate::derivatives) use carrying::pulled_back;
+pub(in crate::derivatives) use momenta::Momenta;
 pub(in crate::derivatives) use over_step::by_length;

@@ -5,6 +5,8 @@
 //! ```text
 //!     y(c) = h v₀ c + (3Δ − 2 h v₀ − h v₁) c² + (h v₀ + h v₁ − 2Δ) c³        Δ = y₁ − y₀
 //! ```
+//!
+//! A correction δv̄ of the velocities at the end counts as h δv̄: the matrix depends on them.
 
 use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::step::{Factors, ITERATIONS, KEPT, ROUNDING, SLOW, SQUARE, SolvedStep, StepProblem};
@@ -24,7 +26,10 @@ pub(in crate::derivatives::forward) fn solve_tree(
     let (n, all) = (free.len(), problem.start.velocity.len());
     let family = Family::new(&problem.figures.plain, free);
     let mut velocities = vec![0.0; all];
-    free.iter().for_each(|&freedom| velocities[freedom] = problem.toward.velocity[freedom]);
+    for &freedom in free {
+        let faster = problem.start.velocity[freedom] - problem.begun.velocity[freedom];
+        velocities[freedom] = problem.toward.velocity[freedom] + faster;
+    }
     let (mut stages, mut factors) = match known {
         Some((SolvedStep { stages, factors: Factors::Tree(factors), drift, .. }, change)) => {
             velocities.copy_from_slice(&stages.last()?.velocity);
@@ -42,7 +47,9 @@ pub(in crate::derivatives::forward) fn solve_tree(
         };
         let residual = step.residual(&efforts(&step));
         let correction = own.solve(&DMatrix::from_column_slice(residual.len(), 1, residual.as_slice()));
-        let size = correction.rows(0, (s - 1) * n).amax();
+        let [displaced, faster] =
+            [(0, s - 1), (s - 1, 1)].map(|(stage, many)| correction.rows(stage * n, many * n).amax());
+        let size = displaced.max(h.abs() * faster);
         if !size.is_finite() {
             return None;
         }
@@ -72,15 +79,24 @@ pub(in crate::derivatives::forward) fn solve_tree(
     None
 }
 
-/// Stages i = 2..s: those of the run if they are known, otherwise on a cubic curve through both ends.
+/// Stages i = 2..s: the known ones of the run, moved along with the start, otherwise on a cubic curve through both ends.
 fn first_stages(problem: &StepProblem) -> Vec<State> {
-    let count = problem.tableau.stages - 2;
-    let mut stages = match problem.inside.len() == count {
-        true => problem.inside.iter().chain([problem.toward]).cloned().collect(),
-        false => on_a_cubic(problem),
+    let StepProblem { mechanism, tableau, start, begun, toward, inside, .. } = *problem;
+    let mut stages = if inside.len() + 2 == tableau.stages {
+        let moved = motion_between(mechanism, begun, start);
+        let mut stages: Vec<State> = inside.iter().chain([toward]).cloned().collect();
+        for (stage, node) in stages.iter_mut().zip(&tableau.nodes[1..]) {
+            let gone = problem.step * node;
+            let faster = |freedom: usize| start.velocity[freedom] - begun.velocity[freedom];
+            let along: Vec<f64> = (0..moved.len()).map(|freedom| moved[freedom] + gone * faster(freedom)).collect();
+            stage.displace(mechanism, &along);
+        }
+        stages
+    } else {
+        on_a_cubic(problem)
     };
-    for (stage, node) in stages.iter_mut().zip(&problem.tableau.nodes[1..]) {
-        stage.time = problem.start.time + problem.step * node;
+    for (stage, node) in stages.iter_mut().zip(&tableau.nodes[1..]) {
+        stage.time = start.time + problem.step * node;
     }
     stages
 }

@@ -21,7 +21,7 @@ use nalgebra::DVector;
 pub(super) struct TreeStep<'s> {
     pub problem: &'s StepProblem<'s>,
     pub family: &'s Family,
-    /// The point of the world that places and motions are seen from: where the lightest body starts.
+    /// The point of the world that places and motions are seen from: where the lightest bodies start.
     pub reference: Vector<f64>,
     /// The stages 1..s.
     pub stages: Vec<TreeStage>,
@@ -65,11 +65,7 @@ impl<'s> TreeStep<'s> {
     pub fn new(problem: &'s StepProblem<'s>, family: &'s Family, stages: &[State], velocities: &'s [f64]) -> Self {
         let figures = &problem.figures.plain;
         let (s, h) = (problem.tableau.stages, problem.step);
-        // Moments of light bodies about a distant point would be small differences of large numbers.
-        let masses = figures.bodies.iter().map(|body| body.mass).enumerate();
-        let lightest = masses.min_by(|(_, one), (_, other)| one.total_cmp(other)).map_or(0, |(body, _)| body);
-        let begin = TreeStage::at(figures, problem.start, NOUGHT);
-        let from = begin.places.get(lightest).map_or(NOUGHT, |place| place.origin);
+        let from = among_the_lightest(figures, &TreeStage::at(figures, problem.start, NOUGHT));
         let all = std::iter::once(problem.start).chain(stages);
         let found: Vec<TreeStage> = all.map(|stage| TreeStage::at(figures, stage, from)).collect();
         let speeds = [found[0].speeds(family, &problem.start.velocity), found[s - 1].speeds(family, velocities)];
@@ -129,8 +125,8 @@ impl<'s> TreeStep<'s> {
             if is_end {
                 sum = self.rates[1][body].minus(&self.rates[0][body]);
             }
-            for (ahead, &weight) in self.ahead.iter().zip(&weights) {
-                sum = sum.plus(&ahead[body].scaled(weight));
+            for i in 0..weights.len() {
+                sum = sum.plus(&self.ahead[i][body].scaled(weights[i]));
             }
             sum.origin = sum.origin + fall;
             mixed.push(sum);
@@ -223,6 +219,20 @@ impl<'s> TreeStep<'s> {
         let springs = self.problem.figures.plain.springs.iter();
         springs.map(|spring| (spring.coordinate.freedom, spring.stiffness)).chain(driven)
     }
+}
+
+/// `Σ r_b / m_b² / Σ 1 / m_b²` of the centres of mass r_b: moments of light bodies about a distant point would be small differences of large
+/// numbers. The point lies between light bodies of the same mass, as hands and feet.
+fn among_the_lightest(figures: &Figures<f64>, at: &TreeStage) -> Vector<f64> {
+    let heavy = || figures.bodies.iter().zip(&at.places).filter(|(body, _)| body.mass > 0.0);
+    let least = heavy().fold(f64::INFINITY, |least, (body, _)| least.min(body.mass));
+    let (mut sum, mut whole) = (NOUGHT, 0.0);
+    for (body, place) in heavy() {
+        let weight = (least / body.mass).powi(2);
+        sum = sum + (place.origin + place.axes.apply(body.moment.scaled(1.0 / body.mass))).scaled(weight);
+        whole += weight;
+    }
+    if whole > 0.0 { sum.scaled(1.0 / whole) } else { NOUGHT }
 }
 
 /// The coordinates with rotors, dampers, springs or motors.

@@ -1,8 +1,8 @@
 //! The messages of `/sensitivities/…`: the derivatives of the run by a parameter, a topic each, at the ends of steps.
 //!
-//! A message is a `sensor_msgs/msg/JointState`. Its names are those of the degrees of freedom, its positions ∂q/∂θ and its velocities ∂v/∂θ. The
-//! frame of its header is the whole key of θ. The name of a topic has a slash for each dot of the key, and an underscore for all that ROS does not
-//! allow in names.
+//! A message is a `sensor_msgs/msg/JointState`. Its names are degrees of freedom, its positions ∂q/∂θ and its velocities ∂v/∂θ. If the standard
+//! deviation σ of θ is known, its efforts are σ |∂q/∂θ|. The frame of its header is the whole key of θ. The name of a topic has a slash for each dot
+//! of the key, and an underscore for all that ROS does not allow in names.
 //!
 //! Ends of steps whose instants move with a parameter, as those at events, have no message: derivatives are at fixed times.
 
@@ -19,6 +19,8 @@ use std::sync::Arc;
 pub struct Derivatives {
     /// The parameters.
     pub keys: Vec<String>,
+    /// Their standard deviations, where they are known.
+    pub deviations: Vec<Option<f64>>,
     /// The degrees of freedom (n).
     pub freedoms: Vec<String>,
     /// At the ends of steps, in order of time.
@@ -37,8 +39,8 @@ pub struct DerivativesRow {
 /// Writes the derivatives.
 pub(crate) struct SensitivityMessages {
     derivatives: Arc<Derivatives>,
-    /// Channels and layouts, one a parameter.
-    topics: Vec<(u16, Template)>,
+    /// Channels, layouts and standard deviations, one a parameter.
+    topics: Vec<(u16, Template, Option<f64>)>,
 }
 
 impl SensitivityMessages {
@@ -51,14 +53,20 @@ impl SensitivityMessages {
         let Some(derivatives) = derivatives.filter(|_| wanted.has(SENSITIVITIES)) else { return Ok(None) };
         let mut names: Vec<String> = Vec::new();
         let mut topics = Vec::new();
-        for key in &derivatives.keys {
+        for (index, key) in derivatives.keys.iter().enumerate() {
             let mut name = topic(key);
             while names.contains(&name) {
                 name.push('_');
             }
             let channel = sink.channel(&name, &JOINT_STATE, Durability::Volatile)?;
             names.push(name);
-            topics.push((channel, Template::slopes(key, derivatives.freedoms.iter().map(String::as_str))));
+            let deviation = derivatives.deviations.get(index).copied().flatten();
+            let freedoms = derivatives.freedoms.iter().map(String::as_str);
+            let template = match deviation {
+                Some(_) => Template::joint_state(key, freedoms),
+                None => Template::slopes(key, freedoms),
+            };
+            topics.push((channel, template, deviation));
         }
         Ok(Some(SensitivityMessages { derivatives: derivatives.clone(), topics }))
     }
@@ -66,11 +74,14 @@ impl SensitivityMessages {
     /// Adds the messages of a row.
     pub(crate) fn write(&self, row: usize, stamp: u64, sink: &mut dyn MessageSink) -> Result<(), LogError> {
         let Some(row) = self.derivatives.rows.get(row) else { return Ok(()) };
-        for ((channel, template), slopes) in self.topics.iter().zip(&row.slopes) {
+        for ((channel, template, deviation), slopes) in self.topics.iter().zip(&row.slopes) {
             let message = sink.message(*channel, stamp, template.encoded())?;
             template.fill_stamp(message, stamp);
             for (place, numbers) in slopes.iter().enumerate() {
                 template.fill(message, place, numbers.iter().copied());
+            }
+            if let Some(deviation) = deviation {
+                template.fill(message, slopes.len(), slopes[0].iter().map(|slope| deviation * slope.abs()));
             }
         }
         Ok(())

@@ -11,7 +11,8 @@ function allCurves(header, values, motion, bytes) {
   const steps = header.steps.curves.length > 0 ? unpackedFloats(bytes, header.steps.values) : [];
   const times = unpackedDoubles(bytes, header.steps.times);
   const ofSteps = header.steps.curves.map((curve, index) => ({ ...curve, times, values: () => steps.subarray(index * times.length, (index + 1) * times.length) }));
-  const all = header.curves.map((curve, index) => ({ ...curve, values: () => column(index) }));
+  // Some curves have a standard deviation, which is drawn as a band.
+  const all = header.curves.map((curve, index) => ({ ...curve, values: () => column(index), spread: curve.spread === undefined ? null : () => column(curve.spread) }));
   const index = new Map(header.curves.map((curve, k) => [curve.name, k]));
   const sizes = [];
   for (const [name, k] of index) {
@@ -152,8 +153,20 @@ class Curves {
       return logarithmic ? numbers.map((value) => value === null ? null : Math.max(value, LEAST)) : numbers;
     });
     const times = group.map((curve) => curve.times || this.times);
-    const joined = uPlot.join(group.map((_, k) => [Array.from(times[k]), columns[k]]));
     const color = curveColor;
+    // The edges of the bands, two columns for each curve that has one.
+    const bands = group.flatMap((curve, k) => {
+      if (!curve.spread || logarithmic) return [];
+      const spread = curve.spread();
+      const edge = (sign) => columns[k].map((value, s) => (value === null || !Number.isFinite(spread[s]) ? null : value + sign * spread[s]));
+      return [{ k, edges: [edge(1), edge(-1)] }];
+    });
+    const joined = uPlot.join([
+      ...group.map((_, k) => [Array.from(times[k]), columns[k]]),
+      ...bands.map(({ k, edges }) => [Array.from(times[k]), ...edges]),
+    ]);
+    const edges = bands.flatMap(() => [0, 1].map(() => ({ stroke: "transparent", width: 0, spanGaps: true, pxAlign: 0, points: { show: false } })));
+    const first = group.length + 1;
     const holder = make("div", { className: "plot" });
     const head = make("div", { className: "title" });
     head.append(make("span", { textContent: unit ? `${title} [${unit}]` : title }), make("span", { textContent: "against time [s]" }));
@@ -169,7 +182,8 @@ class Curves {
       cursor: { y: false, drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : {} },
       axes: [{ ...axis, size: 28 }, { ...axis, size: 58, values }],
-      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, dash: SECOND.test(curve.name) ? [6, 4] : [], spanGaps: true, pxAlign: 0, points: { show: times[k].length < 3 } }))],
+      series: [{}, ...group.map((curve, k) => ({ label: curve.name, stroke: color(k), width: 1.5, dash: SECOND.test(curve.name) ? [6, 4] : [], spanGaps: true, pxAlign: 0, points: { show: times[k].length < 3 } })), ...edges],
+      bands: bands.map(({ k }, place) => ({ series: [first + 2 * place, first + 2 * place + 1], fill: `color-mix(in srgb, ${color(k)} 22%, transparent)` })),
     }, joined, holder);
     const line = make("div", { className: "now" });
     plot.over.append(line);

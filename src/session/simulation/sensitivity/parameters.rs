@@ -15,6 +15,7 @@ use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::joint::{FreeRotation, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
+use crate::scene::{Parameter as Number, Scene};
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
@@ -27,13 +28,35 @@ const NARROWER: [f64; 2] = [1e-2, 1e-4];
 /// Frames whose entries move by less than this, while a number varies by its width, stay: a few roundings (m, or 1 for axes).
 const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 
+/// All numbers of a scene.
+pub(super) struct Numbers {
+    scene: Scene,
+    all: Vec<Number>,
+}
+
+impl Numbers {
+    fn of(model: &Model) -> Result<Self, Error> {
+        let scene = model.scene_with_numbers()?;
+        Ok(Numbers { all: scene.parameters(), scene })
+    }
+}
+
+/// A number of a scene that varies.
+struct Varying<'v> {
+    key: &'v str,
+    scene: &'v Scene,
+    number: &'v Number,
+    value: f64,
+}
+
 impl Simulation {
-    /// The parameters of a key, with their names.
+    /// The parameters of a key, with their names; `numbers` are all numbers of the scene, once they were asked for.
     pub(super) fn parameters(
         &self,
         key: &str,
         names: &[String],
         start: &State,
+        numbers: &mut Option<Numbers>,
     ) -> Result<Vec<(String, Parameter)>, Error> {
         let n = names.len();
         let known = [("start.q", 0), ("start.v", 1), ("effort", 2)];
@@ -41,7 +64,13 @@ impl Simulation {
             let rest = key.strip_prefix(word)?;
             (rest.is_empty() && *of < 2 || rest.starts_with('.')).then_some((*of, *word, rest.trim_start_matches('.')))
         });
-        let Some((of, word, joint)) = of else { return Ok(vec![(key.to_string(), self.by_number(key, start)?)]) };
+        let Some((of, word, joint)) = of else {
+            let numbers = match numbers {
+                Some(known) => known,
+                none => none.insert(Numbers::of(&self.model)?),
+            };
+            return Ok(vec![(key.to_string(), self.by_number(key, numbers, start)?)]);
+        };
         let belongs = |name: &str| {
             joint.is_empty() || name == joint || name.strip_prefix(joint).is_some_and(|axis| axis.starts_with('.'))
         };
@@ -94,29 +123,31 @@ impl Simulation {
     }
 
     /// The parameter of a number by its key path.
-    fn by_number(&self, key: &str, start: &State) -> Result<Parameter, Error> {
+    fn by_number(&self, key: &str, numbers: &Numbers, start: &State) -> Result<Parameter, Error> {
         let own = || key.to_string();
-        let params = self.model.params()?;
-        let matches = |name: &str| name == key || name.strip_suffix(key).is_some_and(|before| before.ends_with('.'));
-        let mut found = params.iter().filter(|(name, _)| matches(name));
-        let exact = params.iter().find(|(name, _)| name == key);
-        let (_, value) = exact.or_else(|| found.next()).ok_or_else(|| SensitivityError::Unknown { key: own() })?;
-        let value = value.filter(|value| value.is_finite()).ok_or_else(|| SensitivityError::NoValue { key: own() })?;
+        let exact = numbers.all.iter().find(|number| number.key() == key);
+        let called = |name: &str| name.strip_suffix(key).is_some_and(|before| before.ends_with('.'));
+        let found = exact.or_else(|| numbers.all.iter().find(|number| called(number.key())));
+        let found = found.ok_or_else(|| SensitivityError::Unknown { key: own() })?;
+        let said = found.said().filter(|value| value.is_finite());
+        let value = said.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
+        let number = Varying { key, scene: &numbers.scene, number: found, value };
         // Some numbers are close to one that they cannot be.
-        let mut tried = self.by_differences(key, value, start, WIDTH);
+        let mut tried = self.by_differences(&number, start, WIDTH);
         for narrower in NARROWER {
             if let Err(Error::Sensitivity(SensitivityError::Edge { .. })) = tried {
-                tried = self.by_differences(key, value, start, narrower * WIDTH).or(tried);
+                tried = self.by_differences(&number, start, narrower * WIDTH).or(tried);
             }
         }
         tried
     }
 
     /// The same from models whose numbers differ by this part of the value, and by up to four times of it.
-    fn by_differences(&self, key: &str, value: f64, start: &State, width: f64) -> Result<Parameter, Error> {
+    fn by_differences(&self, number: &Varying, start: &State, width: f64) -> Result<Parameter, Error> {
+        let value = number.value;
         let width = if value == 0.0 { width } else { width * value.abs() };
         let here = Seen { figures: listed(&self.model), ..Seen::of(&self.model, start, start) };
-        let at = |count: f64| self.seen(key, value, value + count * width, start, &here.figures);
+        let at = |count: f64| self.seen(number, value + count * width, start, &here.figures);
         let mut pairs = vec![(2, [at(2.0)?, at(-2.0)?]), (4, [at(4.0)?, at(-4.0)?])];
         let slopes = |(count, [plus, minus]): &(usize, [Seen; 2])| {
             let per = 0.5 / (*count as f64 * width);
@@ -164,10 +195,10 @@ impl Simulation {
     }
 
     /// The model with another number.
-    fn seen(&self, key: &str, value: f64, other: f64, start: &State, here: &[f64]) -> Result<Seen, Error> {
-        let own = || key.to_string();
+    fn seen(&self, of: &Varying, other: f64, start: &State, here: &[f64]) -> Result<Seen, Error> {
+        let (own, value) = (|| of.key.to_string(), of.value);
         let edge = |reason: String| SensitivityError::Edge { key: own(), value, other, reason };
-        let model = self.model.with_params([(key, other)]).map_err(|error| edge(error.to_string()))?;
+        let model = self.model.of_numbers(of.scene, of.number, other).map_err(|error| edge(error.to_string()))?;
         let begun = model
             .loaded()
             .assembled(&self.positions, &self.velocities, None)

@@ -101,9 +101,9 @@ impl Prepared {
         refuse(&mechanism)?;
         let names: Vec<String> =
             (0..mechanism.velocity_count).map(|freedom| freedom_name(&mechanism, freedom)).collect();
-        let (mut parameters, mut told) = (Vec::new(), Vec::new());
+        let (mut parameters, mut told, mut numbers) = (Vec::new(), Vec::new(), None);
         for key in keys {
-            for (name, parameter) in simulation.parameters(key, &names, &start)? {
+            for (name, parameter) in simulation.parameters(key, &names, &start, &mut numbers)? {
                 told.push(name);
                 parameters.push(parameter);
             }
