@@ -16,7 +16,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::kinematics::body_states;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::counting::{ROUNDING, Ranks};
-use catena_mechanism::structure::ranks::rows::{mimic_rows, scales};
+use catena_mechanism::structure::ranks::rows::{Row, mimic_rows, scales};
 
 /// Decisions about the closures at the start of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +61,28 @@ pub fn known(counted: &Counted, mechanism: &Mechanism) -> Known {
     Known { still, locked, weak: here.weak, ..counted.known_nearby() }
 }
 
+/// The ranks of equations, in which the turnings that contacts hold are independent where no others imply them: a flat end stands on its points, whose
+/// forces press, and needs no moments.
+fn ranks_of_turnings_last(mechanism: &Mechanism, mut rows: Vec<Row>, lengths: Vec<f64>) -> Ranks {
+    let mut turnings = Vec::new();
+    for (number, joint) in mechanism.touches.iter().enumerate() {
+        let closure = mechanism.loops.len() + number;
+        let own = (0..rows.len()).rev().filter(|&row| rows[row].closure == closure).take(joint.moments.rows());
+        turnings.extend(own.map(|row| (row, Vec::new())));
+    }
+    turnings.iter_mut().for_each(|(row, entries)| *entries = std::mem::take(&mut rows[*row].entries));
+    let mut ranks = Ranks::of(&rows, lengths, ROUNDING);
+    for (row, entries) in turnings {
+        rows[row].entries = entries;
+        if Ranks::of(&rows, ranks.lengths.clone(), ROUNDING).rank() > ranks.rank() {
+            ranks.implied[row].1 = false;
+        } else {
+            rows[row].entries.clear();
+        }
+    }
+    ranks
+}
+
 /// The flags of the closures for steps from the counted state: also the equations of a geometry that the others imply, in the position (here or
 /// beside) with the larger rank.
 pub fn known_of_steps<G: Geometry<One>>(
@@ -75,7 +97,7 @@ pub fn known_of_steps<G: Geometry<One>>(
         let (sizes, lengths) = scales(mechanism, &body_states(mechanism, state));
         let mut rows = projection.equations(start, &sizes, &lengths);
         rows.extend(mimic_rows(mechanism, state, &lengths));
-        Ranks::of(&rows, lengths, ROUNDING)
+        ranks_of_turnings_last(mechanism, rows, lengths)
     };
     let mut best = ranks_at(&counted.state);
     if best.implied.iter().any(|(_, implied)| *implied) {
