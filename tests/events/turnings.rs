@@ -233,3 +233,29 @@ fn a_ball_that_a_moved_table_carries_keeps_its_spin_about_the_normal() {
     own.angular_velocity.iter().zip([0.0, 0.0, 5.0]).for_each(|(is, wanted)| near("spin", (*is, wanted)));
     assert_eq!(end.rejected_steps, 0, "{:?}", end.rejected_by);
 }
+
+#[test]
+fn a_flat_end_that_slides_stands_on_its_points_where_rolling_friction_holds_it_too() {
+    // The points hold the turning that rolling friction holds. A disc that spins and slides: the run without rolling friction is the same.
+    let disc = |floor: &str| {
+        format!(
+            "[[body]]\nname = \"disc\"\nshape = {{ type = \"cylinder\", radius = 0.1, length = 0.1 }}\nmass = 2\npose.position = [0, 0, 0.05]\n\
+             velocity = {{ linear = [1, 0.3, 0], angular = [0, 0, 3] }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.2\n{floor}\n"
+        )
+    };
+    let ends = ["rolling_friction = 0.004", ""].map(|floor| {
+        let file = scratch("disc_slides").join("scene.toml");
+        std::fs::write(&file, disc(floor)).expect("a scene");
+        report(&file, &[], &[], Some(1.0), 1e-6)
+    });
+    for end in &ends {
+        assert!(end.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached), "{:?}", end.accuracy);
+        assert_eq!(end.method.first_order_steps, 0);
+    }
+    let [held, free] = ends.map(|end| link(&end, "disc").clone());
+    held.position
+        .into_iter()
+        .zip(free.position)
+        .for_each(|(held, free)| assert!((held - free).abs() <= 1e-6, "{held} {free}"));
+}

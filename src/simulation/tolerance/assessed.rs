@@ -234,7 +234,13 @@ impl<'a> Assessed<'a> {
                     Err(Behind::Interrupted) => return None,
                 }
                 let share = if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
-                (probes(mechanism, &beside.state), share.max(beside.share_of_first_order(&self.run)))
+                // The iterations of nine stages leave errors in proportion to the stop; those of five leave next to none beside truncation.
+                let truncated = match self.stages {
+                    StageChoice::Many => 0.0,
+                    few => (LUCK * beside.share_of_truncation(self.steps, few.count())).min(1.0),
+                };
+                let share = share.max(beside.share_of_first_order(&self.run)).max(truncated);
+                (probes(mechanism, &beside.state), share)
             }
         };
         let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
