@@ -61,26 +61,15 @@ pub fn known(counted: &Counted, mechanism: &Mechanism) -> Known {
     Known { still, locked, weak: here.weak, ..counted.known_nearby() }
 }
 
-/// The ranks of equations, in which the turnings that contacts hold are independent where no others imply them: a flat end stands on its points, whose
-/// forces press, and needs no moments.
-fn ranks_of_turnings_last(mechanism: &Mechanism, mut rows: Vec<Row>, lengths: Vec<f64>) -> Ranks {
-    let mut turnings = Vec::new();
+/// The ranks of equations without the turnings that contacts hold, which count as implied. A flat end stands on its points, whose forces press, and
+/// needs no moments; equations of velocities agree with gaps of places to truncation alone, and give way to them.
+fn ranks_without_turnings(mechanism: &Mechanism, mut rows: Vec<Row>, lengths: Vec<f64>) -> Ranks {
     for (number, joint) in mechanism.touches.iter().enumerate() {
         let closure = mechanism.loops.len() + number;
-        let own = (0..rows.len()).rev().filter(|&row| rows[row].closure == closure).take(joint.moments.rows());
-        turnings.extend(own.map(|row| (row, Vec::new())));
+        let own = rows.iter_mut().rev().filter(|row| row.closure == closure);
+        own.take(joint.moments.rows()).for_each(|row| row.entries.clear());
     }
-    turnings.iter_mut().for_each(|(row, entries)| *entries = std::mem::take(&mut rows[*row].entries));
-    let mut ranks = Ranks::of(&rows, lengths, ROUNDING);
-    for (row, entries) in turnings {
-        rows[row].entries = entries;
-        if Ranks::of(&rows, ranks.lengths.clone(), ROUNDING).rank() > ranks.rank() {
-            ranks.implied[row].1 = false;
-        } else {
-            rows[row].entries.clear();
-        }
-    }
-    ranks
+    Ranks::of(&rows, lengths, ROUNDING)
 }
 
 /// The flags of the closures for steps from the counted state: also the equations of a geometry that the others imply, in the position (here or
@@ -97,7 +86,7 @@ pub fn known_of_steps<G: Geometry<One>>(
         let (sizes, lengths) = scales(mechanism, &body_states(mechanism, state));
         let mut rows = projection.equations(start, &sizes, &lengths);
         rows.extend(mimic_rows(mechanism, state, &lengths));
-        ranks_of_turnings_last(mechanism, rows, lengths)
+        ranks_without_turnings(mechanism, rows, lengths)
     };
     let mut best = ranks_at(&counted.state);
     if best.implied.iter().any(|(_, implied)| *implied) {
