@@ -292,11 +292,9 @@ impl Back<'_> {
     /// Over a step of a tree to a given instant by its transpose; false if it is none.
     fn over_step(&mut self, traced: &TracedStep, solved: Option<&SmoothStep>) -> Result<bool, SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
+        self.walk.begin(traced);
         let since = self.walk.state.time;
         let step = traced.end.time - since;
-        for (body, _) in self.walk.subject.mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
-            body.joint.velocity_range().for_each(|freedom| self.walk.state.velocity[freedom] = 0.0);
-        }
         let made = match solved {
             Some(_) => None,
             None => {
