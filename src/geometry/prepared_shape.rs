@@ -79,6 +79,11 @@ impl PreparedShape {
         self.convex().map(|convex| convex.reach())
     }
 
+    /// Whether it may touch every other shape that says the same of itself.
+    pub fn is_plain(&self) -> bool {
+        self.convex().is_some() && !self.is_ellipsoid
+    }
+
     /// Whether questions about it and another shape have answers.
     ///
     /// # Errors

@@ -79,6 +79,13 @@ pub struct Surface {
     pub velocity: Option<Vector3<f64>>,
 }
 
+impl Surface {
+    /// Whether it has the friction and the restitution of another one.
+    pub fn touches_like(&self, other: &Surface) -> bool {
+        (self.friction, self.restitution, self.moments) == (other.friction, other.restitution, other.moments)
+    }
+}
+
 /// Mass and inertia of a link.
 #[derive(Clone, Debug)]
 pub struct Inertial {

@@ -124,7 +124,7 @@ impl Loaded {
         // A move by limits alone has another warning.
         let open = || violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
         let apart = correction.overlap.and_then(|(number, depth)| {
-            let pair = mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)?;
+            let pair = mechanism.nonsmooth.pairs.with_number(number)?;
             let [a, b] = [pair.a, pair.b].map(|of| mechanism.nonsmooth.colliders[of].name.as_str());
             Some(format!(
                 "{a:?} and {b:?} start {depth:.1e} m inside each other: initial positions were adjusted to separate them, by up to {:.1e} rad or m",

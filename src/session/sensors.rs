@@ -19,6 +19,7 @@ use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_states};
 use crate::mechanism::motion::state::State;
+use crate::output::report::pair_names;
 use crate::reduced::Reaction;
 use crate::session::error::Error;
 use crate::session::model::Model;
@@ -124,10 +125,9 @@ impl Sensed {
     /// An unknown link.
     pub fn contact_force(&self, link: &str) -> Result<Vector3<f64>, Error> {
         self.model.link_index(link)?;
-        let names = self.model.contact_pairs();
         let mut sum = Vector3::zeros();
         for point in &self.contacts {
-            let (a, b) = names[point.pair].split_once('|').unwrap_or_default();
+            let (a, b) = pair_names(self.model.description(), point.pair);
             sum += (f64::from(u8::from(a == link)) - f64::from(u8::from(b == link))) * point.force;
         }
         Ok(sum)
@@ -139,8 +139,8 @@ impl Sensed {
     /// An unknown link.
     pub fn touches(&self, link: &str) -> Result<bool, Error> {
         self.model.link_index(link)?;
-        let names = self.model.contact_pairs();
-        Ok(self.contacts.iter().any(|point| names[point.pair].split('|').any(|name| name == link)))
+        let touches = |(a, b): (&str, &str)| a == link || b == link;
+        Ok(self.contacts.iter().any(|point| touches(pair_names(self.model.description(), point.pair))))
     }
 
     /// The body that a joint moves.

@@ -40,7 +40,7 @@ const BELOW: Vector3<f64> = Vector3::new(0.0, 0.0, -HALF);
 pub(crate) fn distance(mechanism: &Mechanism, state: &State) -> f64 {
     let bodies = body_states(mechanism, state);
     let colliders = &mechanism.nonsmooth.colliders;
-    let pair = mechanism.nonsmooth.pairs[0];
+    let pair = mechanism.nonsmooth.pairs.at(0);
     let [a, b] = [pair.a, pair.b].map(|number| &colliders[number]);
     let pose = |body: Option<usize>| match body.map(|body| &bodies[body]) {
         Some(body) => {

@@ -37,7 +37,7 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
     });
     let of_shapes = nonsmooth.pairs.iter().filter(|pair| !is_rope(&contact.owners[pair.a]));
     let pairs = of_shapes.map(|pair| {
-        let ContactPair { a, b, friction, restitution, moments: MomentLengths { rolling, spinning }, .. } = *pair;
+        let ContactPair { a, b, friction, restitution, moments: MomentLengths { rolling, spinning }, .. } = pair;
         let mut value = json!({"a": name(a), "b": name(b), "friction": friction, "restitution": restitution});
         for (key, length) in [("rolling_friction", rolling), ("spinning_friction", spinning)] {
             if length > 0.0 {
@@ -104,7 +104,7 @@ pub fn tables(model: &Model) -> [Table; 5] {
     });
     let name = |collider: usize| colliders[collider].name.clone();
     let may = model.mechanism.nonsmooth.pairs.iter().filter(|pair| !is_rope(&contact.owners[pair.a]));
-    let turns = model.mechanism.nonsmooth.pairs.iter().any(|pair| !pair.moments.are_zero());
+    let turns = model.mechanism.nonsmooth.pairs.runs().iter().any(|run| !run.first.moments.are_zero());
     let may = may.map(|pair| {
         let mut row = vec![name(pair.a), name(pair.b), number(pair.friction), number(pair.restitution)];
         row.extend([pair.moments.rolling, pair.moments.spinning].map(number).into_iter().filter(|_| turns));
@@ -139,11 +139,17 @@ pub fn tables(model: &Model) -> [Table; 5] {
 
 /// A table of pairs, those that say the same (shapes of one link) once.
 fn pairs(mut table: Table, rows: impl Iterator<Item = Vec<String>>) -> Table {
-    let mut told: Vec<Vec<String>> = rows.collect();
-    told.dedup();
-    let more = told.len().saturating_sub(ROWS);
+    let (mut told, mut last, mut more): (Vec<Vec<String>>, Vec<String>, usize) = Default::default();
+    for row in rows.filter(|row| !row.is_empty()) {
+        if row != last {
+            more += usize::from(told.len() == ROWS);
+            if told.len() < ROWS {
+                told.push(row.clone());
+            }
+            last = row;
+        }
+    }
     let width = told.first().map_or(0, Vec::len);
-    told.truncate(ROWS);
     if more > 0 {
         let mut last = vec![String::new(); width];
         last[0] = format!("and {}, which --json lists", counted(more, "more pair", "more pairs"));

@@ -189,10 +189,14 @@ impl Contacts {
         let fall = 2.0 * whole.gravity.norm() * step * step + 2.0 * CLOSED;
         clearances.see(bodies);
         let near = &mut clearances.near;
-        near.see(&touching.pairs, bodies, |body| {
+        let new = near.see(&touching.pairs, bodies, |body| {
             let fastest = rates[body].0 + rates[body].1 * touching.pairs.reach_of(body);
             ROUNDED * (FASTER * step * fastest + 0.5 * fall)
         });
+        // Others part where some come near.
+        if new && near.leave_out(&touching.pairs) {
+            clearances.pairs.retain(|pair| near.pairs().binary_search(&pair).is_ok());
+        }
         clearances.pairs.extend(near.pairs(), |_| Clearance::default());
         for place in 0..clearances.near.pairs().len() {
             let pair = clearances.near.pairs()[place];

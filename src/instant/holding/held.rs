@@ -135,7 +135,7 @@ impl Held {
             }
         }
         let colliders = &nonsmooth.colliders;
-        nonsmooth.pairs.retain(|pair| colliders[pair.a].body != colliders[pair.b].body);
+        nonsmooth.pairs.retain_mut(|pair| colliders[pair.a].body != colliders[pair.b].body);
         (self.mechanism.limits, self.mechanism.nonsmooth) = (limits, nonsmooth);
     }
 

@@ -5,9 +5,9 @@
 
 use crate::geometry::{Extents, PairGeometry, PreparedShape};
 use crate::instant::holding::rope::{Part, Rope};
-use crate::instant::holding::sparse::Sparse;
+use crate::instant::holding::sparse::{Sparse, seconds};
 use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths, Shape};
-use crate::mechanism::description::contact_pairs::ContactPairs;
+use crate::mechanism::description::contact_pairs::{ContactPairs, PairRun};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Reeving;
 use nalgebra::Vector3;
@@ -118,8 +118,15 @@ impl Pairs {
             _ => false,
         };
         let mut given = nonsmooth.pairs.clone();
-        if !given.iter().all(possible) {
-            given.retain(possible);
+        // Shapes that touch everything of their kind need not be asked for each pair.
+        let plain = |side: usize| shapes[side].as_ref().is_ok_and(PreparedShape::is_plain);
+        let unusual: Vec<usize> = (0..shapes.len()).filter(|&side| !plain(side)).collect();
+        let all_possible = |run: &PairRun| {
+            let are_plain = plain(run.first.a) && seconds(&unusual, run).is_empty();
+            are_plain || run.pairs().all(|pair| possible(&pair))
+        };
+        if !given.runs().iter().all(all_possible) {
+            given.retain_mut(|pair| possible(pair));
         }
         let sided = |(shape, collider): (Result<PreparedShape, _>, &Collider)| {
             let shape = shape.unwrap_or_else(|_| PreparedShape::stand_in(collider));
@@ -131,7 +138,7 @@ impl Pairs {
             _ => None,
         });
         let ropes: Vec<(Reeving, f64)> = ropes.collect();
-        let need_events = !ropes.is_empty() || given.iter().any(|pair| !pair.moments.are_zero());
+        let need_events = !ropes.is_empty() || given.runs().iter().any(|run| !run.first.moments.are_zero());
         let pages = (0..given.len().div_ceil(PAGE)).map(|_| OnceLock::new()).collect();
         let mut pairs = Pairs { sides, given, pages, ropes, need_events, sparse: None };
         let colliders = pairs.sides.iter().map(|side| (side.body, side.reach));
@@ -166,12 +173,12 @@ impl Pairs {
 
     /// The bodies of a pair.
     pub fn bodies_of(&self, number: usize) -> [Option<usize>; 2] {
-        let pair = &self.given[number];
+        let pair = self.given.at(number);
         [pair.a, pair.b].map(|side| self.sides[side].body)
     }
 
     fn prepare(&self, number: usize) -> Pair {
-        let ContactPair { friction, restitution, moments, number, a, b } = self.given[number];
+        let ContactPair { friction, restitution, moments, number, a, b } = self.given.at(number);
         let rope = self.ropes.iter().find(|(rope, _)| rope.collider == a);
         let [a, b] = [a, b].map(|side| &self.sides[side]);
         let geometry = PairGeometry::of(&a.shape, &b.shape);

@@ -3,7 +3,7 @@
 //! Pairs with the world and of one robot are few, and always there.
 
 use crate::mechanism::description::contact::ContactPair;
-use crate::mechanism::description::contact_pairs::ContactPairs;
+use crate::mechanism::description::contact_pairs::{ContactPairs, PairRun};
 use crate::mechanism::description::mechanism::Mechanism;
 
 /// Scenes with fewer pairs have all of them.
@@ -21,8 +21,6 @@ pub(crate) struct Sparse {
     bounded: Vec<Option<usize>>,
     /// The colliders of each body that can be left out.
     colliders: Vec<Vec<usize>>,
-    /// Where the pairs of each collider with later ones begin in the list of all.
-    rows: Vec<usize>,
     /// The pairs that are always there.
     always: Vec<usize>,
 }
@@ -32,11 +30,9 @@ impl Sparse {
     pub fn new(
         mechanism: &Mechanism,
         given: &ContactPairs,
-        colliders: impl ExactSizeIterator<Item = (Option<usize>, Option<f64>)>,
+        colliders: impl Iterator<Item = (Option<usize>, Option<f64>)>,
     ) -> Option<Self> {
-        let ascending = |two: &[ContactPair]| (two[0].a, two[0].b) < (two[1].a, two[1].b);
-        let in_order = given.windows(2).all(ascending) && given.iter().all(|pair| pair.a < pair.b);
-        if given.len() < FEW || !in_order {
+        if given.len() < FEW || !given.are_in_order() {
             return None;
         }
         let bodies = mechanism.bodies.len();
@@ -45,7 +41,6 @@ impl Sparse {
         for (index, body) in mechanism.bodies.iter().enumerate() {
             sparse.roots.push(body.parent.map_or(index, |parent| sparse.roots[parent]));
         }
-        let count = colliders.len();
         for (collider, (body, reach)) in colliders.enumerate() {
             let bounded = body.zip(reach);
             sparse.bounded.push(bounded.map(|(body, _)| body));
@@ -54,12 +49,7 @@ impl Sparse {
                 sparse.colliders[body].push(collider);
             }
         }
-        let mut first = 0;
-        for collider in 0..=count {
-            first += given[first..].partition_point(|pair| pair.a < collider);
-            sparse.rows.push(first);
-        }
-        sparse.always = (0..given.len()).filter(|&pair| sparse.apart(pair).is_none()).collect();
+        sparse.always = sparse.never_left_out();
         // Nothing is gained if most pairs are always there.
         (2 * sparse.always.len() < given.len()).then_some(sparse)
     }
@@ -76,9 +66,35 @@ impl Sparse {
 
     /// The bodies of a pair that can be left out.
     pub fn apart(&self, pair: usize) -> Option<[usize; 2]> {
-        let ContactPair { a, b, .. } = self.given[pair];
+        let ContactPair { a, b, .. } = self.given.at(pair);
         let (one, other) = self.bounded[a].zip(self.bounded[b])?;
         (self.roots[one] != self.roots[other]).then_some([one, other])
+    }
+
+    /// The pairs of a collider that is not bounded, and of two of one robot.
+    fn never_left_out(&self) -> Vec<usize> {
+        let mut of_root = vec![Vec::new(); self.reach.len()];
+        let mut unbounded = Vec::new();
+        for (collider, body) in self.bounded.iter().enumerate() {
+            match body {
+                Some(body) => of_root[self.roots[*body]].push(collider),
+                None => unbounded.push(collider),
+            }
+        }
+        let (mut pairs, mut before) = (Vec::new(), 0);
+        for run in self.given.runs() {
+            match self.bounded[run.first.a] {
+                Some(body) => {
+                    let own = &of_root[self.roots[body]];
+                    let others = seconds(&unbounded, run).iter().chain(seconds(own, run));
+                    pairs.extend(others.map(|other| before + other - run.first.b));
+                }
+                None => pairs.extend(before..before + run.count),
+            }
+            before += run.count;
+        }
+        pairs.sort_unstable();
+        pairs
     }
 
     /// Adds the numbers of the pairs of two bodies.
@@ -88,11 +104,15 @@ impl Sparse {
         }
         for &one in &self.colliders[a] {
             for &other in &self.colliders[b] {
-                let (first, second) = (one.min(other), one.max(other));
-                let row = self.rows[first]..self.rows[first + 1];
-                let found = self.given[row.clone()].binary_search_by_key(&second, |pair| pair.b);
-                out.extend(found.ok().map(|place| row.start + place));
+                out.extend(self.given.place_of(one.min(other), one.max(other)));
             }
         }
     }
+}
+
+/// Those of some colliders, which ascend, that are the second of a pair of a run.
+pub(super) fn seconds<'c>(colliders: &'c [usize], run: &PairRun) -> &'c [usize] {
+    let first = colliders.partition_point(|&collider| collider < run.first.b);
+    let end = colliders.partition_point(|&collider| collider < run.first.b + run.count);
+    &colliders[first..end]
 }

@@ -181,7 +181,7 @@ fn assemble_moving(
     done.0.overlap = overlap;
     if let Some((number, depth)) = left {
         let nonsmooth = &mechanism.nonsmooth;
-        let pair = nonsmooth.pairs.iter().find(|pair| pair.number == number);
+        let pair = nonsmooth.pairs.with_number(number);
         let name = |of: usize| nonsmooth.colliders[of].name.clone();
         let (a, b) = pair.map_or_else(Default::default, |pair| (name(pair.a), name(pair.b)));
         return Err(AssemblyError::Overlap { a, b, depth });

@@ -4,8 +4,8 @@
 //! [`crate::description::closure`], because the assembly of closed loops respects them, too.
 
 use crate::description::closure::{Attachment, Coordinate, JointLimit};
-use crate::description::contact::{Collider, ContactPair};
-use crate::description::contact_pairs::ContactPairs;
+use crate::description::contact::Collider;
+use crate::description::contact_pairs::{ContactPairs, PairRun};
 use crate::description::target::Target;
 
 /// Dry (Coulomb) friction along one scalar joint coordinate: the effort `τ` on the child is
@@ -167,12 +167,14 @@ impl Nonsmooth {
             stays
         });
         let colliders = &self.colliders;
-        let moves = |pair: &ContactPair| colliders[pair.a].body.or(colliders[pair.b].body).is_some();
+        let moves = |[a, b]: [usize; 2]| colliders[a].body.or(colliders[b].body).is_some();
         let same = places.iter().enumerate().all(|(number, place)| *place == Some(number));
         // Pairs that stay as they are stay shared with the copies of this.
-        if !(same && self.pairs.iter().all(moves)) {
+        let all_move =
+            |run: &PairRun| colliders[run.first.a].body.is_some() || run.pairs().all(|pair| moves([pair.a, pair.b]));
+        if !(same && self.pairs.runs().iter().all(all_move)) {
             self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
-                (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
+                (Some(a), Some(b)) if moves([a, b]) => {
                     (pair.a, pair.b) = (a, b);
                     true
                 }

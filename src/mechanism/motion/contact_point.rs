@@ -3,7 +3,7 @@
 //! The unit normal n points from b to a, and f is the force on a (N). Let `f_N = n · f` and `f_T = f − f_N n`; Coulomb's cone is `|f_T| ≤ μ f_N`. A
 //! gap φ (m) is negative where the shapes overlap.
 
-use crate::description::contact::ContactPair;
+use crate::description::contact_pairs::ContactPairs;
 use nalgebra::Vector3;
 
 /// Parts of a force that its components are not known to.
@@ -12,7 +12,7 @@ const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 /// One point at which two shapes touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// The pair ([`ContactPair::number`]).
+    /// The pair ([`ContactPair::number`](crate::description::contact::ContactPair::number)).
     pub pair: usize,
     /// In the world (m).
     pub position: Vector3<f64>,
@@ -54,7 +54,7 @@ pub struct OutsideCone {
     pub largest: f64,
     /// When (s).
     pub time: f64,
-    /// The pair ([`ContactPair::number`]).
+    /// The pair ([`ContactPair::number`](crate::description::contact::ContactPair::number)).
     pub pair: usize,
     /// Where the shapes touch, in the world (m).
     pub position: Vector3<f64>,
@@ -73,10 +73,10 @@ pub struct ContactFigures {
 
 impl ContactFigures {
     /// Takes in the contacts of an instant (s), whose pairs are among these.
-    pub fn see(&mut self, time: f64, points: &[ContactPoint], pairs: &[ContactPair]) {
+    pub fn see(&mut self, time: f64, points: &[ContactPoint], pairs: &ContactPairs) {
         let largest = points.iter().map(|point| point.force.norm()).fold(0.0, f64::max);
         for point in points {
-            let friction = pairs.iter().find(|pair| pair.number == point.pair).map_or(0.0, |pair| pair.friction);
+            let friction = pairs.with_number(point.pair).map_or(0.0, |pair| pair.friction);
             let violation = point.cone_violation(friction);
             let outside = OutsideCone { violation, largest, time, pair: point.pair, position: point.position };
             self.include(&ContactFigures {
@@ -106,6 +106,7 @@ impl ContactFigures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::description::contact::ContactPair;
 
     fn point(force: [f64; 3], gap: f64) -> ContactPoint {
         let (position, normal) = (Vector3::zeros(), Vector3::z());
@@ -133,7 +134,7 @@ mod tests {
         let pair = |number, friction| ContactPair::without_moments(number, [0, 1], friction, 0.0);
         let mut figures = ContactFigures::default();
         let points = [point([3.0, 4.0, 6.0], 1e-3), point([0.0, 0.0, 1.0], -1e-9)];
-        figures.see(0.25, &points, &[pair(2, 0.0), pair(3, 0.5)]);
+        figures.see(0.25, &points, &vec![pair(2, 0.0), pair(3, 0.5)].into());
         let largest = 61.0_f64.sqrt();
         let outside = Some(OutsideCone { violation: 2.0, largest, time: 0.25, pair: 3, position: Vector3::zeros() });
         assert_eq!(figures, ContactFigures { penetration: 1e-9, cone_violation: 2.0, outside });

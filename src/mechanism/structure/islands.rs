@@ -70,9 +70,7 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
     let mimics = mechanism.mimics.iter();
     let mimics = mimics.flat_map(|mimic| mimic.terms().skip(1).map(|(own, _)| (mimic.follower.body, own.body)));
     let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
-    let colliders = &mechanism.nonsmooth.colliders;
-    let pairs = mechanism.nonsmooth.pairs.iter();
-    let pairs = pairs.filter_map(|pair| colliders[pair.a].body.zip(colliders[pair.b].body));
+    let pairs = touching_ends(&mechanism.nonsmooth);
     let closed = mechanism.touches.iter().map(|joint| &joint.reeved);
     let ropes = mechanism.nonsmooth.reevings.iter().map(|rope| &rope.points).chain(closed);
     let ropes = ropes.flat_map(|points| {
@@ -96,6 +94,21 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
         }
     }
     numbers
+}
+
+/// Bodies that pairs join. Colliders that an earlier run has joined with each other, all of them fixed in bodies, are joined by one of them.
+fn touching_ends(nonsmooth: &Nonsmooth) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let body = |collider: usize| nonsmooth.colliders[collider].body;
+    let mut joined = 0..0;
+    nonsmooth.pairs.runs().iter().flat_map(move |run| {
+        let others = run.first.b..run.first.b + run.count;
+        let known = joined.start <= others.start && others.end <= joined.end;
+        if !known && body(run.first.a).is_some() && others.clone().all(|other| body(other).is_some()) {
+            joined = others.clone();
+        }
+        let count = if known { 1 } else { run.count };
+        others.take(count).filter_map(move |other| body(run.first.a).zip(body(other)))
+    })
 }
 
 /// The first body of the island; shortens the way there for the next time.

@@ -48,9 +48,11 @@ impl Model {
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
         let (mut pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
-        for pair in &pairs {
+        let is_ellipsoid = |collider: &Collider| matches!(collider.shape, Shape::Ellipsoid { .. });
+        let asked = Some(&pairs).filter(|_| colliders.iter().any(is_ellipsoid));
+        for pair in asked.into_iter().flat_map(|pairs| pairs.iter()) {
             for [own, other] in [[pair.a, pair.b], [pair.b, pair.a]].map(|pair| pair.map(|of| &colliders[of])) {
-                if matches!(own.shape, Shape::Ellipsoid { .. }) && other.shape != Shape::HalfSpace {
+                if is_ellipsoid(own) && other.shape != Shape::HalfSpace {
                     let (a, b) = (own.name.clone(), other.name.clone());
                     return Err(ModelError::EllipsoidTouches { a, b, other: kind(&other.shape) });
                 }
@@ -74,7 +76,7 @@ impl Model {
             }
         }
         self.mechanism.nonsmooth.colliders = colliders;
-        self.mechanism.nonsmooth.pairs = pairs.into();
+        self.mechanism.nonsmooth.pairs = pairs;
         self.mechanism.nonsmooth.reevings = reevings;
         self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
@@ -98,10 +100,11 @@ impl Model {
     /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds, and joints that were locked move.
     pub(crate) fn forget_reach(&mut self) {
         let out_of_reach = |left: &LeftOutPair| matches!(left.because, NeverTouch::OutOfReach | NeverTouch::Locked);
-        let pairs = &mut self.mechanism.nonsmooth.pairs;
-        pairs.extend(self.contact.left_out.iter().filter(|left| out_of_reach(left)).map(|left| left.pair));
+        let back = self.contact.left_out.iter().filter(|left| out_of_reach(left)).map(|left| left.pair);
+        let mut pairs: Vec<ContactPair> = self.mechanism.nonsmooth.pairs.iter().chain(back).collect();
         pairs.sort_by_key(|pair| (pair.a, pair.b));
-        number(pairs);
+        number(&mut pairs);
+        self.mechanism.nonsmooth.pairs = pairs.into();
         self.contact.left_out.retain(|left| !out_of_reach(left));
     }
 

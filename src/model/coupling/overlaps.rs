@@ -40,7 +40,7 @@ impl Model {
         }
         let all = std::mem::take(&mut self.mechanism.nonsmooth.pairs);
         let (left, mut kept): (Vec<_>, Vec<_>) =
-            all.iter().copied().partition(|pair| links.iter().any(|known| *known == self.names(pair)));
+            all.iter().partition(|pair| links.iter().any(|known| *known == self.names(pair)));
         number(&mut kept);
         self.mechanism.nonsmooth.pairs = kept.into();
         let because = NeverTouch::Overlap;
@@ -63,13 +63,14 @@ impl Model {
         let bodies = body_states(&self.mechanism, start);
         let mut zero = None;
         let mut links: Vec<[String; 2]> = Vec::new();
-        for pair in &self.mechanism.nonsmooth.pairs {
-            let names = self.names(pair);
-            if self.contact.owners[pair.a] == self.contact.owners[pair.b]
-                && !links.iter().any(|known| *known == names)
+        // The links of a robot follow each other.
+        let is_own = |pair: &ContactPair| self.contact.owners[pair.a] == self.contact.owners[pair.b];
+        for pair in self.mechanism.nonsmooth.pairs.runs().iter().flat_map(|run| run.pairs().take_while(is_own)) {
+            let names = self.names(&pair);
+            if !links.iter().any(|known| *known == names)
                 && !are_wanted(&self.contact.settings, names)
-                && self.overlaps(pair, &bodies)
-                && self.overlaps(pair, zero.get_or_insert_with(|| self.bodies_at_zero()).as_deref().unwrap_or(&bodies))
+                && self.overlaps(&pair, &bodies)
+                && self.overlaps(&pair, zero.get_or_insert_with(|| self.bodies_at_zero()).as_deref().unwrap_or(&bodies))
             {
                 links.push(names.map(str::to_string));
             }

@@ -6,6 +6,7 @@
 
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths};
+use crate::mechanism::description::contact_pairs::{ContactPairs, PairRun};
 use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within_limits};
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::kinship::Kinship;
@@ -76,7 +77,8 @@ pub struct ContactRecord {
     pub ropes: Vec<RopeRecord>,
 }
 
-/// The pairs of colliders that may touch, and those that never do.
+/// The pairs of colliders that may touch, and those that never do. Colliders that follow each other, roam and touch in one way are one run for each collider
+/// of another robot.
 pub(crate) fn contact_pairs(
     settings: &ContactSettings,
     colliders: &[Collider],
@@ -84,14 +86,21 @@ pub(crate) fn contact_pairs(
     surfaces: &[Surface],
     robots: usize,
     reach: &ContactReach,
-) -> (Vec<ContactPair>, Vec<LeftOutPair>) {
-    let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
+) -> (ContactPairs, Vec<LeftOutPair>) {
+    let (mut pairs, mut left_out) = (ContactPairs::default(), Vec::new());
     let kinship = Kinship::new(reach.mechanism());
     let itself = settings.touches_itself(robots);
     let balls: Vec<Ball> = if itself { colliders.iter().map(ball_about).collect() } else { Vec::new() };
+    let roams = |collider: usize| matches!(owners[collider], Owner::Robot(_)) && reach.roams(&colliders[collider]);
+    let ends = alike(settings, colliders, surfaces, roams);
     for (a, one) in colliders.iter().enumerate() {
-        for (b, other) in colliders.iter().enumerate().skip(a + 1) {
+        let mut next = a + 1;
+        while next < colliders.len() {
+            let (b, other) = (next, &colliders[next]);
             let own = owners[a] == owners[b];
+            // Links that roam meet all links of other robots.
+            let meets = !own && roams(b);
+            next = if meets { ends[b] } else { b + 1 };
             if never_asked(settings.touching(), itself, [owners[a], owners[b]]).is_some()
                 || (own && one.name == other.name)
             {
@@ -101,23 +110,51 @@ pub(crate) fn contact_pairs(
             let Manner { friction, restitution, moments: [rolling, spinning], ignored, .. } =
                 manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let moments = MomentLengths { rolling, spinning };
-            let pair = ContactPair { number: pairs.len(), a, b, friction, restitution, moments };
+            let first = ContactPair { number: pairs.len(), a, b, friction, restitution, moments };
             let joined = || if own { kinship.reason([one.body, other.body]) } else { None };
             let within_limits =
                 || never_meet_within_limits(reach.mechanism(), [one.body, other.body], [balls[a], balls[b]]);
-            let apart = || reach.never_meet(one, other) || (own && within_limits());
+            let apart = || !meets && (reach.never_meet(one, other) || (own && within_limits()));
             let because = match ignored {
                 _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
                 Some(line) => Some(NeverTouch::Ignored(line)),
                 None => joined().or_else(|| apart().then_some(NeverTouch::OutOfReach)),
             };
+            let run = PairRun { first, count: next - b };
             match because {
-                Some(because) => left_out.push(LeftOutPair { pair, because }),
-                None => pairs.push(pair),
+                Some(because) => left_out.extend(run.pairs().map(|pair| LeftOutPair { pair, because })),
+                None => pairs.push_run(run),
             }
         }
     }
     (pairs, left_out)
+}
+
+/// For each collider the end of those that follow it, roam like it, and touch in the same way.
+fn alike(
+    settings: &ContactSettings,
+    colliders: &[Collider],
+    surfaces: &[Surface],
+    roams: impl Fn(usize) -> bool,
+) -> Vec<usize> {
+    let patterns = || settings.rules.iter().flat_map(|rule| [&rule.a, &rule.b]);
+    let named = |name: &str| patterns().map(|pattern| matches(pattern, name)).collect::<Vec<bool>>();
+    let mut ends: Vec<usize> = (1..=colliders.len()).collect();
+    let mut after = Vec::new();
+    for (number, collider) in colliders.iter().enumerate().rev() {
+        let own = named(&collider.name);
+        let follower = number + 1;
+        if follower < colliders.len()
+            && roams(number)
+            && roams(follower)
+            && own == after
+            && surfaces[number].touches_like(&surfaces[follower])
+        {
+            ends[number] = ends[follower];
+        }
+        after = own;
+    }
+    ends
 }
 
 /// Why the shapes of two are not even looked at. The last can be mended by another `pairs`.

@@ -62,6 +62,11 @@ impl<'m> ContactReach<'m> {
         self.mechanism
     }
 
+    /// Whether a collider may come to every place that moving bodies come to.
+    pub fn roams(&self, collider: &Collider) -> bool {
+        collider.body.is_some() && self.ball(collider).radius == f64::INFINITY
+    }
+
     /// Whether two colliders never meet.
     pub fn never_meet(&self, a: &Collider, b: &Collider) -> bool {
         let (ball_a, ball_b) = (self.ball(a), self.ball(b));

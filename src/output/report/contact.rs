@@ -1,6 +1,7 @@
 //! The contacts at the end of a run, and the worst of all its contacts.
 
 use crate::mechanism::description::contact::ContactPair;
+use crate::mechanism::description::contact_pairs::PairRun;
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::mechanism::motion::contact_point::{ContactPoint, OutsideCone};
 use crate::model::{Model, Owner};
@@ -127,12 +128,13 @@ pub(crate) fn state_name(point: &ContactPoint) -> &'static str {
 
 /// How many numbers of pairs there are, from zero on.
 pub(crate) fn pair_count(model: &Model) -> usize {
-    model.mechanism.nonsmooth.pairs.iter().map(|pair| pair.number + 1).max().unwrap_or(0)
+    let last = |run: &PairRun| run.first.number + run.count;
+    model.mechanism.nonsmooth.pairs.runs().iter().map(last).max().unwrap_or(0)
 }
 
 /// A pair by its number.
-fn pair_of(model: &Model, number: usize) -> Option<&ContactPair> {
-    model.mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)
+fn pair_of(model: &Model, number: usize) -> Option<ContactPair> {
+    model.mechanism.nonsmooth.pairs.with_number(number)
 }
 
 /// The names of the shapes of a pair, by its number.

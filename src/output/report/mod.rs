@@ -16,8 +16,8 @@ mod text;
 
 pub use contact::{ContactReport, ContactsReport};
 #[cfg(feature = "log")]
-pub(crate) use contact::{contact_words, pair_names, state_name};
-pub(crate) use contact::{pair_count, pair_name};
+pub(crate) use contact::{contact_words, state_name};
+pub(crate) use contact::{pair_count, pair_name, pair_names};
 #[cfg(feature = "log")]
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};

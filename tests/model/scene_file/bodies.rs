@@ -87,7 +87,7 @@ fn bodies_have_plain_names_beside_a_robot_and_leave_its_names_plain() {
     let links: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
     assert_eq!(links, ["base", "upper", "lower", "weight", "sensor", "lens", "pill"]);
     assert_eq!(model.moving_joints().collect::<Vec<_>>(), ["shoulder", "elbow", "pill"]);
-    assert_eq!(model.mechanism.nonsmooth.pairs[0].friction, 0.1);
+    assert_eq!(model.mechanism.nonsmooth.pairs.at(0).friction, 0.1);
     for (name, what) in [("lower", "has a link"), ("elbow", "has a joint"), ("base", "has a link"), ("double", "taken")]
     {
         let text = format!("{ONE}{}", CAPSULE.replace("pill", name));

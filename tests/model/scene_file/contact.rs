@@ -371,3 +371,40 @@ fn a_scene_without_contact_has_no_shapes_and_is_smooth() {
         assert!(model.warnings.iter().all(|warning| !warning.message.contains("contact")), "{:?}", model.warnings);
     }
 }
+
+#[test]
+fn bodies_that_touch_alike_are_one_entry_of_the_list_and_every_pair_has_its_own_laws() {
+    let folder = with_walker("alike");
+    let bodies = "[[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\ncount = 30\nspacing = [1, 0, 0]\n\
+        [[body]]\nname = \"box\"\nshape = { type = \"box\", size = [1, 1, 1] }\nmass = 1\nfriction = 0.3\ncount = 20\nspacing = [0, 2, 0]\n\
+        pose = { position = [0, 9, 0] }\n";
+    let rules = "[contact]\nfriction = 0.5\n[[contact.pair]]\na = \"ball7\"\nb = \"box*\"\nignore = true\n\
+        [[contact.pair]]\na = \"ball3\"\nb = \"*\"\nfriction = 0.9\n";
+    let model = model(&folder, &format!("{bodies}{FLOATING}{FLOOR}{rules}"));
+    let balls = (1..=30).map(|number| format!("ball{number}"));
+    let boxes = (1..=20).map(|number| format!("box{number}"));
+    let walker = ["trunk", "foot", "foot", "leg"].map(|link| model.links.iter().find(|own| own.name.ends_with(link)));
+    let walker = walker.map(|link| link.expect("a link of the walker").name.clone());
+    let all: Vec<String> = walker.into_iter().chain(balls).chain(boxes).chain(["floor".to_string()]).collect();
+    let friction = |names: [&str; 2]| match names {
+        _ if names.contains(&"ball3") => 0.9,
+        _ if names.iter().any(|name| name.starts_with("box")) => 0.3,
+        _ => 0.5,
+    };
+    let mut wanted = Vec::new();
+    for (number, a) in all.iter().enumerate() {
+        for b in &all[number + 1..] {
+            // A trunk with its foot is one body, and the leg is joined to it.
+            let of_walker = [a, b].iter().all(|name| ["trunk", "foot", "leg"].iter().any(|link| name.ends_with(link)));
+            let ignored = a == "ball7" && b.starts_with("box");
+            if !of_walker && !ignored {
+                wanted.push((format!("{a}|{b}"), friction([a, b]), 0.0));
+            }
+        }
+    }
+    assert_eq!(pairs(&model), wanted);
+    assert_eq!(model.contact.left_out.iter().filter(|left| matches!(left.because, NeverTouch::Ignored(_))).count(), 20);
+    // Each of 54 shapes has the balls up to the third, it, those up to the seventh, it, the others, the boxes and the floor.
+    let (runs, shapes) = (model.mechanism.nonsmooth.pairs.runs().len(), all.len());
+    assert!(runs < 8 * shapes && 6 * runs < wanted.len(), "{runs} runs for {} pairs", wanted.len());
+}

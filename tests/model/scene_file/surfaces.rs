@@ -73,7 +73,7 @@ fn lengths_of_rolling_and_spinning_friction_come_from_the_same_places_and_have_k
         scene.set(&numbers).unwrap();
         let (model, _) = Model::from_scene(&scene).unwrap();
         let of =
-            |pair: &catena::mechanism::description::contact::ContactPair| [pair.moments.rolling, pair.moments.spinning];
+            |pair: catena::mechanism::description::contact::ContactPair| [pair.moments.rolling, pair.moments.spinning];
         <[[f64; 2]; 3]>::try_from(model.mechanism.nonsmooth.pairs.iter().map(of).collect::<Vec<_>>())
             .expect("three pairs")
     };

@@ -14,10 +14,11 @@ use crate::model::Model;
 use crate::output::log::encoding::cdr::CdrWriter;
 use crate::output::log::encoding::definitions::{Definition, HEADER, POINT, VECTOR};
 use crate::output::log::encoding::durability::Durability;
+use crate::output::log::messages::pair_names::PairNames;
 use crate::output::log::messages::topics::Topics;
 use crate::output::log::storage::error::LogError;
 use crate::output::log::storage::file::MessageSink;
-use crate::output::report::{pair_count, pair_names, state_name};
+use crate::output::report::state_name;
 
 static CONTACT: Definition = Definition {
     name: "catena_msgs/msg/Contact",
@@ -37,8 +38,7 @@ static CONTACTS: Definition = Definition {
 pub(crate) struct ContactMessages {
     channel: u16,
     world: String,
-    /// The names of the shapes, by the number of their pair.
-    names: Vec<(String, String)>,
+    names: PairNames,
     buffer: Vec<u8>,
 }
 
@@ -50,15 +50,13 @@ impl ContactMessages {
         world: &str,
         wanted: &Topics,
     ) -> Result<Option<Self>, LogError> {
-        let count = pair_count(model);
-        if count == 0 || !wanted.has("/contacts") {
+        if model.mechanism.nonsmooth.pairs.is_empty() || !wanted.has("/contacts") {
             return Ok(None);
         }
-        let names = (0..count).map(|number| pair_names(model, number)).map(|(a, b)| (a.to_string(), b.to_string()));
         Ok(Some(ContactMessages {
             channel: sink.channel("/contacts", &CONTACTS, Durability::Volatile)?,
             world: world.to_string(),
-            names: names.collect(),
+            names: PairNames::new(model),
             buffer: Vec::new(),
         }))
     }
@@ -75,7 +73,7 @@ impl ContactMessages {
         writer.string(&self.world);
         writer.unsigned(points.len() as u32);
         for point in points {
-            let (a, b) = self.names.get(point.pair).map_or(("", ""), |(a, b)| (a.as_str(), b.as_str()));
+            let [a, b] = self.names.of(point.pair);
             writer.string(a);
             writer.string(b);
             for number in [&point.position, &point.normal, &point.force].into_iter().flatten() {

@@ -13,10 +13,11 @@ use crate::model::Model;
 use crate::output::log::encoding::cdr::CdrWriter;
 use crate::output::log::encoding::definitions::{Definition, HEADER};
 use crate::output::log::encoding::durability::Durability;
+use crate::output::log::messages::pair_names::PairNames;
 use crate::output::log::messages::topics::Topics;
 use crate::output::log::storage::error::LogError;
 use crate::output::log::storage::file::MessageSink;
-use crate::output::report::{joint_name, pair_name};
+use crate::output::report::joint_name;
 
 /// An event, which no package of ROS defines: viewers decode it by this definition, which is in the log.
 static EVENT: Definition = Definition {
@@ -30,8 +31,8 @@ pub(crate) struct EventMessages {
     channel: u16,
     /// The names of the joints by the bodies that they carry.
     names: Vec<String>,
-    /// The names `a|b` of the pairs that may touch, with their numbers.
-    pairs: Vec<(usize, String)>,
+    /// The names `a|b` of the pairs that may touch.
+    pairs: PairNames,
     buffer: Vec<u8>,
 }
 
@@ -44,13 +45,7 @@ impl EventMessages {
         Ok(Some(EventMessages {
             channel: sink.channel("/events", &EVENT, Durability::Volatile)?,
             names: (0..model.mechanism.bodies.len()).map(|body| joint_name(model, body).to_string()).collect(),
-            pairs: model
-                .mechanism
-                .nonsmooth
-                .pairs
-                .iter()
-                .map(|pair| (pair.number, pair_name(model, pair.number)))
-                .collect(),
+            pairs: PairNames::new(model),
             buffer: Vec::new(),
         }))
     }
@@ -62,10 +57,10 @@ impl EventMessages {
         writer.string("");
         writer.double(event.time);
         writer.string(event.kind.name());
-        writer.string(match event.pair {
-            Some(pair) => self.pairs.iter().find(|(number, _)| *number == pair).map_or("", |(_, name)| name),
-            None => self.names.get(event.body).map_or("", String::as_str),
-        });
+        match event.pair {
+            Some(number) => writer.string(&self.pairs.of(number).join("|")),
+            None => writer.string(self.names.get(event.body).map_or("", String::as_str)),
+        }
         writer.double(event.impulse.unwrap_or(f64::NAN));
         sink.message(self.channel, stamp, &self.buffer).map(drop)
     }

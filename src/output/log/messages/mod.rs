@@ -9,6 +9,7 @@ pub(crate) mod figures;
 pub(crate) mod joints;
 pub(crate) mod motors;
 pub(crate) mod options;
+pub(crate) mod pair_names;
 pub(crate) mod ropes;
 pub(crate) mod sensitivities;
 pub(crate) mod standin;

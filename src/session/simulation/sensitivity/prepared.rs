@@ -216,7 +216,7 @@ fn refuse(mechanism: &Mechanism) -> Result<(), SensitivityError> {
     if colliders.iter().any(|collider| matches!(collider.shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. })) {
         return refuse("ellipsoids and ropes", INSTEAD);
     }
-    if mechanism.nonsmooth.pairs.iter().any(|pair| !pair.moments.are_zero()) {
+    if mechanism.nonsmooth.pairs.runs().iter().any(|run| !run.first.moments.are_zero()) {
         return refuse("rolling and spinning friction", INSTEAD);
     }
     let balls = |freedom: usize| {
