@@ -146,7 +146,7 @@ mod tests {
             figures.see(
                 0.5,
                 &[point([5.0 + 10.0 * off, 0.0, 10.0], 0.0), point([0.0, 0.0, 10.0], 0.0)],
-                &[pair(3, 0.5)],
+                &vec![pair(3, 0.5)].into(),
             );
             assert_eq!(figures.outside.is_some(), is_outside, "{figures:?}");
         }
