@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _catena
 from ._errors import InputError
+from ._result import save_columns, table_of
 
 
 def as_array(numbers, what, axes, wanted):
@@ -137,6 +138,28 @@ class Sensitivity:
     valid_within: np.ndarray
     bounded_by: list[str]
     warnings: list[str]
+
+    def _columns(self):
+        # Ball joints have more positions than freedoms.
+        named = self.freedoms if self.q.shape[1] == len(self.freedoms) else range(self.q.shape[1])
+        columns = {"t": self.t}
+        columns |= {f"q.{name}": part for name, part in zip(named, self.q.T)}
+        columns |= {f"v.{name}": part for name, part in zip(self.freedoms, self.v.T)}
+        for symbol, array in (("dq", self.dq), ("dv", self.dv)):
+            for row, freedom in enumerate(self.freedoms):
+                columns |= {f"{symbol}.{freedom}/d.{key}": array[:, row, column] for column, key in enumerate(self.keys)}
+        return columns
+
+    def to_pandas(self):
+        """A table indexed by time with a column for each position and velocity, and for each derivative, ``dq.JOINT/d.KEY`` and ``dv.JOINT/d.KEY``."""
+        return table_of(self._columns())
+
+    def save(self, path):
+        """Writes the run and its derivatives, the columns of ``to_pandas``, to a file of this ending: ``.npz``, ``.parquet`` or ``.csv``.
+
+        A file that is there is replaced when all of the new one is written.
+        """
+        save_columns(path, self._columns())
 
     def __repr__(self):
         return f"<catena.Sensitivity: {len(self.t) - 1} steps to {self.t[-1]:.9g} s, by {', '.join(self.keys)}>"

@@ -131,8 +131,7 @@ class Result:
 
     def to_pandas(self):
         """A table indexed by time with a column for each coordinate, ``q.JOINT`` and ``v.JOINT``, and the energy."""
-        pandas = _import("pandas", "to_pandas")
-        return pandas.DataFrame(self._columns()).set_index("t")
+        return table_of(self._columns())
 
     def save(self, path):
         """Writes the run to a file of this ending: ``.mcap`` (a log, for viewers and ``catena inspect``), ``.npz``, ``.parquet`` or ``.csv``.
@@ -143,18 +142,8 @@ class Result:
         ending = os.path.splitext(path)[1].lower()
         if ending == ".mcap":
             self._inner.save_log(path)
-        elif ending == ".npz":
-            _whole(path, lambda file: np.savez_compressed(file, **self._columns()))
-        elif ending == ".parquet":
-            table = self.to_pandas()
-            _import("pyarrow", "save as .parquet")
-            _whole(path, lambda file: table.to_parquet(file))
-        elif ending == ".csv":
-            columns = self._columns()
-            rows = np.column_stack(list(columns.values()))
-            _whole(path, lambda file: np.savetxt(file, rows, "%.17g", ",", header=",".join(columns), comments=""))
         else:
-            raise InputError(f"cannot write {path}: its ending is none of .mcap, .npz, .parquet, .csv")
+            save_columns(path, self._columns(), [".mcap"])
 
     def report(self, path, *, mesh_limit=200_000):
         """Writes a page that shows the run in 3-D with its curves and its report, in one HTML file that any browser opens."""
@@ -243,6 +232,29 @@ def _import(module, what):
     except ImportError:
         package = module.split(".")[0]
         raise InputError(f"{what} needs {package}: pip install {package}") from None
+
+
+def table_of(columns):
+    """A table of columns, indexed by their times ``t``."""
+    pandas = _import("pandas", "to_pandas")
+    return pandas.DataFrame(columns).set_index("t")
+
+
+def save_columns(path, columns, others=()):
+    """Writes columns to a file, ``.npz``, ``.parquet`` or ``.csv``; an error names the ``others`` that a file may end in."""
+    path = os.fspath(path)
+    ending = os.path.splitext(path)[1].lower()
+    if ending == ".npz":
+        _whole(path, lambda file: np.savez_compressed(file, **columns))
+    elif ending == ".parquet":
+        table = table_of(columns)
+        _import("pyarrow", "save as .parquet")
+        _whole(path, lambda file: table.to_parquet(file))
+    elif ending == ".csv":
+        rows = np.column_stack(list(columns.values()))
+        _whole(path, lambda file: np.savetxt(file, rows, "%.17g", ",", header=",".join(columns), comments=""))
+    else:
+        raise InputError(f"cannot write {path}: its ending is none of {', '.join([*others, '.npz', '.parquet', '.csv'])}")
 
 
 def _whole(path, write):

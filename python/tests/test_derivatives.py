@@ -185,3 +185,23 @@ def test_torch_has_the_gradient_against_time(double_pendulum):
     numbers = torch.tensor(motion.values, requires_grad=True)
     (motion(numbers)[0] ** 2).sum().backward()
     assert np.allclose(numbers.grad, gradient, rtol=1e-12)
+
+
+def test_derivatives_are_columns_of_tables_and_files(double_pendulum, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    run = double_pendulum.sensitivity(["start.q.shoulder", "lower_arm.mass"], [0.5, 0.2], [0.0, 0.0], duration=0.4, stages=5, step=0.05)
+    table = run.to_pandas()
+    assert table.index.name == "t" and len(table.columns) == 2 + 2 + 2 * 2 * 2
+    assert np.array_equal(table["dq.elbow/d.start.q.shoulder"], run.dq[:, 1, 0])
+    assert np.array_equal(table["dv.shoulder/d.lower_arm.mass"], run.dv[:, 0, 1])
+    assert np.array_equal(table["q.elbow"], run.q[:, 1]) and np.array_equal(table["v.shoulder"], run.v[:, 0])
+    run.save(tmp_path / "run.csv")
+    # Seventeen digits are the same double.
+    assert np.array_equal(np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)[:, 1:], table.to_numpy())
+    run.save(tmp_path / "run.npz")
+    assert np.array_equal(np.load(tmp_path / "run.npz")["dq.elbow/d.lower_arm.mass"], run.dq[:, 1, 1])
+    with pytest.raises(catena.InputError, match="none of .npz, .parquet, .csv"):
+        run.save(tmp_path / "run.mcap")
+    pytest.importorskip("pyarrow")
+    run.save(tmp_path / "run.parquet")
+    assert pandas.read_parquet(tmp_path / "run.parquet").equals(table)

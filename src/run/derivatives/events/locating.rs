@@ -10,7 +10,7 @@ use crate::derivatives::equations::contacts::TouchFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::validity::MetEvent;
-use crate::derivatives::events::walk::{Subject, Walk};
+use crate::derivatives::events::walk::{KeptStep, Subject, Walk};
 use crate::derivatives::events::watched::Sight;
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH};
@@ -26,6 +26,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Newton iterations for the length of a step; three or four are made.
 const ATTEMPTS: usize = 12;
@@ -37,6 +38,16 @@ struct Varying<'v> {
     /// The parameters among all that are meant; `None` for the length of the step.
     chunk: Option<usize>,
     tangent: &'v Tangent,
+}
+
+/// A solved step that ends at an event.
+struct Located {
+    kept: Arc<KeptStep>,
+    efforts: Vec<Efforts>,
+    /// φ̇ at its end.
+    rate: f64,
+    /// The derivatives of its end by its length.
+    along: Tangent,
 }
 
 impl Walk<'_> {
@@ -52,42 +63,20 @@ impl Walk<'_> {
         let contact = next.and_then(|jump| self.contact_of(trigger, jump));
         let words = self.words(trigger, contact, &traced.mode);
         let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
-        let mut step = traced.end.time - since;
-        let mut last = f64::INFINITY;
-        let mut known = None;
-        let mut found = None;
-        for attempt in 1..=ATTEMPTS {
-            let (solved, efforts) = self.solved(traced, mode, step, known)?;
-            let (value, rate, along) = self
-                .by_length(traced, mode, step, &solved, &efforts, (trigger, contact))
-                .ok_or_else(|| unknown(traced.end.time))?;
-            let change = value / rate;
-            if !change.is_finite() {
-                return Err(SensitivityError::Graze { time: traced.end.time, what: words });
-            }
-            // A root cannot be told from its roundings any more.
-            let rounding = ROUNDINGS * step.max((since + step).abs());
-            let ends = change.abs() <= rounding || change.abs() <= 1e-9 * step && change.abs() >= 0.25 * last;
-            if ends || attempt == ATTEMPTS {
-                found = Some((solved, efforts, rate, along));
-                break;
-            }
-            known = Some((solved, (change / step).abs()));
-            step -= change;
-            last = change.abs();
-        }
-        let Some((solved, efforts, rate, along)) = found else { return Err(self.failed()) };
+        let of = (trigger, contact);
+        let Located { kept, efforts, rate, along } = self.locate(traced, mode, of, &words)?;
+        let (step, solved) = (kept.step, &kept.solved);
         let start = self.state.clone();
-        let at_start = self.value(traced, mode, &start, since, (trigger, contact)).unwrap_or(0.0);
+        let at_start = self.value(traced, mode, &start, since, of).unwrap_or(0.0);
         let still = DVector::zeros(self.tangent.times.len());
-        self.carry(mode, step, &solved, &efforts, closed, &still)?;
-        self.take_end(&solved, since + step);
+        self.carry(mode, step, solved, &efforts, closed, &still)?;
+        self.take_end(solved, since + step);
         self.see_turn(traced, trigger, &start, &words);
         let mut longer = DVector::zeros(still.len());
         for (chunk, closed) in closed.iter().enumerate() {
             let varying = Varying { chunk: Some(chunk), tangent: &self.tangent };
             let value = self
-                .seen(traced, mode, &self.state, since, &varying, closed, (trigger, contact))
+                .seen(traced, mode, &self.state, since, &varying, closed, of)
                 .ok_or_else(|| unknown(traced.end.time))?;
             let first = chunk * WIDTH;
             let width = WIDTH.min(longer.len() - first);
@@ -102,6 +91,51 @@ impl Walk<'_> {
         self.validity.see_event(&event, at_start, step, self.events.last());
         self.events.push(event);
         Ok(())
+    }
+
+    /// The step that ends at an event: Newton's method for its length, unless it is known.
+    fn locate(
+        &mut self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        of: (Watched, Option<&Contact>),
+        words: &str,
+    ) -> Result<Located, SensitivityError> {
+        let since = self.state.time;
+        let unknown = || SensitivityError::Event { time: traced.end.time, what: words.to_string() };
+        if let Some(kept) = self.known.take() {
+            let efforts = self.efforts_over(traced, kept.step);
+            let by_length = self.by_length(traced, mode, kept.step, &kept.solved, &efforts, of);
+            let (_, rate, along) = by_length.ok_or_else(unknown)?;
+            return Ok(Located { kept, efforts, rate, along });
+        }
+        let mut step = traced.end.time - since;
+        let mut last = f64::INFINITY;
+        let mut known = None;
+        for attempt in 1..=ATTEMPTS {
+            let (solved, efforts) = self.solved(traced, mode, step, known)?;
+            let by_length = self.by_length(traced, mode, step, &solved, &efforts, of);
+            let (value, rate, along) = by_length.ok_or_else(unknown)?;
+            let change = value / rate;
+            if !change.is_finite() {
+                return Err(SensitivityError::Graze { time: traced.end.time, what: words.to_string() });
+            }
+            // A root cannot be told from its roundings any more.
+            let rounding = ROUNDINGS * step.max((since + step).abs());
+            let ends = change.abs() <= rounding || change.abs() <= 1e-9 * step && change.abs() >= 0.25 * last;
+            if ends || attempt == ATTEMPTS {
+                let values = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+                let kept = Arc::new(KeptStep { step, mode: mode.clone(), solved, efforts: values });
+                if self.keeps {
+                    self.kept = Some(kept.clone());
+                }
+                return Ok(Located { kept, efforts, rate, along });
+            }
+            known = Some((solved, (change / step).abs()));
+            step -= change;
+            last = change.abs();
+        }
+        Err(self.failed())
     }
 
     /// φ at the end of a solved step, φ̇, and the derivatives of the end by the length of the step.

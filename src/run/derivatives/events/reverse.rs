@@ -11,10 +11,9 @@
 //!
 //! Source: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 12.
 
-use crate::derivatives::events::efforts::Efforts;
 use crate::derivatives::events::parameter::Parameter;
 use crate::derivatives::events::validity::{MetEvent, Validity};
-use crate::derivatives::events::walk::{SmoothStep, Subject, Walk};
+use crate::derivatives::events::walk::{KeptStep, Subject, Walk};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::Factors;
 use crate::derivatives::forward::tangent::Tangent;
@@ -22,6 +21,7 @@ use crate::derivatives::forward::tree::{FigureCotangents, pulled_back};
 use crate::events::trace::{Closed, MotorMode, Traced, TracedStep};
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Room for steps that are kept solved (bytes).
 const ROOM: usize = 256 << 20;
@@ -73,8 +73,8 @@ pub(crate) struct Tape<'t> {
     walk: Walk<'t>,
     /// The trace of each piece of the run, up to where the integrator came back.
     pieces: Vec<Vec<Traced>>,
-    /// The solved step of each piece that is one step to a given instant, while there is room and every state is kept.
-    solved: Vec<Option<SmoothStep>>,
+    /// The solved step of each piece, while there is room and every state is kept.
+    solved: Vec<Option<Arc<KeptStep>>>,
     room: usize,
     /// The number of events before each piece.
     first_events: Vec<usize>,
@@ -125,10 +125,10 @@ impl<'t> Tape<'t> {
             return Err(SensitivityError::Unsupported { part, advice });
         }
         self.first_events.push(self.walk.events.len());
-        self.walk.smooth = None;
-        self.walk.keeps = self.every == 1 && trace.len() == 1 && self.room > 0;
+        self.walk.kept = None;
+        self.walk.keeps = self.every == 1 && trace.iter().filter_map(step_of).count() == 1 && self.room > 0;
         self.walk.along(&trace, &mut |_, _| {})?;
-        let solved = self.walk.smooth.take();
+        let solved = self.walk.kept.take();
         let rows = solved.as_ref().map_or(0, |step| step.mode.size(self.subject.tableau.stages));
         self.room = self.room.saturating_sub(rows * rows * size_of::<f64>());
         self.solved.push(solved);
@@ -176,7 +176,7 @@ impl<'t> Tape<'t> {
                     back.adjoint = back.adjoint.plus(&said);
                 }
                 let first_event = self.first_events[first + index];
-                let solved = self.solved[first + index].as_ref();
+                let solved = self.solved[first + index].clone();
                 back.over((piece, solved), place, &|own| of_event(first_event + own))?;
             }
         }
@@ -231,7 +231,7 @@ struct Back<'b> {
 impl Back<'_> {
     fn over(
         &mut self,
-        (piece, solved): (&[Traced], Option<&SmoothStep>),
+        (piece, solved): (&[Traced], Option<Arc<KeptStep>>),
         place: &Place,
         of_event: &dyn Fn(usize) -> Option<Adjoint>,
     ) -> Result<(), SensitivityError> {
@@ -243,7 +243,11 @@ impl Back<'_> {
                     false => self.over_matrices(piece, of_event),
                 }
             }
-            _ => self.over_matrices(piece, of_event),
+            _ => {
+                self.walk.known =
+                    solved.filter(|_| piece.iter().filter_map(step_of).all(|step| !step.triggers.is_empty()));
+                self.over_matrices(piece, of_event)
+            }
         }
     }
 
@@ -290,15 +294,13 @@ impl Back<'_> {
     }
 
     /// Over a step of a tree to a given instant by its transpose; false if it is none.
-    fn over_step(&mut self, traced: &TracedStep, solved: Option<&SmoothStep>) -> Result<bool, SensitivityError> {
+    fn over_step(&mut self, traced: &TracedStep, solved: Option<Arc<KeptStep>>) -> Result<bool, SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
+        self.walk.begin(traced);
         let since = self.walk.state.time;
         let step = traced.end.time - since;
-        for (body, _) in self.walk.subject.mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
-            body.joint.velocity_range().for_each(|freedom| self.walk.state.velocity[freedom] = 0.0);
-        }
-        let made = match solved {
-            Some(_) => None,
+        let kept = match solved {
+            Some(kept) => kept,
             None => {
                 let mode = self.walk.mode(traced)?;
                 if mode.free.is_empty() {
@@ -306,14 +308,13 @@ impl Back<'_> {
                 }
                 let (solved, efforts) = self.walk.solved(traced, &mode, step, None)?;
                 let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
-                Some(SmoothStep { mode, solved, efforts })
+                Arc::new(KeptStep { step, mode, solved, efforts })
             }
         };
-        let Some(SmoothStep { mode, solved, efforts: values }) = solved.or(made.as_ref()) else { return Ok(false) };
+        let KeptStep { mode, solved, efforts: values, .. } = &*kept;
         let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
         let nodes = &self.walk.subject.tableau.nodes;
-        let at = |node: &f64| self.walk.efforts(&traced.mode, since, since + step * node);
-        let efforts: Vec<Efforts> = nodes.iter().map(at).collect();
+        let efforts = self.walk.efforts_over(traced, step);
         let problem = self.walk.problem(mode, step, values);
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
         let pulled = pulled_back(&problem, solved, factors, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())

@@ -17,8 +17,8 @@ use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
-use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem, lifted};
-use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, lifted};
+use crate::derivatives::forward::tangent::{Tangent, Varied};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
 use crate::events::trace::{Closed, JointMode, Mode, MotorMode, Traced, TracedJump, TracedStep};
@@ -28,6 +28,7 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// A tick or an instant of a law is this close to its time, in parts of it.
 pub(super) const AT_TICK: f64 = 1e-9;
@@ -46,8 +47,10 @@ pub(crate) struct Subject<'w> {
 /// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
 type Anchored = (LoopFigures<f64>, Vec<LoopFigures<Part>>);
 
-/// A step to a given instant, solved.
-pub(super) struct SmoothStep {
+/// A solved step.
+pub(super) struct KeptStep {
+    /// h (s).
+    pub step: f64,
     pub mode: StepMode,
     pub solved: SolvedStep,
     /// At all stages (n each).
@@ -75,9 +78,11 @@ pub(crate) struct Walk<'w> {
     pub(super) anchored: Vec<Anchored>,
     /// The closed contacts of the last step.
     pub(super) entered: Vec<Closed>,
-    /// Whether the last step is kept if it went to a given instant, and the step.
+    /// Whether the last step is kept, and the step.
     pub(super) keeps: bool,
-    pub(super) smooth: Option<SmoothStep>,
+    pub(super) kept: Option<Arc<KeptStep>>,
+    /// The next step to an event, if it was solved before.
+    pub(super) known: Option<Arc<KeptStep>>,
     /// Events so far, and how far the derivatives hold.
     pub events: Vec<MetEvent>,
     pub validity: Validity,
@@ -112,7 +117,8 @@ impl<'w> Walk<'w> {
             anchored: Vec::new(),
             entered: Vec::new(),
             keeps: false,
-            smooth: None,
+            kept: None,
+            known: None,
             events: Vec::new(),
             validity: Validity::new(p),
             warnings: Vec::new(),
@@ -197,13 +203,11 @@ impl<'w> Walk<'w> {
 
     fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
         let Subject { mechanism, .. } = *self.subject;
+        self.begin(traced);
         let since = self.state.time;
         self.meet_ticks(&traced.mode, since);
         for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
-            for freedom in body.joint.velocity_range() {
-                self.state.velocity[freedom] = 0.0;
-                self.tangent.velocities.row_mut(freedom).fill(0.0);
-            }
+            body.joint.velocity_range().for_each(|freedom| self.tangent.velocities.row_mut(freedom).fill(0.0));
         }
         let mode = self.mode(traced)?;
         let closed = self.closed(traced, &mode)?;
@@ -225,7 +229,7 @@ impl<'w> Walk<'w> {
         self.see_near(traced, &before);
         if self.keeps {
             let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
-            self.smooth = Some(SmoothStep { mode, solved, efforts });
+            self.kept = Some(Arc::new(KeptStep { step: traced.end.time - since, mode, solved, efforts }));
         }
         Ok(())
     }
@@ -239,71 +243,6 @@ impl<'w> Walk<'w> {
             if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
         };
         DVector::from_iterator(parameters.len(), parameters.iter().map(later))
-    }
-
-    /// A step of some length (s), solved, and its efforts at all stages; `known` is the same with another length, and the part of it that differs.
-    pub(super) fn solved(
-        &self,
-        traced: &TracedStep,
-        mode: &StepMode,
-        step: f64,
-        known: Option<(SolvedStep, f64)>,
-    ) -> Result<(SolvedStep, Vec<Efforts>), SensitivityError> {
-        let since = self.state.time;
-        let nodes = &self.subject.tableau.nodes;
-        let efforts: Vec<Efforts> =
-            nodes.iter().map(|node| self.efforts(&traced.mode, since, since + step * node)).collect();
-        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let (begun, toward, inside) = (&traced.start, &traced.end, &traced.inside[..]);
-        let problem = StepProblem { begun, toward, inside, ..self.problem(mode, step, &values) };
-        let solved = problem.solve(known).ok_or_else(|| self.failed())?;
-        Ok((solved, efforts))
-    }
-
-    pub(super) fn problem<'p>(&'p self, mode: &'p StepMode, step: f64, efforts: &'p [DVector<f64>]) -> StepProblem<'p> {
-        StepProblem {
-            mechanism: self.subject.mechanism,
-            figures: &self.figures,
-            constant: &self.constant,
-            tableau: self.subject.tableau,
-            mode,
-            start: &self.state,
-            step,
-            begun: &self.state,
-            toward: &self.state,
-            inside: &[],
-            efforts,
-        }
-    }
-
-    /// Carries the derivatives over a solved step.
-    pub(super) fn carry(
-        &mut self,
-        mode: &StepMode,
-        step: f64,
-        solved: &SolvedStep,
-        efforts: &[Efforts],
-        closed: &[ClosedContacts<Part>],
-        longer: &DVector<f64>,
-    ) -> Result<(), SensitivityError> {
-        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let slopes: Vec<DMatrix<f64>> = efforts.iter().map(|efforts| efforts.slopes.clone()).collect();
-        let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
-        let inputs = InputSlopes { efforts: &slopes, rates: &rates, closed };
-        let mut tangent = self.tangent.clone();
-        let problem = self.problem(mode, step, &values);
-        tangent.carry(&problem, solved, &self.varied, &inputs, longer).ok_or_else(|| self.failed())?;
-        self.tangent = tangent;
-        Ok(())
-    }
-
-    /// Goes to the end of a solved step.
-    pub(super) fn take_end(&mut self, solved: &SolvedStep, time: f64) {
-        if let Some(end) = solved.stages.last() {
-            self.state = end.clone();
-        }
-        self.state.time = time;
-        self.fastest = self.fastest.max(fastest(&self.state.velocity));
     }
 
     /// Notes limits that a joint has turned back from within a step.

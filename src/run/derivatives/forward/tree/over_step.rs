@@ -30,6 +30,9 @@ impl Tangent {
         slopes: &InputSlopes,
         longer: &DVector<f64>,
     ) -> Option<()> {
+        if self.times.is_empty() {
+            return Some(());
+        }
         let Factors::Tree(factors) = &solved.factors else {
             return self.carry_whole(problem, solved, varied, slopes, longer);
         };

@@ -1,0 +1,103 @@
+//! The steps of a walk: begun where the run began them, solved, and carried over.
+//!
+//! ```text
+//!     start, stages of the run ─▶ solved to rounding with the factors of R_u ─▶ ∂q̄/∂θ, ∂v̄/∂θ
+//! ```
+
+use crate::derivatives::equations::closed::ClosedContacts;
+use crate::derivatives::events::efforts::Efforts;
+use crate::derivatives::events::walk::{Walk, fastest};
+use crate::derivatives::forward::failure::SensitivityError;
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem};
+use crate::derivatives::forward::tangent::InputSlopes;
+use crate::events::trace::TracedStep;
+use nalgebra::{DMatrix, DVector};
+
+/// Solved steps end this close to the steps of the run (rad or m, per s, and s): roundings of both, and where an event is found.
+const SAME: f64 = 1e-11;
+
+impl Walk<'_> {
+    /// Goes to the start of a step of a run, if roundings lie between, and stops the joints that are held: the stages of the run are solved then.
+    pub(super) fn begin(&mut self, traced: &TracedStep) {
+        let (own, start) = (&self.state, &traced.start);
+        let near = |one: &[f64], other: &[f64]| {
+            one.iter().zip(other).all(|(one, other)| (one - other).abs() <= SAME * other.abs().max(1.0))
+        };
+        let is_near = near(&own.position, &start.position) && near(&own.velocity, &start.velocity);
+        if is_near && near(&[own.time], &[start.time]) {
+            self.state = start.clone();
+        }
+        for (body, _) in self.subject.mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
+            body.joint.velocity_range().for_each(|freedom| self.state.velocity[freedom] = 0.0);
+        }
+    }
+
+    /// The efforts at all stages of a step of some length (s).
+    pub(super) fn efforts_over(&self, traced: &TracedStep, step: f64) -> Vec<Efforts> {
+        let since = self.state.time;
+        let nodes = self.subject.tableau.nodes.iter();
+        nodes.map(|node| self.efforts(&traced.mode, since, since + step * node)).collect()
+    }
+
+    /// A step of some length (s), solved, and its efforts at all stages; `known` is the same with another length, and the part of it that differs.
+    pub(super) fn solved(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        step: f64,
+        known: Option<(SolvedStep, f64)>,
+    ) -> Result<(SolvedStep, Vec<Efforts>), SensitivityError> {
+        let efforts = self.efforts_over(traced, step);
+        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+        let (begun, toward, inside) = (&traced.start, &traced.end, &traced.inside[..]);
+        let problem = StepProblem { begun, toward, inside, ..self.problem(mode, step, &values) };
+        let solved = problem.solve(known).ok_or_else(|| self.failed())?;
+        Ok((solved, efforts))
+    }
+
+    pub(super) fn problem<'p>(&'p self, mode: &'p StepMode, step: f64, efforts: &'p [DVector<f64>]) -> StepProblem<'p> {
+        StepProblem {
+            mechanism: self.subject.mechanism,
+            figures: &self.figures,
+            constant: &self.constant,
+            tableau: self.subject.tableau,
+            mode,
+            start: &self.state,
+            step,
+            begun: &self.state,
+            toward: &self.state,
+            inside: &[],
+            efforts,
+        }
+    }
+
+    /// Carries the derivatives over a solved step.
+    pub(super) fn carry(
+        &mut self,
+        mode: &StepMode,
+        step: f64,
+        solved: &SolvedStep,
+        efforts: &[Efforts],
+        closed: &[ClosedContacts<Part>],
+        longer: &DVector<f64>,
+    ) -> Result<(), SensitivityError> {
+        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+        let slopes: Vec<DMatrix<f64>> = efforts.iter().map(|efforts| efforts.slopes.clone()).collect();
+        let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
+        let inputs = InputSlopes { efforts: &slopes, rates: &rates, closed };
+        let mut tangent = self.tangent.clone();
+        let problem = self.problem(mode, step, &values);
+        tangent.carry(&problem, solved, &self.varied, &inputs, longer).ok_or_else(|| self.failed())?;
+        self.tangent = tangent;
+        Ok(())
+    }
+
+    /// Goes to the end of a solved step.
+    pub(super) fn take_end(&mut self, solved: &SolvedStep, time: f64) {
+        if let Some(end) = solved.stages.last() {
+            self.state = end.clone();
+        }
+        self.state.time = time;
+        self.fastest = self.fastest.max(fastest(&self.state.velocity));
+    }
+}
