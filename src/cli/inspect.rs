@@ -107,7 +107,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         return Err(Failure::input(anyhow!("{}: the log has nothing that could be drawn", log.display())));
     }
     if let Some(time) = arguments.at {
-        show_instant(log, time, arguments.json)?;
+        show_instant(log, &summary, time, arguments.json)?;
     }
     if arguments.events {
         let events = LoggedEvents::read(log).map_err(Failure::input)?;
@@ -166,8 +166,24 @@ struct Violation {
     velocity: f64,
 }
 
-fn show_instant(log: &Path, time: f64, json: bool) -> Result<(), Failure> {
-    let frame = nearest_frame(log, time).map_err(Failure::input)?.0;
+/// Says that a time is before or beyond all samples (s): those from `first` to `last`, of which `found` is the nearest.
+fn outside([first, last]: [f64; 2], time: f64, found: f64) -> Option<String> {
+    // Times of a log are whole nanoseconds.
+    if (time - found).abs() <= 1e-9 {
+        return None;
+    }
+    if time > last {
+        return Some(format!("t = {time} s is beyond its end; its last sample is at t = {found} s"));
+    }
+    (time < first).then(|| format!("t = {time} s is before its first sample, at t = {found} s"))
+}
+
+fn show_instant(log: &Path, summary: &Summary, time: f64, json: bool) -> Result<(), Failure> {
+    let (frame, found) = nearest_frame(log, time).map_err(Failure::input)?;
+    let (_, first) = nearest_frame(log, f64::MIN).map_err(Failure::input)?;
+    if let Some(said) = outside([first, summary.duration], time, found) {
+        warn(format_args!("{}: {said}", log.display()));
+    }
     let recorded = Recorded::open(log).map_err(Failure::input)?;
     let instant = instant(log, &frame, &recorded).map_err(Failure::input)?;
     if json { print_json(&instant) } else { print(words(&instant)) }

@@ -105,7 +105,7 @@ fn origin() -> Origin {
     let said = WORDS.get().map_or(&[][..], Vec::as_slice);
     let words: Vec<String> = said.iter().map(|word| word.to_string_lossy().into_owned()).collect();
     let arguments = words.get(1..).unwrap_or_default().to_vec();
-    Origin { command_line: words.join(" "), arguments, driven: None }
+    Origin { command_line: words.join(" "), arguments, driven: None, from_log: None }
 }
 
 /// Does what the command line of this process says.

@@ -17,9 +17,10 @@ use crate::cli::terminal::special_output::open_special;
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
+use catena::output::inspection::summary::Summary;
 use catena::output::log::{Derivatives, DerivativesRow, LogOptions};
 use catena::output::page::MESH_LIMIT;
-use catena::output::report::SpeedWatch;
+use catena::output::report::{FromLog, SpeedWatch};
 use catena::scene::Warning;
 use catena::session::{
     self, Account, Asked, Closed, Ended, Error, Loaded, Sensitivity, Settled, check_log, check_place,
@@ -212,12 +213,15 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     // They outlive the run, which they watch.
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
-    let account = Account::open(model, &state, settled);
+    let (since, account) = (state.time, Account::open(model, &state, settled));
     let made = Simulation::at_once(mechanism, state, counted.clone(), options);
     let mut simulation = made.map_err(Error::from)?;
     let mut origin = origin();
     if let Some(from) = &arguments.from {
         origin.driven = Some(format!("it went on from the log {}", from.log.display()));
+        // A log that has been read before can be read again.
+        let estimated_error = Summary::read(&from.log).ok().and_then(|summary| summary.error_of_samples());
+        origin.from_log = Some(FromLog { log: from.log.display().to_string(), time: since, estimated_error });
     }
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {

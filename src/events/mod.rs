@@ -56,6 +56,7 @@ mod parts;
 mod quiet;
 mod singular;
 mod sliding;
+mod slow_passes;
 mod steps;
 mod stepwise;
 pub(crate) mod trace;

@@ -261,6 +261,7 @@ impl Eventful {
     pub(super) fn note_slips(&mut self, state: &State) {
         self.trial.slips.clear();
         self.trial.turns.clear();
+        self.trial.begins.clear();
         if self.mode.contacts.is_empty() {
             return;
         }
@@ -272,6 +273,7 @@ impl Eventful {
             let moving = slip.norm() > slip_at_rest(self.memory.fastest);
             self.trial.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
             self.trial.turns.push(self.turning_now(closed));
+            self.trial.begins.push(slip);
         }
     }
 }

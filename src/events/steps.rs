@@ -27,6 +27,8 @@ use crate::mechanism::motion::state::State;
 const SHORTENED: usize = 8;
 /// A step with a defect is made again with this part of its length.
 pub(super) const SHORTER: f64 = 1.0 / 16.0;
+/// A step in which a slip passes near its stop is shortened by this factor.
+const HALF: f64 = 0.5;
 
 /// One step that is being made: kept while it is made again and again, thrown away with it.
 struct Attempt {
@@ -86,7 +88,7 @@ impl Eventful {
             self.note_labour(since, outcome.cost.iterations, attempt.unknowns, Ended::Smoothly);
             self.workspaces.active_mut().go_back(since, &self.model.recipe);
             state.copy_from(&self.trial.origin);
-            until = since + SHORTER * outcome.step;
+            until = since + if why == Rejected::SlipTurned { HALF } else { SHORTER } * outcome.step;
         }
     }
 
@@ -206,6 +208,8 @@ impl Eventful {
             Some(Rejected::Overlap)
         } else if !ending.is_at_start() && self.has_hole(self.trial.origin.time) {
             Some(Rejected::Unseen)
+        } else if ending.is_of_scheme() && !ending.is_at_start() && self.passes_a_stop(state) {
+            Some(Rejected::SlipTurned)
         } else {
             self.is_off_balance(inputs, state, &outcome.exchange).then_some(Rejected::OffBalance)
         }

@@ -185,7 +185,8 @@ impl Begun {
             accuracy.as_ref().map(|accuracy| accuracy.estimated).or(step_error.map(|error| error.estimated));
         let failure = ended.as_ref().err().map(|error| (outcome(error), error.to_string()));
         let (origin, before, after) = (origin.clone(), unreached.clone(), of_method.clone());
-        let figures = figures(&summary, &method, estimated_error);
+        let from_log = origin.from_log.clone();
+        let figures = figures(&summary, &method, estimated_error, origin.from_log.as_ref());
         let told = Told { course, origin, before, after, figures: figures.clone(), failure };
         let (ended, log) = match (recorder, output) {
             (Some(mut recorder), Some(output)) => {
@@ -228,6 +229,7 @@ impl Begun {
             accuracy,
             accuracy_unknown,
             step_error,
+            from_log,
             log,
         };
         Closed { report, ended, told }

@@ -3,6 +3,7 @@
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::{Model, PlacedRobot};
+use crate::output::report::{ERROR_AT_START, FromLog};
 use crate::simulation::{StepChoice, Summary};
 use std::collections::BTreeMap;
 
@@ -19,7 +20,7 @@ pub(crate) const STEPPED: &str = "a program has stepped it";
 pub const TOLD: &str = "accuracy";
 
 /// Who made a run, and how.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Origin {
     /// The command line, for people.
     pub command_line: String,
@@ -27,6 +28,8 @@ pub struct Origin {
     pub arguments: Vec<String>,
     /// Inputs that are not in the log: steps chosen or efforts given by a program. Such a run cannot be replayed from its log.
     pub driven: Option<String>,
+    /// The start of a run that goes on from a log.
+    pub from_log: Option<FromLog>,
 }
 
 /// The log entries about the origin of the run.
@@ -80,11 +83,12 @@ fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// The figures of the whole run for its log, with the estimated error of positions (m) if it is known.
+/// The figures of the whole run for its log, with the estimated error of positions (m) if it is known, and that of its start in another log.
 pub(crate) fn figures(
     summary: &Summary,
     method: &MethodDescription,
     estimated_error: Option<f64>,
+    from_log: Option<&FromLog>,
 ) -> BTreeMap<String, String> {
     let figures = [
         ("steps", summary.steps.to_string()),
@@ -100,9 +104,10 @@ pub(crate) fn figures(
         ("contact_max_cone_violation", summary.contact.cone_violation.to_string()),
     ];
     let estimated = estimated_error.map(|error| ("estimated_error", error.to_string()));
+    let at_start = from_log.map(|from| (ERROR_AT_START, from.entry()));
     let reasons = summary.cost.rejected.reasons();
     let reasons = reasons.map(|(why, count)| (format!("rejected_{}", why.key()), count.to_string()));
-    let figures = figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value));
+    let figures = figures.into_iter().chain(estimated).chain(at_start).map(|(name, value)| (name.to_string(), value));
     let solvers = method.contact_solvers.used();
     let solvers = solvers.map(|(by, count)| (format!("solved_{}", by.key()), count.to_string()));
     figures.chain(reasons).chain(solvers).collect()

@@ -1,6 +1,7 @@
 //! A loaded model, and the state in which its run starts.
 
 use crate::instant::start::assembly::assemble_counted;
+use crate::instant::start::gimbal_lock::leave_gimbal_lock;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::ground::words::{decimals, short};
 use crate::mechanism::motion::energy::violation;
@@ -120,6 +121,12 @@ impl Loaded {
         let given = state.clone();
         let mechanism = &self.model.mechanism;
         let (correction, counted) = assemble_counted(mechanism, &mut state).map_err(|error| in_file(error.into()))?;
+        let unlocked = leave_gimbal_lock(mechanism, &mut state).map(|by| {
+            format!(
+                "the start is in gimbal lock, where links without mass leave rates of their joints undetermined: it was moved by {by:e} rad or m, and \
+                 the motion is that of starts beside the lock"
+            )
+        });
         self.model.check_springs(&state).map_err(|error| in_file(error.into()))?;
         // A move by limits alone has another warning.
         let open = || violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
@@ -146,7 +153,7 @@ impl Loaded {
             format!("the start was adjusted to close the loops: {}{}", parts.join(", "), self.moved(wanted, &state))
         });
         let warning = |message: String| Warning::odd(file, None, None, message);
-        let mut warnings: Vec<Warning> = onto_loops.into_iter().chain(apart).map(warning).collect();
+        let mut warnings: Vec<Warning> = onto_loops.into_iter().chain(apart).chain(unlocked).map(warning).collect();
         warnings.extend(self.model.moved_in_warning(&given, &state));
         warnings.extend(self.model.locked_warning(&given));
         warnings.extend(self.model.limit_warning(&state));

@@ -134,3 +134,20 @@ fn a_rod_that_no_acceleration_fits_is_stopped_by_an_impulse_within_the_cone() {
     near(there[0], later[1], 1e-10);
     near(there[1], later[2], 1e-10);
 }
+
+#[test]
+fn a_jam_at_the_start_is_an_impact_whose_impulse_the_report_has() {
+    let file = crate::common::scratch("jam_at_start").join("jam.toml");
+    let scene = "[[body]]\nname = \"b\"\nshape = { type = \"box\", size = [0.02, 0.1, 1.0] }\nmass = 1.0\n\
+         pose = { position = [0.23093694368319778, 0, 0.44358553633122844], rpy = [0, 0.5, 0] }\nvelocity.linear = [-2, 0, 0]\n\
+         [[obstacle]]\nname = \"f\"\nshape = { type = \"half_space\" }\nfriction = 5.0\n";
+    std::fs::write(&file, scene).expect("a scene");
+    let end = crate::scene_files::report(&file, &[], &[], Some(1e-9), 1e-6);
+    let impulse: f64 = end.events.list.iter().filter_map(|event| event.impulse).sum();
+    let names: Vec<_> = end.events.list.iter().map(|event| (event.time, event.kind.as_str())).collect();
+    assert!(names.contains(&(0.0, "contact_impact")), "{names:?}");
+    // P = m v: forces of some 10 N add 1e-8 N s in the nanosecond.
+    let lifted = end.links[0].1.linear_velocity[2];
+    assert!(impulse > 0.1 && (impulse - lifted).abs() <= 1e-7, "{impulse} N s, {lifted} m/s");
+    assert!(end.energy.impacts > 0.1, "{:?}", end.energy);
+}

@@ -3,7 +3,7 @@
 use crate::common::scratch;
 use crate::scene_files::{joint, report};
 use catena::report::Report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A cart of 2 kg on rails along x, with more tables.
 fn cart(folder: &str, more: &str) -> PathBuf {
@@ -183,6 +183,37 @@ fn no_pulse_and_no_kink_of_a_formula_is_jumped_over() {
         let end = report(&free_body("kink", kink), &[], &[], Some(2.0), tolerance);
         let wanted = 2.0 * 0.533_f64.powi(2) / 2.0 - 0.533_f64.powi(3) / 6.0 + 1.467_f64.powi(3) / 6.0;
         near("the place after a kink", (place(&end)[0], wanted), tolerance);
+    }
+}
+
+#[test]
+fn the_estimated_error_has_the_quadrature_of_forces_that_are_given_in_time() {
+    let impulse = std::f64::consts::PI.sqrt();
+    for width in [0.1, 0.01, 0.001] {
+        let pulse = format!("exp(-((t-3.7)/w)^2)/w\", w = {width} }}\n");
+        let on_body = format!("[[load]]\nlink = \"hull\"\nforce = [1, 0, 0]\nfactor = {{ formula = \"{pulse}");
+        let on_joint = format!("[[load]]\njoint = \"rail\"\neffort = 1\nfactor = {{ formula = \"{pulse}");
+        let motor = format!("[[motor]]\njoint = \"rail\"\nkind = \"effort\"\ntarget = {{ formula = \"{pulse}");
+        for tolerance in [1e-3, 1e-6, 1e-8] {
+            let told = |file: &Path, off: &dyn Fn(&Report) -> f64| {
+                let end = report(file, &[], &[], Some(10.0), tolerance);
+                let accuracy = end.accuracy.expect("an estimate");
+                let (error, estimated) = (off(&end).abs(), accuracy.estimated);
+                // Below 1e-11 m roundings add up. Errors of steps have different signs, and their sizes are added: hundreds of times at most.
+                assert!(
+                    error <= 3.0 * estimated + 1e-11,
+                    "{width} s, {tolerance:e} m: {error:e} m off, told {estimated:e} m"
+                );
+                assert!(
+                    estimated <= 300.0 * error + 1e-11,
+                    "{width} s, {tolerance:e} m: {error:e} m off, told {estimated:e} m"
+                );
+                assert!(accuracy.reached && accuracy.begun == 1, "{accuracy:?}");
+            };
+            told(&free_body("told", &on_body), &|end| place(end)[0] - impulse * 6.3 / 3.0);
+            told(&cart("told", &on_joint), &|end| joint(end, "rail").0 - impulse * 6.3 / 2.0);
+            told(&cart("told", &motor), &|end| joint(end, "rail").0 - impulse * 6.3 / 2.0);
+        }
     }
 }
 

@@ -45,3 +45,43 @@ fn a_neck_with_limits_and_massless_links_goes_on_through_gimbal_lock() {
         }
     }
 }
+
+#[test]
+fn a_start_in_gimbal_lock_of_links_without_mass_goes_on_as_starts_beside_it_and_is_told() {
+    let folder = crate::common::scratch("gimbal_lock");
+    let joint = |name: &str, from: &str, to: &str, axis: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"continuous\"><parent link=\"{from}\"/><child link=\"{to}\"/><axis xyz=\"{axis}\"/></joint>"
+        )
+    };
+    let urdf = format!(
+        "<robot name=\"r\"><link name=\"base\"/><link name=\"r1\"/><link name=\"r2\"/><link name=\"b\"><inertial><mass value=\"1\"/>\
+         <inertia ixx=\"0.02\" iyy=\"0.03\" izz=\"0.04\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>{}{}{}</robot>",
+        joint("a", "base", "r1", "0 0 1"),
+        joint("p", "r1", "r2", "0 1 0"),
+        joint("c", "r2", "b", "1 0 0")
+    );
+    std::fs::write(folder.join("r.urdf"), urdf).expect("a robot");
+    let from = |angle: f64| {
+        let file = folder.join("s.toml");
+        let scene = format!(
+            "[[robot]]\nurdf = \"r.urdf\"\npositions = {{ a = 0.3, p = {angle:?}, c = 0.1 }}\nvelocities = {{ a = 0.5, p = 1.0, c = -0.7 }}\n"
+        );
+        std::fs::write(&file, scene).expect("a scene");
+        crate::scene_files::report(&file, &[], &[], Some(3.0), 1e-6)
+    };
+    let lock = std::f64::consts::FRAC_PI_2;
+    let turned =
+        |end: &catena::report::Report| end.links.iter().find(|(name, _)| name == "b").expect("a body").1.orientation;
+    let beside = from(lock + 1e-6);
+    // Three seconds amplify an angle of 1e-6 rad some ten times.
+    for angle in [lock, lock + 1e-11, lock - 1e-12] {
+        let end = from(angle);
+        let off =
+            turned(&end).into_iter().zip(turned(&beside)).map(|(own, other)| (own - other).abs()).fold(0.0, f64::max);
+        assert!(off < 2e-5, "{angle}: off by {off:e}");
+        assert!(end.energy.max_relative_error < 1e-7, "{angle}: {:?}", end.energy);
+        assert!(end.warnings.iter().any(|warning| warning.contains("gimbal lock")), "{angle}: {:?}", end.warnings);
+    }
+    assert!(beside.warnings.is_empty(), "{:?}", beside.warnings);
+}

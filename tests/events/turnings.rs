@@ -163,3 +163,99 @@ fn a_ball_that_rolling_friction_has_stopped_on_a_slope_stays_where_it_stopped() 
         assert_eq!(end.events.list.len(), 1, "{:?}", end.events.list);
     }
 }
+
+/// A pushed body that rolling friction holds in its place, while it spins about the normal without friction at this rate [rad/s].
+fn spins_in_its_place(folder: &str, text: &str, body: &str, [place, spin, speed]: [[f64; 3]; 3]) {
+    let end = run(folder, text, 1.0);
+    let own = link(&end, body);
+    let moved = [(own.position, place), (own.angular_velocity, spin), (own.linear_velocity, speed)];
+    for (name, (is, wanted)) in ["position", "spin", "speed"].into_iter().zip(moved) {
+        is.iter().zip(wanted).for_each(|(is, wanted)| near(&format!("{folder}: {name}"), (*is, wanted)));
+    }
+    // No step ends beside the rest, which would change the energy.
+    assert_eq!((end.rejected_steps, end.method.first_order_steps), (0, 0), "{folder}: {:?}", end.rejected_by);
+    assert!(end.events.list.is_empty(), "{folder}: {:?}", end.events.list);
+}
+
+#[test]
+fn what_rolling_friction_holds_keeps_its_spin_about_the_normal_and_turns_about_no_other_axis() {
+    // 0.0199 m of 0.03 m hold a ball on a slope of 0.2 rad. Before, ω_y grew to 1e-3 rad/s within a second.
+    let (sine, cosine) = 0.2_f64.sin_cos();
+    let spin = [5.0 * sine, 0.0, 5.0 * cosine];
+    let floor = "rolling_friction = 0.03";
+    let start = format!("velocity = {{ linear = [0, 0, 0], angular = [{:?}, 0, {:?}] }}", spin[0], spin[2]);
+    let place = [RADIUS * sine, 0.0, RADIUS * cosine];
+    spins_in_its_place("ball_spins_on_a_slope", &ball(0.2, &start, floor), "ball", [place, spin, [0.0; 3]]);
+
+    // Ellipsoids on their shortest axis, of revolution and not, under a weight that leans by 0.2.
+    for radii in ["0.2, 0.2, 0.1", "0.2, 0.15, 0.1"] {
+        let text = format!(
+            "[scene]\ngravity = [2, 0, -9.81]\n\
+             [[body]]\nname = \"stone\"\nshape = {{ type = \"ellipsoid\", radii = [{radii}] }}\nmass = 2\npose.position = [0, 0, 0.1]\n\
+             velocity.angular = [0, 0, 5]\nrolling_friction = 0.05\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.8\nrolling_friction = 0.05\n"
+        );
+        let still = [[0.0, 0.0, 0.1], [0.0, 0.0, 5.0], [0.0; 3]];
+        spins_in_its_place("stone_spins", &text, "stone", still);
+    }
+
+    // A plank slides to (1 − μ g t, …) and carries a ball, which spins.
+    let plank = "[[body]]\nname = \"plank\"\nshape = { type = \"box\", size = [2, 1, 0.1] }\nmass = 3\npose.position = [0, 0, 0.05]\n\
+         velocity.linear = [2, 0, 0]\nfriction = 0.8\n\
+         [[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 2\npose.position = [0, 0, 0.2]\n\
+         velocity = { linear = [2, 0, 0], angular = [0, 0, 5] }\nfriction = 0.8\nrolling_friction = 0.03\n\
+         [[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n\
+         [[contact.pair]]\na = \"plank\"\nb = \"floor\"\nfriction = 0.1\n";
+    let brake = 0.1 * GRAVITY;
+    let carried = [[2.0 - 0.5 * brake, 0.0, 0.2], [0.0, 0.0, 5.0], [2.0 - brake, 0.0, 0.0]];
+    spins_in_its_place("ball_spins_on_a_plank", plank, "ball", carried);
+}
+
+#[test]
+fn a_ball_that_a_moved_table_carries_keeps_its_spin_about_the_normal() {
+    let folder = scratch("ball_spins_on_a_table");
+    let table = "<robot name=\"table\"><link name=\"base\"/><link name=\"top\">\
+         <inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>\
+         <collision><geometry><box size=\"2 2 0.1\"/></geometry></collision></link>\
+         <joint name=\"slide\" type=\"prismatic\"><parent link=\"base\"/><child link=\"top\"/><axis xyz=\"1 0 0\"/>\
+         <limit lower=\"-9\" upper=\"9\" effort=\"1000\" velocity=\"10\"/></joint></robot>";
+    std::fs::write(folder.join("table.urdf"), table).expect("a table");
+    let scene = "[[robot]]\nname = \"table\"\nurdf = \"table.urdf\"\n\
+         [[motion]]\njoint = \"slide\"\nposition = { formula = \"0.05*(1-cos(2*t))\" }\n\
+         [[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 2\npose.position = [0, 0, 0.15]\n\
+         velocity.angular = [0, 0, 5]\nfriction = 0.8\nrolling_friction = 0.03\n";
+    let file = folder.join("scene.toml");
+    std::fs::write(&file, scene).expect("a scene");
+    let end = report(&file, &[], &[], Some(2.0), 1e-11);
+    let own = link(&end, "ball");
+    near("x", (own.position[0], 0.05 * (1.0 - 4.0_f64.cos())));
+    near("speed", (own.linear_velocity[0], 0.1 * 4.0_f64.sin()));
+    own.angular_velocity.iter().zip([0.0, 0.0, 5.0]).for_each(|(is, wanted)| near("spin", (*is, wanted)));
+    assert_eq!(end.rejected_steps, 0, "{:?}", end.rejected_by);
+}
+
+#[test]
+fn a_flat_end_that_slides_stands_on_its_points_where_rolling_friction_holds_it_too() {
+    // The points hold the turning that rolling friction holds. A disc that spins and slides: the run without rolling friction is the same.
+    let disc = |floor: &str| {
+        format!(
+            "[[body]]\nname = \"disc\"\nshape = {{ type = \"cylinder\", radius = 0.1, length = 0.1 }}\nmass = 2\npose.position = [0, 0, 0.05]\n\
+             velocity = {{ linear = [1, 0.3, 0], angular = [0, 0, 3] }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.2\n{floor}\n"
+        )
+    };
+    let ends = ["rolling_friction = 0.004", ""].map(|floor| {
+        let file = scratch("disc_slides").join("scene.toml");
+        std::fs::write(&file, disc(floor)).expect("a scene");
+        report(&file, &[], &[], Some(1.0), 1e-6)
+    });
+    for end in &ends {
+        assert!(end.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached), "{:?}", end.accuracy);
+        assert_eq!(end.method.first_order_steps, 0);
+    }
+    let [held, free] = ends.map(|end| link(&end, "disc").clone());
+    held.position
+        .into_iter()
+        .zip(free.position)
+        .for_each(|(held, free)| assert!((held - free).abs() <= 1e-6, "{held} {free}"));
+}

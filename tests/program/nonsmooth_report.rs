@@ -73,6 +73,7 @@ fn report(model: &Model) -> Report {
         accuracy: None,
         accuracy_unknown: None,
         step_error: None,
+        from_log: None,
         events: EventReport::new(model, &finished),
         contact: ContactsReport::default(),
         energy: EnergyReport::new(&finished.summary),

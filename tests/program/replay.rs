@@ -326,3 +326,45 @@ fn real_robots_are_replayed_bit_for_bit() {
         assert!(Path::new(&folder).join(format!("{robot}.mcap")).exists());
     }
 }
+
+#[test]
+fn a_run_that_goes_on_from_a_log_says_the_estimated_error_of_its_start() {
+    use serde_json::Value;
+    let folder = folder("went_on");
+    std::fs::write(folder.join("pendulum.urdf"), common::command::PENDULUM).expect("written");
+    let made = |arguments: &[&str]| -> Value {
+        let output = run(&folder, &[&["simulate", "pendulum.urdf", "--json"], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let first = made(&["--velocity", "hinge=1", "--duration", "1", "-o", "a.mcap"]);
+    assert_eq!(first.get("from_log"), None);
+    let second = made(&["--from", "a.mcap@end", "--duration", "1", "-o", "b.mcap"]);
+    let error = |report: &Value| report["accuracy"]["estimated"].as_f64().expect("an error");
+    let at_start = |report: &Value| report["from_log"]["estimated_error"].as_f64();
+    assert_eq!(second["from_log"]["time"].as_f64(), Some(1.0));
+    assert_eq!(at_start(&second), Some(error(&first)));
+    // The errors of a chain of runs add up.
+    let third = made(&["--from", "b.mcap@1.5", "--duration", "1", "-o", "c.mcap"]);
+    assert_eq!(at_start(&third), Some(error(&second) + error(&first)));
+    // Without an estimate nothing is known of what follows either.
+    made(&["--no-estimate", "--velocity", "hinge=1", "--duration", "1", "-o", "d.mcap"]);
+    made(&["--from", "d.mcap@end", "--duration", "1", "-o", "e.mcap"]);
+    let unknown = made(&["--from", "e.mcap@end", "--duration", "1", "-o", "f.mcap"]);
+    assert!(unknown["from_log"]["estimated_error"].is_null(), "{unknown}");
+    let said = run(&folder, &["simulate", "pendulum.urdf", "--from", "e.mcap@end", "--duration", "1", "--no-log"]);
+    assert!(text(&said.stdout).contains("which does not say its error"), "{}", text(&said.stdout));
+}
+
+#[test]
+fn an_instant_outside_a_log_is_said_to_be_there() {
+    let folder = folder("outside");
+    std::fs::write(folder.join("pendulum.urdf"), common::command::PENDULUM).expect("written");
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--duration", "1", "-o", "a.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = |at: &str| text(&run(&folder, &["inspect", "a.mcap", &format!("--at={at}")]).stderr).to_string();
+    assert!(said("5").contains("t = 5 s is beyond its end; its last sample is at t = 1 s"), "{}", said("5"));
+    assert!(said("-1").contains("t = -1 s is before its first sample, at t = 0 s"), "{}", said("-1"));
+    // Between samples the nearest is shown, as the help says.
+    assert_eq!([said("0"), said("0.501"), said("1")], [const { String::new() }; 3]);
+}

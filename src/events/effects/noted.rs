@@ -93,6 +93,16 @@ pub(crate) fn note_impacts(
     }
 }
 
+/// Notes the impulses of contacts that jam, each of a pair (N s): impacts without a collision.
+pub(crate) fn note_seized(scene: &Scene, time: f64, impulses: &[(usize, f64)], done: &mut Done) {
+    let mut pairs: PerPair<f64> = PerPair::default();
+    impulses.iter().for_each(|&(pair, impulse)| *pairs.of(pair) += impulse);
+    for (pair, &impulse) in pairs.iter().filter(|(_, impulse)| **impulse > 0.0) {
+        *done.pairs.of(pair) = true;
+        done.events.push(of_pair(scene, pair, time, EventKind::ContactImpact, Some(impulse)));
+    }
+}
+
 /// Notes which joints are held and let go.
 pub(crate) fn note_joints(elements: &Elements, time: f64, [before, after]: [&Mode; 2], met: &Met, done: &mut Done) {
     for (index, joint) in elements.joints.iter().enumerate() {

@@ -16,10 +16,18 @@ use crate::instant::holding::elements::inward;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
+/// The impulse of contacts that jam.
+pub(super) struct Seized {
+    /// The energy that it takes, and the work of driven surfaces (J).
+    pub lost: f64,
+    pub driven: f64,
+    /// The normal impulses, each of a contact of a pair (N s).
+    pub impulses: Vec<(usize, f64)>,
+}
+
 impl Contacts {
-    /// The impulse of a candidate whose accelerations all violate the law, at which joints on their limits bear; returns the energy that it takes
-    /// and the work of driven surfaces (J), or `None` if it is not found.
-    pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<[f64; 2]> {
+    /// The impulse of a candidate whose accelerations all violate the law, at which joints on their limits bear; `None` if it is not found.
+    pub(super) fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<Seized> {
         let bodies = body_states(scene.whole, state);
         let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
         let numbers: Vec<usize> = self.candidates.iter().filter_map(number).collect();
@@ -47,7 +55,14 @@ impl Contacts {
             }
         }
         let lost = impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b));
-        Some([lost.sum(), rows.work_of_belts(&impulses)])
+        let mut row = 0;
+        let normal = numbers.iter().zip(&blocks).map(|(&number, block)| {
+            let impulse = impulses[row];
+            row += block.rows.len();
+            (self.all[number].pair, impulse)
+        });
+        let normal = normal.collect();
+        Some(Seized { lost: lost.sum(), driven: rows.work_of_belts(&impulses), impulses: normal })
     }
 }
 
@@ -123,11 +138,12 @@ mod tests {
             assert_eq!(contacts.candidates.len(), 1);
             let kinetic = |state: &State| energy(&mechanism, &body_states(&mechanism, state)).kinetic;
             let had = kinetic(&state);
-            let [lost, _] = contacts.seize(&mut scene, &mut state, 0).expect("an impulse");
+            let Seized { lost, impulses, .. } = contacts.seize(&mut scene, &mut state, 0).expect("an impulse");
             let touch = touch_motion(&contacts.candidates[0].contact.joint, &body_states(&mechanism, &state));
             println!("{limits:?}: rate {}, {lost} J lost, {touch:?}", state.velocity[6]);
             // The end stands: of 2 m/s what the law is solved to is left.
             assert!(touch.rate.abs() <= 1e-9 && touch.slip.norm() <= 1e-9, "{touch:?}");
+            assert!(impulses.len() == 1 && impulses[0].1 > 0.1, "{impulses:?}");
             assert!(lost > 0.1 && (had - kinetic(&state) - lost).abs() <= 1e-9 * had, "{lost} of {had}");
             rates.push(inwards * state.velocity[6]);
         }

@@ -17,9 +17,10 @@ use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings}
 use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::memory::{Done, Found, Memory};
-use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs};
+use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs, note_seized};
 use crate::events::effects::omitted_flights::speed_in_doubt;
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
+use crate::events::effects::seizing::Seized;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
@@ -147,7 +148,10 @@ pub(crate) fn transit(
                 break;
             }
             Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
-                Some([lost, driven]) => (done.lost, done.driven) = (done.lost + lost, done.driven + driven),
+                Some(Seized { lost, driven, impulses }) => {
+                    (done.lost, done.driven) = (done.lost + lost, done.driven + driven);
+                    note_seized(scene, state.time, &impulses, &mut done);
+                }
                 None => break,
             },
             Err(Undecided::Unsolved) => break,

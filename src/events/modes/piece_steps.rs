@@ -62,6 +62,16 @@ impl PieceRecipe {
         matches!(self, PieceRecipe::Lobatto(recipe) if recipe.kept.contains(&rule))
     }
 
+    /// The tolerance (m) and the number of stages of steps of the scheme that are chosen from it.
+    pub fn chosen(&self) -> Option<(f64, usize)> {
+        match self {
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Chosen { tolerance, stages, .. }, .. }) => {
+                Some((*tolerance, stages.count()))
+            }
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Fixed { .. }, .. }) | PieceRecipe::Dop853(_) => None,
+        }
+    }
+
     /// The tolerance from which steps are chosen (m); `None` for given steps.
     pub fn tolerance(&self) -> Option<f64> {
         match self {

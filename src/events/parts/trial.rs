@@ -58,6 +58,9 @@ pub(crate) struct StepTrial {
     pub slips: Vec<Vector3<f64>>,
     /// The directions in which they turn there: across the normal, and along it.
     pub turns: Vec<[Vector3<f64>; 2]>,
+    /// Their slips there [m/s], and room for contacts whose slips may pass near their stops.
+    pub begins: Vec<Vector3<f64>>,
+    pub suspects: Vec<usize>,
 }
 
 impl StepTrial {
@@ -85,6 +88,8 @@ impl StepTrial {
             holding,
             slips: Vec::new(),
             turns: Vec::new(),
+            begins: Vec::new(),
+            suspects: Vec::new(),
         }
     }
 

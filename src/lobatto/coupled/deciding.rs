@@ -16,7 +16,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::kinematics::body_states;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::counting::{ROUNDING, Ranks};
-use catena_mechanism::structure::ranks::rows::{mimic_rows, scales};
+use catena_mechanism::structure::ranks::rows::{Row, mimic_rows, scales};
 
 /// Decisions about the closures at the start of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +61,17 @@ pub fn known(counted: &Counted, mechanism: &Mechanism) -> Known {
     Known { still, locked, weak: here.weak, ..counted.known_nearby() }
 }
 
+/// The ranks of equations without the turnings that contacts hold, which count as implied. A flat end stands on its points, whose forces press, and
+/// needs no moments; equations of velocities agree with gaps of places to truncation alone, and give way to them.
+fn ranks_without_turnings(mechanism: &Mechanism, mut rows: Vec<Row>, lengths: Vec<f64>) -> Ranks {
+    for (number, joint) in mechanism.touches.iter().enumerate() {
+        let closure = mechanism.loops.len() + number;
+        let own = rows.iter_mut().rev().filter(|row| row.closure == closure);
+        own.take(joint.moments.rows()).for_each(|row| row.entries.clear());
+    }
+    Ranks::of(&rows, lengths, ROUNDING)
+}
+
 /// The flags of the closures for steps from the counted state: also the equations of a geometry that the others imply, in the position (here or
 /// beside) with the larger rank.
 pub fn known_of_steps<G: Geometry<One>>(
@@ -75,7 +86,7 @@ pub fn known_of_steps<G: Geometry<One>>(
         let (sizes, lengths) = scales(mechanism, &body_states(mechanism, state));
         let mut rows = projection.equations(start, &sizes, &lengths);
         rows.extend(mimic_rows(mechanism, state, &lengths));
-        Ranks::of(&rows, lengths, ROUNDING)
+        ranks_without_turnings(mechanism, rows, lengths)
     };
     let mut best = ranks_at(&counted.state);
     if best.implied.iter().any(|(_, implied)| *implied) {

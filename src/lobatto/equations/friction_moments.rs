@@ -96,6 +96,20 @@ impl<V: Lanes> FrictionMoments<V> {
         }
     }
 
+    /// Takes the directions of the held turnings at one configuration: both tangents, and the normal. A step finds them at its stages
+    /// ([`FrictionMoments::follow`]).
+    pub fn hold(&mut self, normals: [Vector<V>; 2], tangents: [[Vector<V>; 2]; 2]) {
+        let across = self.across_rows();
+        for (index, held) in self.held.iter_mut().enumerate() {
+            held.along = if index < across { tangents[index] } else { normals };
+        }
+    }
+
+    /// Number of the held turnings across the normal, which come first.
+    fn across_rows(&self) -> usize {
+        if self.moments.rolling == Moment::Holds { 2 } else { 0 }
+    }
+
     /// Finds them in a step of this length (s), for the normals and both tangents at the columns' and the rows' stages, and the angular velocities of a
     /// and b there: of the scheme, and of slips.
     #[inline(always)]
@@ -117,9 +131,8 @@ impl<V: Lanes> FrictionMoments<V> {
                 }
             }
         }
-        let across = if self.moments.rolling == Moment::Holds { 2 } else { 0 };
-        for (index, held) in self.held.iter_mut().enumerate() {
-            held.along = [0, 1].map(|side: usize| if index < across { tangents[index][side] } else { normals[side] });
+        self.hold(normals, tangents);
+        for held in &mut self.held {
             let rate = [0, 1].map(|side: usize| held.along[side].dot(scheme[side][1].minus(scheme[side][0])));
             held.creep = mixing.integrate(rate) * V::splat(step);
             let [of_a, of_b] = scheme[0].map(|spin| spin.cross(held.along[0]));

@@ -201,6 +201,17 @@ impl<V: Lanes> SpatialTouch<V> {
         }
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         self.place([[&still; 2]; 2]);
+        let (normals, tangents) = self.axes();
+        if let Some(moments) = &mut self.moments {
+            moments.hold(normals, tangents);
+        }
+    }
+
+    /// The normals at the columns' and the rows' stages, and both tangents there.
+    #[inline(always)]
+    fn axes(&self) -> ([Vector<V>; 2], [[Vector<V>; 2]; 2]) {
+        let tangents = [0, 1].map(|axis: usize| [0, 1].map(|side: usize| self.tangent(axis, side)));
+        ([0, 1].map(|side: usize| self.at[side].normal), tangents)
     }
 
     /// Finds the contact for bodies that have moved so since the start: at the columns' stages (a, b), then at the rows'.
@@ -274,8 +285,7 @@ impl<V: Lanes> SpatialTouch<V> {
     /// rows' stages.
     #[inline(always)]
     pub fn turn(&mut self, mixing: &StageMixing<V>, step: f64, bodies: [Option<&[[BodyRate<V>; 2]; 2]>; 2]) {
-        let tangents = [0, 1].map(|axis: usize| [0, 1].map(|side: usize| self.tangent(axis, side)));
-        let normals = [0, 1].map(|side: usize| self.at[side].normal);
+        let (normals, tangents) = self.axes();
         if let Some(moments) = &mut self.moments {
             let spin = |kind: usize, side: usize| {
                 bodies.map(|rates| rates.map_or(Vector::zero(), |rates| rates[kind][side].spin()))

@@ -9,7 +9,7 @@ use crate::output::log::reading::records::{Completeness, ReadError};
 use crate::output::log::reading::recovery::{MISSING, RECOVERY};
 use crate::output::log::recording::accuracy_lines::ACCURACY;
 use crate::output::log::{is_locked, seconds};
-use crate::output::report::{KindCounts, contact_words};
+use crate::output::report::{ERROR_AT_START, KindCounts, UNKNOWN, contact_words};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -57,6 +57,12 @@ pub struct Summary {
     /// The error that is expected of positions (m), of the order of magnitude, if the log says it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<f64>,
+    /// The estimated error of its start (m), if that was in another log whose error is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_error_at_start: Option<f64>,
+    /// Whether its start was in another log whose error is not known.
+    #[serde(skip)]
+    starts_anyhow: bool,
     /// The last line about the accuracy that was written during the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_so_far: Option<String>,
@@ -261,6 +267,8 @@ impl Collector {
         let number = |name: &str| end.get(name).and_then(|text| text.parse::<f64>().ok());
         summary.outcome = end.get("outcome").cloned();
         summary.estimated_error = number("estimated_error");
+        summary.estimated_error_at_start = number(ERROR_AT_START);
+        summary.starts_anyhow = end.get(ERROR_AT_START).is_some_and(|error| error == UNKNOWN);
         summary.rate = summary.simulation.get("rate").and_then(|rate| rate.parse().ok());
         for topic in &mut summary.topics {
             let span = seconds(topic.range.1 - topic.range.0);
@@ -295,6 +303,12 @@ impl Collector {
 }
 
 impl Summary {
+    /// The error to expect of positions in it (m), with that of its start; `None` if it is not known.
+    pub fn error_of_samples(&self) -> Option<f64> {
+        let own = self.estimated_error.filter(|_| !self.starts_anyhow)?;
+        Some(own + self.estimated_error_at_start.unwrap_or(0.0))
+    }
+
     /// Reads a log from its beginning to its end.
     ///
     /// # Errors

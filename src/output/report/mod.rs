@@ -5,6 +5,7 @@
 
 mod contact;
 mod events;
+mod from_log;
 mod method;
 mod places;
 mod rejected;
@@ -21,6 +22,7 @@ pub(crate) use contact::{pair_count, pair_name, pair_names};
 #[cfg(feature = "log")]
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
+pub use from_log::{ERROR_AT_START, FromLog, UNKNOWN};
 pub use method::{AccuracyReport, FrequencyReport, MethodReport};
 pub(crate) use method::{ringing_warning, singular_warning, unsolved_warning};
 pub use places::joint_reports;
@@ -78,6 +80,9 @@ pub struct Report {
     pub cpu_seconds: f64,
     /// Processor time in the integration loop without logging (s).
     pub solve_cpu_seconds: f64,
+    /// The start in a log, if the run goes on from one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from_log: Option<FromLog>,
     /// The accuracy to expect.
     pub accuracy: Option<AccuracyReport>,
     /// Why that is not known, where it is not.

@@ -79,6 +79,9 @@ impl fmt::Display for Report {
             (None, None) if method.digits > 16 => writeln!(out, "step {step} ms, {} digits", method.digits)?,
             (None, None) => writeln!(out, "step {step} ms")?,
         }
+        if let Some(from) = &self.from_log {
+            writeln!(out, "  start       {}", from.words())?;
+        }
         if let Some(accuracy) = &self.accuracy {
             let by = match (accuracy.pilots, accuracy.begun) {
                 (0, 1) => "computed along with the run".to_string(),

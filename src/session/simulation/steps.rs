@@ -223,7 +223,7 @@ impl Simulation {
             None => arguments.push("--no-log".to_string()),
         }
         let command_line = format!("catena {}", arguments.join(" "));
-        Origin { command_line, arguments, driven: (!driven.is_empty()).then(|| driven.to_string()) }
+        Origin { command_line, arguments, driven: (!driven.is_empty()).then(|| driven.to_string()), from_log: None }
     }
 
     /// Makes steps until `until` (s) or the end of the run, under the controller; an error ends the run.

@@ -30,6 +30,7 @@ use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, RATIO};
 use crate::simulation::tolerance::event_order::first_difference;
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
+use crate::simulation::tolerance::given_forces::GivenForces;
 use crate::simulation::tolerance::horizon::Horizon;
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
@@ -99,6 +100,8 @@ pub struct Assessed<'a> {
     horizon: Horizon,
     /// Whether external efforts have acted, which the companion does not have.
     driven: bool,
+    /// The error of forces given in time.
+    given: GivenForces,
 }
 
 impl<'a> Assessed<'a> {
@@ -132,6 +135,7 @@ impl<'a> Assessed<'a> {
             differ: None,
             horizon: Horizon::default(),
             driven: false,
+            given: GivenForces::default(),
             terms,
         };
         assessed.accompany(mechanism);
@@ -165,6 +169,7 @@ impl<'a> Assessed<'a> {
         (self.largest, self.so_far) = (0.0, None);
         self.events.clear();
         self.differ = None;
+        self.given = GivenForces::default();
         self.accompany(mechanism);
         Ok(())
     }
@@ -229,7 +234,13 @@ impl<'a> Assessed<'a> {
                     Err(Behind::Interrupted) => return None,
                 }
                 let share = if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
-                (probes(mechanism, &beside.state), share.max(beside.share_of_first_order(&self.run)))
+                // The iterations of nine stages leave errors in proportion to the stop; those of five leave next to none beside truncation.
+                let truncated = match self.stages {
+                    StageChoice::Many => 0.0,
+                    few => (LUCK * beside.share_of_truncation(self.steps, few.count())).min(1.0),
+                };
+                let share = share.max(beside.share_of_first_order(&self.run)).max(truncated);
+                (probes(mechanism, &beside.state), share)
             }
         };
         let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
@@ -248,8 +259,8 @@ impl<'a> Assessed<'a> {
         let error = error.max(self.largest);
         // Samples inside steps that are too long for a damper may be off where the ends are right.
         let ringing = self.run.ringing_inside();
-        // The ends of accumulating impacts are errors of the run and of its companion alike.
-        let estimate = error.max(ringing) + self.run.error_of_impacts(state.time);
+        // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
+        let estimate = error.max(ringing) + self.run.error_of_impacts(state.time) + self.given.error(state.time);
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
@@ -365,6 +376,7 @@ impl Integrator for Assessed<'_> {
             self.by = By::Nothing;
             self.run.leave_companion();
         }
+        let from = state.time;
         let outcome = match self.run.step(mechanism, inputs, state, until) {
             // Steps that fail with a coarse stop may succeed with a finer one.
             Err(_) if self.may_begin_again && self.begun == 1 => {
@@ -374,6 +386,9 @@ impl Integrator for Assessed<'_> {
             outcome => outcome?,
         };
         self.steps += 1;
+        if self.terms.estimate {
+            self.given.see(mechanism, self.stages.count(), [from, state.time]);
+        }
         let Terms { start, end, .. } = self.terms;
         let early = state.time - start <= EARLY * (end - start);
         if self.may_begin_again && early && self.run.was_held_by_stability() && self.stages == StageChoice::Few {

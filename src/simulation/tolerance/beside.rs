@@ -29,6 +29,8 @@ pub(crate) struct Beside {
     pub(crate) run: RunIntegrator,
     pub(crate) state: State,
     pub(crate) events: Vec<Event>,
+    /// Number of its steps.
+    steps: usize,
 }
 
 impl Beside {
@@ -51,7 +53,7 @@ impl Beside {
         // Impacts of both that end at the same height would hide what that leaves.
         let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         run.coarsen_over_events(OVER_EVENTS);
-        Some(Beside { run, state: state.clone(), events: Vec::new() })
+        Some(Beside { run, state: state.clone(), events: Vec::new(), steps: 0 })
     }
 
     /// The part of the distance of both runs that is the error of the finer one, as far as steps of first order have made it.
@@ -64,6 +66,17 @@ impl Beside {
         let [own, coarser] = [finer, &self.run].map(RunIntegrator::smeared);
         let shares = own.into_iter().zip(coarser).filter(|(own, _)| *own > 0.0);
         shares.map(|(own, coarser)| own / (coarser - own).max(own)).fold(0.0, f64::max)
+    }
+
+    /// The part of the distance of both runs that is the error of the finer one, which has made this number of steps of s stages, as far as truncation
+    /// has made it. Events end the steps of both runs: between events that are near each other, the coarser run makes as many.
+    ///
+    /// ```text
+    ///     e′/e = (n/n′)^(2s − 2)        n, n′: the numbers of steps
+    /// ```
+    pub(crate) fn share_of_truncation(&self, steps: usize, stages: usize) -> f64 {
+        let longer = steps as f64 / self.steps.max(1) as f64;
+        longer.max(1.0).powi(2 - 2 * stages as i32)
     }
 
     /// Whether it alone steps over events, so that it does not say which events it has met.
@@ -81,6 +94,7 @@ impl Beside {
                 return Err(Behind::Interrupted);
             }
             self.run.advance(mechanism, &mut self.state, until).map_err(|_| Behind::Failed)?;
+            self.steps += 1;
             self.run.take_events(&mut self.events);
         }
         Ok(())

@@ -6,6 +6,7 @@ pub mod assessed;
 pub(crate) mod beside;
 pub(crate) mod event_order;
 pub(crate) mod forecast;
+pub(crate) mod given_forces;
 pub(crate) mod horizon;
 pub(crate) mod terms;
 pub(crate) mod trial_run;
