@@ -177,7 +177,7 @@ pub(crate) fn has_row(motor: &Motor) -> bool {
 
 impl Contacts {
     /// Finds all candidates for a step of this length (s), in a state that places the bodies; their speeds are at least as large as `rates` says
-    /// (linear and angular, a body each). Bodies that sleep have none with each other and with the world.
+    /// (linear and angular, a body each). Sleeping bodies have no candidates among each other or with the world.
     pub fn find(
         &mut self,
         scene: Scene,
@@ -328,7 +328,7 @@ impl Candidate {
         }
     }
 
-    /// Adds its rows, with trees and bodies at the same places; the normal is the one there, and the tangents are the nearest to those of its frame.
+    /// Adds its rows, with trees and bodies at the same places; the normal is the one there, and the tangents are the nearest to the tangents of its frame.
     fn add_rows(&self, rows: &mut Rows, scene: Scene, trees: &Trees, bodies: &[BodyState]) -> [Option<Side>; 2] {
         match (&self.contact, self.key) {
             (Some(contact), _) => {
