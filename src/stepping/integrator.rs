@@ -345,6 +345,7 @@ impl Integrator for Lobatto {
             contact_solvers: ContactSolvers::default(),
             first_order_steps: 0,
             first_order_time: 0.0,
+            first_order_asleep: 0.0,
             first_order_residual: 0.0,
             first_order_lift: 0.0,
             few_stage_steps: 0,

@@ -176,6 +176,7 @@ impl Integrator for Eventful {
         description.unsolved_contacts = self.tally.unsolved;
         description.contact_solvers = self.tally.solvers;
         (description.first_order_steps, description.first_order_time) = self.tally.first_order;
+        description.first_order_asleep = self.tally.asleep;
         (description.first_order_residual, description.first_order_lift) = self.tally.crowd_figures;
         (description.rebounds_left_out, description.rebounds_energy) = self.tally.cut;
         description

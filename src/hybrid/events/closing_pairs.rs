@@ -128,7 +128,7 @@ impl Eventful {
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
     fn reserve(&mut self, pair: usize, speeds: &Speeds, length: f64) -> Option<f64> {
         let of = &self.model.touching.pairs[pair];
-        // Beside closed contacts the gap is that of other features, one after another, whose change no speed bounds. A rope goes through
+        // Beside closed contacts other features have the gap, one after another, and no speed bounds its change. A rope goes through
         // more bodies than the two whose travel is known.
         if self.trial.fresh_pairs.holds(pair) || self.is_closed(pair) || of.is_reeved() {
             return None;

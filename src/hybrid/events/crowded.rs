@@ -207,12 +207,15 @@ impl Eventful {
     ) -> Option<(StepOutcome, Made)> {
         self.trial.origin.copy_from(state);
         let Eventful {
-            model: HybridModel { whole, elements, touching, .. },
+            model: HybridModel { whole, elements, touching, recipe, .. },
             workspaces: Workspaces { response, crowd, .. },
             mode,
             ..
         } = self;
         let crowd = crowd.as_mut()?;
+        if recipe.keeps(Rule::Sleep) {
+            crowd.keep_awake();
+        }
         let mut forces = |at: &State, accelerations: &mut [f64], efforts: &mut [f64]| {
             inputs.write_constant(efforts);
             inputs.add_feedback(at, efforts);
@@ -244,12 +247,15 @@ impl Eventful {
                 self.mode.motors[index] = self.motor_mode(index, state);
             }
         }
-        let Made { iterations, residual, unsolved, overlap, lifted, work, dissipated, friction, lost, .. } = made;
+        let Made { iterations, residual, unsolved, overlap, lifted, work, dissipated, friction, lost, slept, .. } =
+            made;
         self.tally.unsolved += unsolved;
         self.trial.overlap = self.trial.overlap.max(overlap);
         self.tally.crowd_figures = (self.tally.crowd_figures.0.max(residual), self.tally.crowd_figures.1.max(lifted));
         self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
-        self.tally.smeared[0] += step * step;
+        self.tally.asleep += slept * step;
+        // Nothing moves in a step in which all sleep.
+        self.tally.smeared[0] += if slept < 1.0 { step * step } else { 0.0 };
         // An impact within the step is at its end for samples inside it.
         self.workspaces.between = larger(self.workspaces.between, Some(0.25 * step * made.jump + lifted));
         self.progress.stepped_over = Some(state.clone());

@@ -43,6 +43,8 @@ pub struct MethodDescription {
     /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
     pub first_order_steps: usize,
     pub first_order_time: f64,
+    /// How long bodies slept in them: the mean over all bodies (s).
+    pub first_order_asleep: f64,
     /// The largest residual of the law of contact in them, as a part of the largest impulse, and the largest overlap that was moved apart (m).
     pub first_order_residual: f64,
     pub first_order_lift: f64,
@@ -72,6 +74,7 @@ impl MethodDescription {
             contact_solvers: ContactSolvers::default(),
             first_order_steps: 0,
             first_order_time: 0.0,
+            first_order_asleep: 0.0,
             first_order_residual: 0.0,
             first_order_lift: 0.0,
             few_stage_steps: 0,

@@ -15,7 +15,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "catena": "", "input": "", "scene": "", "duration": 0,
         "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0,
             "max_frequency_step": null, "digits": 16, "reversible_resets": null,
-            "first_order_steps": 0, "first_order_time": 0, "first_order_residual": 0,
+            "first_order_steps": 0, "first_order_time": 0, "first_order_asleep": 0, "first_order_residual": 0,
              "first_order_lift": 0, "few_stage_steps": 0, "contact_solvers": {}},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0,
             "islands": 0, "sleeping_islands": 0},

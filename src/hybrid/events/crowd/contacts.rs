@@ -10,6 +10,7 @@
 use crate::crowd::laws::Law;
 use crate::crowd::rows::{Rows, Side};
 use crate::crowd::trees::Trees;
+use crate::events::crowd::asleep::Asleep;
 use crate::geometry::PlaceId;
 use crate::instant::holding::elements::{Elements, inward};
 use crate::instant::holding::near::Near;
@@ -67,6 +68,8 @@ pub(crate) struct Candidate {
     pub frame: [Vector3<f64>; 3],
     /// The velocity of belts in the frame, along the tangents of a contact with friction [m/s].
     pub belt: Vector3<f64>,
+    /// The bodies that it acts on, and its rows on the trees of those that are awake.
+    pub ends: [Option<usize>; 2],
     pub sides: [Option<Side>; 2],
     /// Impulses that move it to the end of a step, and that make its rates there, in the frame (N s).
     pub moving: Vector3<f64>,
@@ -174,13 +177,13 @@ pub(crate) fn has_row(motor: &Motor) -> bool {
 
 impl Contacts {
     /// Finds all candidates for a step of this length (s), in a state that places the bodies; their speeds are at least as large as `rates` says
-    /// (linear and angular, a body each).
+    /// (linear and angular, a body each). Sleeping bodies have no candidates among each other or with the world.
     pub fn find(
         &mut self,
         scene: Scene,
+        asleep: &Asleep,
         state: &State,
-        bodies: &[BodyState],
-        rates: &[(f64, f64)],
+        (bodies, rates): (&[BodyState], &[(f64, f64)]),
         step: f64,
         clearances: &mut Clearances,
     ) {
@@ -201,6 +204,9 @@ impl Contacts {
         for place in 0..clearances.near.pairs().len() {
             let pair = clearances.near.pairs()[place];
             let of = &touching.pairs[pair];
+            if of.bodies.into_iter().all(|body| asleep.holds(body)) {
+                continue;
+            }
             let speed =
                 |side: usize| of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side]);
             let within = FASTER * step * (speed(0) + speed(1)) + fall;
@@ -214,7 +220,11 @@ impl Contacts {
             }
         }
         for (index, joint) in elements.joints.iter().enumerate() {
-            let plain = Candidate::of_joint(Key::Friction(index), joint.restitution, 0.0);
+            let body = joint.coordinate.body;
+            if asleep.holds(Some(body)) {
+                continue;
+            }
+            let plain = Candidate::of_joint(Key::Friction(index), body, joint.restitution, 0.0);
             if joint.friction > 0.0 {
                 self.list.push(plain.clone());
             }
@@ -225,8 +235,11 @@ impl Contacts {
                 }
             }
         }
-        for (index, _) in elements.motors.iter().enumerate().filter(|(_, motor)| has_row(motor)) {
-            self.list.push(Candidate::of_joint(Key::Motor(index), 0.0, 0.0));
+        for (index, motor) in elements.motors.iter().enumerate().filter(|(_, motor)| has_row(motor)) {
+            let body = motor.coordinate.body;
+            if !asleep.holds(Some(body)) {
+                self.list.push(Candidate::of_joint(Key::Motor(index), body, 0.0, 0.0));
+            }
         }
     }
 
@@ -240,13 +253,13 @@ impl Contacts {
     }
 
     /// Fills the rows of the candidates from a number on, with trees that are placed in the same state.
-    pub fn fill_rows(&mut self, scene: Scene, trees: &Trees, bodies: &[BodyState], first: usize) {
+    pub fn fill_rows(&mut self, scene: Scene, asleep: &Asleep, trees: &Trees, bodies: &[BodyState], first: usize) {
         if first == 0 {
             self.rows.clear();
         }
         for number in first..self.list.len() {
             let sides = self.list[number].add_rows(&mut self.rows, scene, trees, bodies);
-            self.list[number].sides = sides;
+            self.list[number].sides = sides.map(|side| side.filter(|side| !asleep.has(side.tree)));
         }
     }
 
@@ -309,12 +322,13 @@ impl Candidate {
             gap: touch.gap,
             friction,
             key: Key::Touch(contact.pair, contact.features),
+            ends: [contact.joint.a.body, contact.joint.b.body],
             contact: Some(contact),
-            ..Candidate::of_joint(Key::Friction(0), restitution, 0.0)
+            ..Candidate::of_joint(Key::Friction(0), 0, restitution, 0.0)
         }
     }
 
-    /// Adds its rows, with trees and bodies at the same places; the normal is the one there, and the tangents are the nearest to those of its frame.
+    /// Adds its rows, with trees and bodies at the same places; the normal is the one there, and the tangents are the nearest to the tangents of its frame.
     fn add_rows(&self, rows: &mut Rows, scene: Scene, trees: &Trees, bodies: &[BodyState]) -> [Option<Side>; 2] {
         match (&self.contact, self.key) {
             (Some(contact), _) => {
@@ -346,13 +360,13 @@ impl Candidate {
             (None, Key::Limit(joint, upper)) => {
                 let joint = &elements.joints[joint];
                 let gap = joint.gap(if upper { End::Upper } else { End::Lower }, joint.position(state));
-                Candidate::of_joint(self.key, self.restitution, gap)
+                Candidate::of_joint(self.key, joint.coordinate.body, self.restitution, gap)
             }
-            (None, _) => Candidate::of_joint(self.key, self.restitution, 0.0),
+            (None, _) => Candidate::of_joint(self.key, self.ends[0].unwrap_or_default(), self.restitution, 0.0),
         }
     }
 
-    fn of_joint(key: Key, restitution: f64, gap: f64) -> Self {
+    fn of_joint(key: Key, body: usize, restitution: f64, gap: f64) -> Self {
         Candidate {
             key,
             contact: None,
@@ -361,6 +375,7 @@ impl Candidate {
             gap,
             frame: [Vector3::x(), Vector3::y(), Vector3::z()],
             belt: Vector3::zeros(),
+            ends: [Some(body), None],
             sides: [None, None],
             moving: Vector3::zeros(),
             settling: Vector3::zeros(),

@@ -59,11 +59,13 @@ impl Crowd {
                 let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
                 freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
             }
+            let before = state.clone();
             state.displace(scene.whole, &moved);
+            self.resting.keep(scene.whole, &before, state);
             place_bodies(scene.whole, state, &mut self.bodies);
-            self.next.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
+            self.next.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
             self.trees.place(scene.whole, &self.bodies);
-            self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
+            self.next.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
             left = self.next.deepest();
         }
         Some((if first > OVERLAP { first } else { 0.0 }, left))

@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `contacts` | candidates: what may press, hold or pull in a step, and the rows of it |
 //! | `moving`, `settling`, `lifting`, `energies` | the parts of a step |
+//! | `asleep`, `resting`, `sleeping` | trees that sleep, how they fall asleep and wake, and crowds with them |
 //! | `step` | the step |
 //!
 //! Trees, rows, the problem of an island and its solvers are in [`crate::crowd`].
 
+mod asleep;
 pub(crate) mod contacts;
 mod energies;
 mod lifting;
 mod moving;
+mod resting;
 mod settling;
+mod sleeping;
 pub(crate) mod step;

@@ -18,6 +18,7 @@ use crate::crowd::rows::Rows;
 use crate::crowd::solver::{COARSE, TOLERANCE, solve};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Contacts, Key, Scene};
+use crate::events::crowd::resting::Resting;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -39,6 +40,8 @@ pub(super) struct Moving<'m> {
     pub step: f64,
     /// v_f.
     pub free: &'m [f64],
+    /// Trees that sleep.
+    pub resting: &'m Resting,
 }
 
 /// How well all islands were solved.
@@ -58,7 +61,7 @@ pub(super) fn move_on(
     end: &mut State,
     bodies: &mut [BodyState],
 ) -> Solved {
-    let &Moving { scene, start, step, free } = moving;
+    let &Moving { scene, start, step, free, .. } = moving;
     let mut places = vec![0; trees.trees.len()];
     let found = islands(trees.trees.len(), now.sides(|_| true));
     displacement.copy_from_slice(free);
@@ -112,7 +115,7 @@ pub(super) fn move_on(
         })
         .collect();
     if problems.is_empty() {
-        place_end(scene, start, displacement, step, end, bodies);
+        place_end(moving, displacement, end, bodies);
         return Solved::default();
     }
     let mut ahead = trees.clone();
@@ -125,7 +128,7 @@ pub(super) fn move_on(
             own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, tolerance, room);
             spread(trees, island, &own.v, displacement);
         }
-        place_end(scene, start, displacement, step, end, bodies);
+        place_end(moving, displacement, end, bodies);
         let mut back = false;
         if round < ROUNDS {
             ahead.place(scene.whole, bodies);
@@ -170,7 +173,7 @@ pub(super) fn move_on(
             }
         }
         if back {
-            place_end(scene, start, displacement, step, end, bodies);
+            place_end(moving, displacement, end, bodies);
         }
         if problems.iter().all(|(own, _)| !own.open) {
             break;
@@ -198,10 +201,12 @@ fn spread(trees: &Trees, island: &Island, own: &[f64], rates: &mut [f64]) {
 }
 
 /// The state after a displacement from the start of a step (s), and the bodies in it.
-fn place_end(scene: Scene, start: &State, displacement: &[f64], step: f64, end: &mut State, bodies: &mut [BodyState]) {
+fn place_end(moving: &Moving, displacement: &[f64], end: &mut State, bodies: &mut [BodyState]) {
+    let &Moving { scene, start, step, resting, .. } = moving;
     end.copy_from(start);
     let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
     end.displace(scene.whole, &moved);
+    resting.keep(scene.whole, start, end);
     place_bodies(scene.whole, end, bodies);
 }
 

@@ -16,14 +16,12 @@ use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{CLOSED, Candidate, Clearances, Contacts, Key, Scene, has_row};
 use crate::events::crowd::energies::Energies;
 use crate::events::crowd::moving::{Moving, move_on};
+use crate::events::crowd::resting::Resting;
 use crate::events::crowd::settling::{Settling, settle};
-use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::touch_motion;
 use std::collections::BTreeSet;
 
 /// A pair that overlaps by more than this at the end, and was no candidate, becomes one (m); this often at most.
@@ -33,12 +31,6 @@ const AGAIN: usize = 2;
 const LIFTED: f64 = 1e-4;
 /// Speeds that have grown by this factor in a step make all pairs be looked at again.
 const SPEEDS: f64 = 1.25;
-
-/// All is at rest after this many steps in which everything is slower than this part of the speed of a fall in one.
-const STILL: usize = 3;
-const RESTS: f64 = 1e-6;
-/// A contact is held by friction where it needs less than this part of what there is.
-const STICKS: f64 = 1.0 - 1e-9;
 
 /// Accelerations of a state, and the efforts from outside and of motors in it; without rows.
 pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
@@ -58,18 +50,18 @@ pub(crate) struct Crowd {
     /// Speeds for which the candidates are enough.
     pub(super) rates: Vec<(f64, f64)>,
     /// The end of the last step and its length (s).
-    end: Option<(State, f64)>,
+    pub(super) end: Option<(State, f64)>,
     energies: Energies,
     /// D and K of the freedoms, of dampers, springs and motors without a bound.
     damping: Vec<f64>,
     stiffness: Vec<f64>,
     free: Vec<f64>,
-    acceleration: Vec<f64>,
-    efforts: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+    pub(super) efforts: Vec<f64>,
     middle: Option<State>,
-    /// Steps in which hardly anything has moved, and the efforts then.
-    still: usize,
-    steady: Vec<f64>,
+    /// The trees that sleep, and whether some have woken since candidates were looked for.
+    pub(super) resting: Resting,
+    pub(super) woken: bool,
     /// w of the last step.
     displacement: Vec<f64>,
 }
@@ -101,8 +93,9 @@ pub(crate) struct Made {
     /// The largest change of the velocity of a body's points [m/s], and the kinetic energy at the end (J).
     pub jump: f64,
     pub kinetic: f64,
-    /// Whether everything rests.
+    /// Whether everything rests, and the part of the bodies that took no part in the step.
     pub asleep: bool,
+    pub slept: f64,
 }
 
 impl Crowd {
@@ -112,8 +105,15 @@ impl Crowd {
             return None;
         }
         let count = mechanism.velocity_count;
+        let trees = Trees::new(mechanism);
+        let mut restless = vec![false; trees.trees.len()];
+        for motor in mechanism.nonsmooth.motors.iter().filter(|motor| has_row(motor) && !motor.target.is_constant()) {
+            restless[trees.of_freedom[motor.coordinate.freedom].0] = true;
+        }
         Some(Crowd {
-            trees: Trees::new(mechanism),
+            resting: Resting::new(&trees, count, restless),
+            woken: false,
+            trees,
             now: Contacts::default(),
             next: Contacts::default(),
             clearances: Clearances::default(),
@@ -129,8 +129,6 @@ impl Crowd {
             acceleration: vec![0.0; count],
             efforts: vec![0.0; count],
             middle: None,
-            still: 0,
-            steady: vec![0.0; count],
             displacement: vec![0.0; count],
         })
     }
@@ -141,49 +139,78 @@ impl Crowd {
         let made = self.make(scene, forces, state, step, evenly);
         if made.is_none() {
             (self.now, self.clearances, self.end) = (Contacts::default(), Clearances::default(), None);
+            self.resting.wake_all();
             self.displacement = vec![0.0; self.free.len()];
         }
         made
     }
 
     fn make(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
-        let whole = scene.whole;
         let start = state.clone();
-        if !evenly {
-            self.still = 0;
+        if !self.goes_on(&start) {
+            self.resting.wake_all();
         }
-        if self.is_asleep() {
+        if evenly && self.resting.is_all() {
             // As `sleeps` has found.
             state.time += step;
             self.end = Some((state.clone(), self.end.as_ref().map_or(step, |end| end.1)));
             self.displacement.fill(0.0);
-            return Some(Made { asleep: true, held: self.held(), ..Made::default() });
+            return Some(Made { asleep: true, slept: 1.0, held: self.held(), ..Made::default() });
+        }
+        loop {
+            match self.attempt(scene, forces, &start, state, step)? {
+                Ok(made) => return Some(made),
+                Err(reached) => self.wake(&reached),
+            }
+            state.copy_from(&start);
+        }
+    }
+
+    /// The same, if nothing reaches trees that sleep; otherwise the trees that are reached, in a state of no meaning.
+    fn attempt(
+        &mut self,
+        scene: Scene,
+        forces: Forces,
+        start: &State,
+        state: &mut State,
+        step: f64,
+    ) -> Option<Result<Made, Vec<usize>>> {
+        let whole = scene.whole;
+        forces(start, &mut self.acceleration, &mut self.efforts);
+        let reached = self.resting.loaded(&self.acceleration);
+        if !reached.is_empty() {
+            return Some(Err(reached));
         }
         self.soften(scene);
-        self.begin(scene, &start, step)?;
+        self.begin(scene, start, step)?;
         let (mut made, iterations) = (Made::default(), self.room.iterations);
+        made.slept = self.resting.part();
         self.energies.begin(&self.trees, &start.velocity);
-        forces(&start, &mut self.acceleration, &mut self.efforts);
-        self.free_to_move(&start, 0.5 * step)?;
+        self.free_to_move(start, 0.5 * step)?;
         let mut displacement = std::mem::take(&mut self.displacement);
         for attempt in 0..=AGAIN {
-            let moving = Moving { scene, start: &start, step, free: &self.free };
-            let Crowd { trees, now, room, bodies, .. } = self;
+            let Crowd { trees, now, room, bodies, free, resting, .. } = self;
+            let moving = Moving { scene, start, step, free, resting };
             let found = move_on(trees, now, &moving, room, &mut displacement, state, bodies);
             made.residual = made.residual.max(found.residual);
             made.unsolved += found.unsolved;
-            self.place_middle(&start, &displacement, step, whole);
+            self.place_middle(start, &displacement, step, whole);
             place_bodies(whole, state, &mut self.bodies);
-            self.next.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
-            if attempt == AGAIN || !self.widen(scene, &start, &displacement, step) {
+            self.next.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
+            if attempt == AGAIN || !self.widen(scene, start, &displacement, step) {
                 break;
             }
+        }
+        let reached = self.resting.pushed(&self.now.list, |candidate| &candidate.moving);
+        if !reached.is_empty() {
+            self.displacement = displacement;
+            return Some(Err(reached));
         }
         if !state.position.iter().all(|place| place.is_finite()) {
             return None;
         }
         self.trees.place(whole, &self.bodies);
-        self.next.fill_rows(scene, &self.trees, &self.bodies, 0);
+        self.next.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
         if self.next.deepest() > LIFTED.max(2.0 * self.now.deepest()) {
             return None;
         }
@@ -191,9 +218,15 @@ impl Crowd {
         (made.lifted, made.overlap) = (lifted, overlap);
         self.next.warm(&self.now, step, 1.0, &self.trees);
         state.time = start.time + step;
-        self.free_to_settle(&start, &displacement, step, forces)?;
-        let settling = Settling { scene, start: &start, displacement: &displacement, step, free: &self.free };
+        self.free_to_settle(start, &displacement, step, forces)?;
+        let settling = Settling { scene, start, displacement: &displacement, step, free: &self.free };
         let found = settle(&self.trees, &mut self.next, &settling, &mut self.room, &mut state.velocity);
+        let mut reached = self.resting.loaded(&self.acceleration);
+        reached.extend(self.resting.pushed(&self.next.list, |candidate| &candidate.settling));
+        if !reached.is_empty() {
+            self.displacement = displacement;
+            return Some(Err(reached));
+        }
         made.residual = made.residual.max(found.residual);
         made.unsolved += found.unsolved;
         made.closed = found.closed;
@@ -214,7 +247,7 @@ impl Crowd {
         }
         made.work = work.iter().sum();
         made.taken = self.energies.bound(&self.trees, whole, state, &self.bodies, &work, [&self.now, &self.next]);
-        made.lost = self.energies.lost(whole, &start, state, made.work);
+        made.lost = self.energies.lost(whole, start, state, made.work);
         made.candidates = self.next.list.len();
         made.iterations = self.room.iterations - iterations;
         let rates = self.rates.clone();
@@ -222,23 +255,17 @@ impl Crowd {
         self.finish(scene, state, step);
         made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
         made.held = self.held();
+        self.let_sleep(scene, forces, state, step, &rates);
+        made.asleep = self.resting.is_all();
         let jumps = self.began.iter().zip(&self.bodies).map(|(before, now)| (now.velocity - before.velocity).norm());
         made.jump = jumps.fold(0.0, f64::max);
-        let slow = RESTS * whole.gravity.norm() * step;
-        let rests = evenly && rates.iter().zip(&self.rates).all(|(a, b)| a.0.max(b.0) + a.1.max(b.1) <= slow);
-        self.still = if rests { self.still + 1 } else { 0 };
-        if self.is_asleep() {
-            state.velocity.fill(0.0);
-            self.end = Some((state.clone(), step));
-            self.steady.copy_from_slice(&self.efforts);
-        }
-        Some(made)
+        Some(Ok(made))
     }
 
     /// Makes pairs that overlap at the end of a step, and were no candidates, candidates of it; returns whether there are any. Features that tell nothing at
     /// its start, where others are deeper, have the gap there that their gap and their rows at the end give: `φ − h H w`.
     fn widen(&mut self, scene: Scene, start: &State, displacement: &[f64], step: f64) -> bool {
-        let Crowd { now, next, trees, bodies, .. } = self;
+        let Crowd { now, next, trees, bodies, resting, .. } = self;
         let known: BTreeSet<Key> = now.list.iter().map(|candidate| candidate.key).collect();
         let new =
             |candidate: &&Candidate| candidate.closes() && candidate.gap < -OVERLAPS && !known.contains(&candidate.key);
@@ -257,11 +284,11 @@ impl Crowd {
                 hidden.push(candidate.clone());
             }
         }
-        now.fill_rows(scene, trees, bodies, first);
+        now.fill_rows(scene, &resting.asleep, trees, bodies, first);
         bodies.copy_from_slice(&at_end);
         let second = now.list.len();
         now.list.append(&mut hidden);
-        now.fill_rows(scene, trees, bodies, second);
+        now.fill_rows(scene, &resting.asleep, trees, bodies, second);
         for number in second..now.list.len() {
             let moved = now.closing_rate(number, trees, displacement);
             now.list[number].gap -= step * moved;
@@ -277,25 +304,8 @@ impl Crowd {
 
     /// Number of closed contacts and limits.
     fn held(&self) -> usize {
-        self.now.list.iter().filter(|candidate| candidate.is_closed()).count()
-    }
-
-    fn is_asleep(&self) -> bool {
-        self.still >= STILL
-    }
-
-    /// Whether all bodies rest in a state, and go on resting under the efforts in it.
-    pub fn sleeps(&mut self, state: &State, forces: Forces) -> bool {
-        if self.is_asleep() {
-            let same = self.end.as_ref().is_some_and(|(end, _)| end == state);
-            if same {
-                forces(state, &mut self.acceleration, &mut self.efforts);
-            }
-            if !same || self.efforts != self.steady {
-                self.still = 0;
-            }
-        }
-        self.is_asleep()
+        let asleep = self.resting.candidates().iter().map(|(candidate, _)| candidate);
+        self.now.list.iter().chain(asleep).filter(|candidate| candidate.is_closed()).count()
     }
 
     /// A state inside the last step, from `start` to `end`, at a time (s); `None` if the last step was another.
@@ -315,35 +325,21 @@ impl Crowd {
         Some(inside)
     }
 
-    /// Adds the contacts that pressed in the last step, with their mean forces.
-    pub fn pressing(&self, touching: &Touching, out: &mut Vec<ContactPoint>) {
-        let Some((_, step)) = &self.end else { return };
-        for candidate in &self.now.list {
-            let Some(contact) = candidate.contact.as_ref().filter(|_| candidate.settling.x > 0.0) else { continue };
-            let touch = touch_motion(&contact.joint, &self.bodies);
-            let [normal, first, second] = candidate.frame;
-            let force =
-                (normal * candidate.settling.x + first * candidate.settling.y + second * candidate.settling.z) / *step;
-            let across = candidate.settling.y.hypot(candidate.settling.z);
-            let sticks = across < STICKS * candidate.friction * candidate.settling.x;
-            out.push(touching.reported(contact, &touch, &force, sticks));
-        }
-    }
-
     /// Takes the start of a step: candidates, their rows and M, known from the last step if it ended there.
     fn begin(&mut self, scene: Scene, start: &State, step: f64) -> Option<()> {
         let same = |(end, length): &(State, f64)| end == start && *length >= step;
         let known = self.end.as_ref().is_some_and(same);
         let longer = self.end.as_ref().map_or(1.0, |(_, length)| step / length);
-        if known && longer == 1.0 {
+        if known && longer == 1.0 && !self.woken {
             return Some(());
         }
+        self.woken = false;
         place_bodies(scene.whole, start, &mut self.bodies);
         self.rates = self.bodies.iter().map(|body| (body.velocity.norm(), body.angular_velocity.norm())).collect();
         let mut found = Contacts::default();
-        found.find(scene, start, &self.bodies, &self.rates, step, &mut self.clearances);
+        found.find(scene, &self.resting.asleep, start, (&self.bodies, &self.rates), step, &mut self.clearances);
         self.trees.place(scene.whole, &self.bodies);
-        found.fill_rows(scene, &self.trees, &self.bodies, 0);
+        found.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
         found.warm(&self.now, step, longer, &self.trees);
         self.now = found;
         self.energies.place(scene.whole, start, &self.bodies, &self.trees);
@@ -365,8 +361,8 @@ impl Crowd {
         if grown {
             self.rates = self.bodies.iter().map(|body| (body.velocity.norm(), body.angular_velocity.norm())).collect();
             let mut found = Contacts::default();
-            found.find(scene, state, &self.bodies, &self.rates, step, &mut self.clearances);
-            found.fill_rows(scene, &self.trees, &self.bodies, 0);
+            found.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
+            found.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
             found.warm(&self.now, step, 1.0, &self.trees);
             self.now = found;
         }
@@ -391,25 +387,25 @@ impl Crowd {
 
     /// v_f of (A): half a step under the forces at the start, with dampers and springs at its middle.
     fn free_to_move(&mut self, start: &State, half: f64) -> Option<()> {
-        let Crowd { trees, damping, stiffness, free, acceleration, .. } = self;
+        let Crowd { trees, damping, stiffness, free, acceleration, resting, .. } = self;
         let change = |freedom: usize| -(half * stiffness[freedom] * start.velocity[freedom]);
         let soft = [damping.as_slice(), stiffness.as_slice()];
-        free_rates(trees, soft, half, acceleration, change, &start.velocity, free)
+        free_rates((trees, resting), soft, half, acceleration, change, &start.velocity, free)
     }
 
     /// v_f of (B): a whole step under the forces at its middle, with dampers at its end.
     fn free_to_settle(&mut self, start: &State, displacement: &[f64], step: f64, forces: Forces) -> Option<()> {
-        let Crowd { trees, damping, stiffness, free, acceleration, efforts, middle, .. } = self;
+        let Crowd { trees, damping, stiffness, free, acceleration, efforts, middle, resting, .. } = self;
         forces(middle.as_mut()?, acceleration, efforts);
         stiffness.fill(0.0);
         let change = |freedom: usize| damping[freedom] * (displacement[freedom] - start.velocity[freedom]);
         let soft = [damping.as_slice(), stiffness.as_slice()];
-        free_rates(trees, soft, step, acceleration, change, &start.velocity, free)
+        free_rates((trees, resting), soft, step, acceleration, change, &start.velocity, free)
     }
 
     /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.
     fn place_middle(&mut self, start: &State, displacement: &[f64], step: f64, whole: &Mechanism) {
-        let Crowd { middle, bodies, began, rates, .. } = self;
+        let Crowd { middle, bodies, began, rates, resting, .. } = self;
         let middle = middle.get_or_insert_with(|| start.clone());
         middle.copy_from(start);
         place_bodies(whole, middle, bodies);
@@ -418,6 +414,7 @@ impl Crowd {
         rates.iter_mut().zip(bodies.iter()).for_each(|(rate, body)| *rate = speeds(body));
         let half: Vec<f64> = displacement.iter().map(|rate| 0.5 * step * rate).collect();
         middle.displace(whole, &half);
+        resting.keep(whole, start, middle);
         middle.time = start.time + 0.5 * step;
         middle.velocity.copy_from_slice(displacement);
         place_bodies(whole, middle, bodies);
@@ -429,9 +426,9 @@ impl Crowd {
 }
 
 /// v_f = v + b M̃⁻¹ (M a + e): the rates of trees after a time b (s) under accelerations a and changes e of the efforts of dampers D and springs K, which
-/// act in it; `None` where M̃ is singular.
+/// act in it, and zero for those that sleep; `None` where M̃ is singular.
 fn free_rates(
-    trees: &mut Trees,
+    (trees, resting): (&mut Trees, &Resting),
     [damping, stiffness]: [&[f64]; 2],
     time: f64,
     accelerations: &[f64],
@@ -439,7 +436,11 @@ fn free_rates(
     velocity: &[f64],
     free: &mut [f64],
 ) -> Option<()> {
-    for tree in &mut trees.trees {
+    for (number, tree) in trees.trees.iter_mut().enumerate() {
+        if resting.asleep.has(number) {
+            tree.freedoms.iter().for_each(|&freedom| free[freedom] = 0.0);
+            continue;
+        }
         if !tree.factor(time, damping, stiffness) {
             return None;
         }

@@ -34,6 +34,8 @@ pub struct MethodReport {
     pub first_order_steps: usize,
     /// and the time that they took of the motion (s),
     pub first_order_time: f64,
+    /// how long bodies slept in them, in the mean over all bodies (s),
+    pub first_order_asleep: f64,
     /// the largest residual of the law of contact in them, as a part of the largest impulse,
     pub first_order_residual: f64,
     /// and the largest overlap that was moved apart in them (m).
@@ -78,6 +80,7 @@ impl MethodReport {
             reversible_resets: description.reversible_resets,
             first_order_steps: description.first_order_steps,
             first_order_time: description.first_order_time,
+            first_order_asleep: description.first_order_asleep,
             first_order_residual: description.first_order_residual,
             first_order_lift: description.first_order_lift,
             few_stage_steps: description.few_stage_steps,
@@ -138,11 +141,17 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
 pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
     let &MethodDescription { unsolved_contacts: unsolved, first_order_steps: steps, first_order_time: time, .. } =
         description;
+    let asleep = description.first_order_asleep;
     let crowded = (steps > 0).then(|| {
         let steps = counted(steps, "first-order step", "first-order steps");
         format!(
-            "contacts changed faster than steps could follow: the run took {steps}, {} % of its time",
-            rounded(100.0 * time / duration)
+            "contacts changed faster than steps could follow: the run took {steps}, {} % of its time{}",
+            rounded(100.0 * time / duration),
+            if asleep > 0.0 {
+                format!(", of which bodies slept {} %", rounded(100.0 * asleep / time))
+            } else {
+                String::new()
+            }
         )
     });
     let inexact = (unsolved > 0).then(|| {

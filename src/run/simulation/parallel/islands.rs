@@ -178,6 +178,7 @@ impl<'a> Islands<'a> {
             together.rebounds_energy += one.rebounds_energy;
             together.first_order_residual = together.first_order_residual.max(one.first_order_residual);
             together.first_order_lift = together.first_order_lift.max(one.first_order_lift);
+            together.first_order_asleep = together.first_order_asleep.max(one.first_order_asleep);
             together.first_order_time = together.first_order_time.max(one.first_order_time);
             together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
         }
