@@ -4,7 +4,7 @@ pub(crate) mod apart;
 pub mod assembly;
 pub(crate) mod assembly_elsewhere;
 pub(crate) mod box_programme;
-pub(crate) mod gimbal_lock;
+pub mod gimbal_lock;
 #[doc(hidden)]
 pub mod limits;
 pub mod unreachable;
