@@ -40,7 +40,7 @@ impl Eventful {
         };
         let resolved = self.model.resolved_step(time, step, until);
         // Where bodies move, stages resolve the loads; the samples of watched functions are fewer than the stages.
-        let times = if pace.is_none() { 1.0 } else { SAMPLED };
+        let times = if pace.is_none() || self.mode.contacts.is_empty() { 1.0 } else { SAMPLED };
         let resolved = resolved.min(self.model.whole.resolved_step(time, times * resolved, until) / times);
         if resolved < step.min(until - time) { time + resolved } else { until }
     }

@@ -253,7 +253,7 @@ impl Eventful {
         }
     }
 
-    /// Carries out the event at a state, and enters the mode that follows; `brief` says that its slips stop within the shortest step. Returns the energy lost, and the work of driven surfaces.
+    /// Carries out the event at a state, and enters the mode that follows; `brief` says that a slip falls to its stop within the shortest step. Returns the energy lost, and the work of driven surfaces.
     pub fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched], brief: bool) -> Exchange {
         // Events happen to two motions at two times.
         if self.workspaces.accompanied {

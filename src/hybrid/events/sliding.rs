@@ -15,7 +15,7 @@ use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::piece::Piece;
-use crate::events::modes::tolerances::slip_at_rest;
+use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
@@ -103,8 +103,10 @@ impl Eventful {
         present.mode.efforts_at(present.elements, inputs, since, state, &mut all);
         let Slipping { first, turns } = slipping(&present, response, state, &all, unique, rest);
         let stops = first.map_or(f64::INFINITY, |stop| stop.time());
-        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= BRIEF * rest);
-        let straight = slow.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
+        let straight = first.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
+        // One that turns may pass its stop.
+        let most = if straight { BRIEF } else { STOPPED_SLIP };
+        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= most * rest);
         let slow = slow.and_then(|stop| {
             let slip = match stop.what {
                 What::Slips if unique => Watched::Slips(stop.contact),

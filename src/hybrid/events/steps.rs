@@ -11,7 +11,7 @@ use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::displacement;
-use crate::events::modes::mode::JointMode;
+use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::piece::Piece;
 use crate::events::next_step::{Ending, NextStep};
 use crate::events::parts::crowding::Ended;
@@ -247,7 +247,7 @@ impl Eventful {
                 triggers = self.overlooked();
             }
             let mode = self.mode.clone();
-            outcome.exchange += self.pass(inputs, state, &triggers, at_start);
+            outcome.exchange += self.pass(inputs, state, &triggers, attempt.stopped.is_some());
             if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
                 self.progress.crowding.count_repeated(left);
             }
@@ -289,8 +289,9 @@ impl Eventful {
         if !self.model.touching.pairs.is_empty() {
             self.trial.placed.place(&self.model.whole, state, &mut self.trial.bodies);
             let speeds = self.trial.bodies.iter().map(|body| body.velocity.norm());
-            let touching =
-                self.mode.contacts.iter().map(|closed| speed_of_terms(&closed.contact.joint, &self.trial.bodies));
+            let rubs = |closed: &&Closed| self.model.touching.pairs[closed.contact.pair].friction > 0.0;
+            let touching = self.mode.contacts.iter().filter(rubs);
+            let touching = touching.map(|closed| speed_of_terms(&closed.contact.joint, &self.trial.bodies));
             self.memory.fastest = speeds.chain(touching).fold(self.memory.fastest, f64::max);
             self.memory.kinetic = self.memory.kinetic.max(energy(&self.model.whole, &self.trial.bodies).kinetic);
         }

@@ -46,7 +46,7 @@ pub enum StepError {
         short(*.time)
     )]
     OutsideLimit { time: f64, joint: String, by: f64 },
-    /// What is moved in time drives something against a limit or an obstacle, and nothing can give way.
+    /// A joint that is moved in time presses on a limit or an obstacle, and nothing can give way.
     #[error(
         "at t = {} s nothing can give way any more: {moved} presses on, and {between} cannot move apart; change the motion so that it ends before, or \
          drive the joint by a [[motor]] with max_effort instead",

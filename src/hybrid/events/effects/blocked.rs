@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 /// ε: far above the roundings of D, far below the part of a rate that is missed.
 const SOFT: f64 = 1e-12;
 /// An answer below this part of that without closures is rounding.
-const ROUNDING: f64 = 1e-13;
+const ROUNDING: f64 = 1e-15;
 /// Impulses that do more work than this times the kinetic energy have met no mass.
 const WILD: f64 = 1e6;
 /// A rate that is this part of the fastest approach and cannot be stopped is no rounding.

@@ -61,7 +61,7 @@ pub(crate) struct Found<'f> {
     pub height: f64,
     /// Whether contacts are looked for everywhere: at the start of a run.
     pub anew: bool,
-    /// Whether the functions change their signs within the shortest step from the state on, so that friction stops slips before any step ends.
+    /// Whether a slip falls straight to its stop within the shortest step from the state on.
     pub brief: bool,
 }
 

@@ -22,26 +22,29 @@ use crate::mechanism::description::contact::Feature;
 use crate::mechanism::motion::kinematics::BodyAcceleration;
 use nalgebra::Vector3;
 
+/// A rim at rest lies flat up to this sine of its tilt.
+const FLAT: f64 = 1e-3;
 /// A tilt is in a plane if what leaves the plane is less than this part of its rate.
 const PLANAR: f64 = 1e-9;
 
 /// A rim on a plane, and how it tilts.
 struct Tilt {
-    /// The direction of m.
+    /// The direction of m, and its length: the sine of the tilt.
     towards: Vector3<f64>,
+    sine: f64,
     axis: Vector3<f64>,
     normal: Vector3<f64>,
     radius: f64,
 }
 
 impl Tilt {
-    /// Of a contact; `None` if it is none of a rim on a plane, or if the rim lies flat.
+    /// For a contact; `None` if it has no rim on a plane, or if the rim lies flat.
     fn of(contact: &Contact, bodies: &[BodyState]) -> Option<Tilt> {
         let [Feature::Plane, Feature::Rim { radius }] = contact.joint.touch.features else { return None };
         let along = |end: &Attachment| end.place(bodies).1.column(2).into_owned();
         let (normal, axis) = (along(&contact.joint.a), along(&contact.joint.b));
-        let towards = (normal - axis * normal.dot(&axis)).try_normalize(0.0)?;
-        Some(Tilt { towards, axis, normal, radius })
+        let level = normal - axis * normal.dot(&axis);
+        Some(Tilt { towards: level.try_normalize(0.0)?, sine: level.norm(), axis, normal, radius })
     }
 
     /// ṁ of a turning relative to the plane, times the radius: its length, and the part that leaves the plane of k and m.
@@ -66,7 +69,8 @@ pub(crate) fn touching_point(
 ) -> Option<Contact> {
     let tilt = Tilt::of(contact, bodies)?;
     let [rate, leaves] = tilt.rates(&turning(contact, bodies));
-    let planar = rate > rest && (leaves <= PLANAR * rate || leaves <= rest);
+    let planar = leaves <= PLANAR * rate || leaves <= rest;
+    let planar = planar && (rate > rest || tilt.sine <= FLAT);
     if planar { touching.on_rim(contact, &-tilt.towards, bodies) } else { None }
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct Progress {
     pub beyond_horizon: bool,
     /// Whether the laws could not be solved at all where the last step ended: the next one is of first order.
     pub undecided: bool,
-    /// What was found at the last event that joints moved in time cannot avoid; a contact is named by its pair.
+    /// The limit or contact on which joints that are moved in time press without end; a contact is named by its pair.
     pub blocked: Option<Of>,
     /// Whether all bodies rest on contacts, and stay there until the next event.
     pub asleep: bool,
