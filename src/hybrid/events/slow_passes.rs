@@ -8,7 +8,7 @@
 //!     error ≈ |d| ρ^(2 − 2s) sin θ  [m/s]     of s stages, whose order is 2s − 2, for a turning by θ; sin θ = 1 from a right angle on
 //! ```
 //!
-//! The step is made again, shorter, while the error is more than a tenth of the tolerance a second. A slip that only turns, as fast as before, has no
+//! The step is made again, shorter, while the error is more than a hundredth of the tolerance a second. A slip that only turns, as fast as before, has no
 //! stop nearby, and is left to the other measures.
 //!
 //! Source: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters 8 and 19, for the convergence of polynomials and
@@ -23,7 +23,7 @@ use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
 
 /// The part of the tolerance that a slip may be off by after a second [1/s].
-const PART: f64 = 0.1;
+const PART: f64 = 0.01;
 /// No step is made shorter than this for it (s).
 const SHORTEST: f64 = 1e-6;
 /// A slip that is never slower than this part of its largest speed only turns.

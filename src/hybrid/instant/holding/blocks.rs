@@ -194,15 +194,14 @@ pub(crate) fn rows_of_contact(
     rows
 }
 
-/// Sets entries of the three rows of a contact to zero that are roundings: a freedom moves the point along a vector, of which each row has one
-/// component. Without it a wheel on slides has rows across its plane that are nothing but roundings, and forces along them without bounds.
+/// Empties a row of the three of a contact whose entries are all roundings: a freedom moves the point along a vector, of which each row has one
+/// component. A wheel on slides has such a row across its plane, and forces along it would have no bounds.
 fn leave_roundings_out(rows: &mut [Row]) {
-    for freedom in 0..rows[0].len() {
-        let moves = rows.iter().map(|row| row[freedom].powi(2)).sum::<f64>().sqrt();
-        for row in rows.iter_mut().filter(|row| row[freedom].abs() <= NOTHING * moves) {
-            row.entries[freedom] = 0.0;
-        }
-    }
+    let count = rows[0].len();
+    let moves = |freedom: usize| rows.iter().map(|row| row[freedom].powi(2)).sum::<f64>().sqrt();
+    let is_rounding = |row: &Row| (0..count).all(|freedom| row[freedom].abs() <= NOTHING * moves(freedom));
+    let empty: Vec<bool> = rows.iter().map(is_rounding).collect();
+    rows.iter_mut().zip(empty).filter(|(_, empty)| *empty).for_each(|(row, _)| row.entries.fill(0.0));
 }
 
 /// The fall `Σ |w a|` along a row w under accelerations a of the joints: bodies that fall freely beside each other press with the difference of these
