@@ -45,7 +45,7 @@ pub struct Tree {
     factor: Vec<f64>,
     /// The inverses of the diagonal entries of L.
     reciprocals: Vec<f64>,
-    /// M̃⁻¹ of a free body, which is asked for more often than those of others.
+    /// M̃⁻¹ of a free body, which is asked for most often.
     inverse: Option<[[f64; 6]; 6]>,
 }
 

@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 const MOST_AXES: usize = 64;
 /// Two edges with a smaller sine between them have no axis of their own: that of a face is the same.
 const PARALLEL: f64 = 1e-4;
-/// An axis of two edges is better than that of a face by more than this part of the size.
+/// An axis of two edges is better than the axis of a face by more than this part of the size.
 const BETTER: f64 = 1e-9;
 /// Normals of places are within 60° of the best axis.
 const TURNED: f64 = 0.5;

@@ -25,7 +25,7 @@ use crate::stepping::integrator::StepPace;
 
 /// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;
-/// Watched functions are sampled in steps that are shorter by this factor than those in which stages resolve motions and loads over time: a force that
+/// Stages resolve motions and loads over time in steps of some length. Steps with watched functions are shorter by this factor, because a force that
 /// follows a sine is negative for a part of its period.
 const SAMPLED: f64 = 2.0;
 

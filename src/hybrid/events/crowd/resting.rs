@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 /// Steps in a row in which all is slower than this part of the speed of a fall in one.
 const STILL: usize = 3;
 const RESTS: f64 = 1e-6;
-/// Loads that differ by less than this part of gravity are those of the last step.
+/// Loads that differ by less than this part of gravity have not changed.
 const STEADY: f64 = 1e-6;
 /// Contacts with gaps up to this join trees (m).
 const JOINS: f64 = 1e-6;
@@ -120,7 +120,7 @@ impl Resting {
         candidate.ends.into_iter().all(|body| self.asleep.holds(body))
     }
 
-    /// The sleeping trees on which these accelerations act that are not those of their rest.
+    /// The sleeping trees whose accelerations have changed since they fell asleep.
     pub fn loaded(&self, accelerations: &[f64]) -> Vec<usize> {
         if self.count == 0 {
             return Vec::new();

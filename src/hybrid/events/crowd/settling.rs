@@ -17,7 +17,7 @@ use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
-/// The impulses of an impact are guessed to be those of (A) times this factor at most.
+/// The impulses of an impact are guessed from (A), times this factor at most.
 const FULL: f64 = 4.0;
 
 /// The displacement and the free rates of a step.

@@ -35,7 +35,7 @@ const OVERLAP: f64 = 1e-12;
 const CLOSED: f64 = 1e-15;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
-/// Slips that friction stops within the shortest step may be faster than rest by this factor: those of light wheels and casters.
+/// A slip that friction stops within the shortest step may be faster than rest by this factor, as at a light wheel or a caster.
 pub(crate) const BRIEF: f64 = 1e6;
 /// A pair with more points than this at its flat ends is looked at without those that its load has needed before.
 const MOST_POINTS: usize = 12;
