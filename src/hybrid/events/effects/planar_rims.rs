@@ -9,7 +9,8 @@
 //!
 //! While ṁ is along m the lowest point is the same point of the material. It stands for the rim then, because its gap is smooth where the rim comes
 //! down flat, m = 0, and the gap of the rim is not. The opposite point is open, and meets the plane there with an impact. If the tilt leaves the
-//! plane of k and m, the rim itself touches again ([`crate::geometry::PairGeometry::margin`]).
+//! plane of k and m, the rim itself touches again ([`crate::geometry::PairGeometry::margin`]). A rim at rest that does not lie flat has no ṁ: its
+//! accelerations decide, once they are known. A wheel that stands begins to roll, and a point of its material would hold it in its place.
 //!
 //! Source: G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bulletin of the Seismological Society of America 53
 //! (1963).
