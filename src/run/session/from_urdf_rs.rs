@@ -32,6 +32,7 @@ impl Model {
     /// A robot of `urdf-rs`, with a fixed base. [`Model::loader`] has options.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..").unwrap();
     /// use catena::prelude::*;
     ///
     /// let robot = urdf_rs::read_file("robots/arm7.urdf").expect("a robot");

@@ -99,6 +99,7 @@ impl Model {
     /// The linear equations of motion about the equilibrium near q, or near the start of the file, with its motors, springs and closed loops.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..").unwrap();
     /// use catena::prelude::*;
     ///
     /// let model = Model::load("robots/double_pendulum.urdf")?;

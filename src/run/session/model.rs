@@ -19,6 +19,7 @@ use std::sync::{Arc, OnceLock};
 /// A robot or scene, ready to be simulated. It is cheap to clone and never changes.
 ///
 /// ```
+/// # std::env::set_current_dir("../..").unwrap();
 /// use catena::prelude::*;
 ///
 /// let model = Model::load("robots/arm7.urdf")?;

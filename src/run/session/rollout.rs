@@ -28,6 +28,7 @@ impl Model {
     /// Runs the model from each of the starts: q0 (runs × length of q) and v0 (runs × length of v), one run after another.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..").unwrap();
     /// use catena::prelude::*;
     /// use catena::session::Rollout;
     ///

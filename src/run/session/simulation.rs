@@ -24,6 +24,7 @@ pub use sensitivity::{Backward, EventLost, EventSlope, Gradient, Lost, SampledEv
 /// A run of a model. Its settings come first; the first step begins the run.
 ///
 /// ```
+/// # std::env::set_current_dir("../..").unwrap();
 /// use catena::prelude::*;
 ///
 /// let model = Model::load("robots/double_pendulum.urdf")?;

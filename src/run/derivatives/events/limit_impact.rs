@@ -112,7 +112,7 @@ mod tests {
         for (file, base) in
             [("arm7.urdf", Base::Fixed), ("humanoid.urdf", Base::Floating), ("spherical_chain.urdf", Base::Fixed)]
         {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(file);
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
             let robot = read_urdf(&path, &PackagePath::default()).expect("a robot");
             let options = ModelOptions { base, ..ModelOptions::default() };
             let mechanism = Model::new(robot, &options).expect("a model").mechanism;

@@ -84,6 +84,7 @@ impl Simulation {
     /// limits and restitution among them. The derivative is exact for the steps of the run, through its events: an event moves in time.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..").unwrap();
     /// use catena::prelude::*;
     ///
     /// let model = Model::load("robots/double_pendulum.urdf")?;

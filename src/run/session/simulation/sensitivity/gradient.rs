@@ -123,6 +123,7 @@ impl Simulation {
     /// Makes the run to its end, and computes the gradient of a loss of its samples by parameters, at a cost that hardly depends on their number.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..").unwrap();
     /// use catena::prelude::*;
     /// use catena::session::{Backward, Lost, Samples};
     ///
