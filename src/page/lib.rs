@@ -6,6 +6,8 @@
 //! | [`film`] | a log as GIF, MP4 or PNG |
 
 #![deny(unsafe_code)]
+// Figures are for films alone.
+#![cfg_attr(not(feature = "film"), allow(unused_imports))]
 
 #[cfg(feature = "film")]
 pub mod film;

@@ -1,6 +1,8 @@
 //! Many runs: charts of speed against accuracy, maps of stability, sweeps over the numbers of a scene.
 
 #![deny(unsafe_code)]
+// The crates are named for all studies, and features leave some out.
+#![cfg_attr(not(all(feature = "plot", feature = "scene")), allow(unused_imports))]
 
 #[cfg(feature = "plot")]
 pub mod chart;

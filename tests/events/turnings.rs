@@ -253,7 +253,7 @@ fn a_flat_end_that_slides_stands_on_its_points_where_rolling_friction_holds_it_t
         assert!(end.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached), "{:?}", end.accuracy);
         assert_eq!(end.method.first_order_steps, 0);
     }
-    let [held, free] = ends.map(|end| link(&end, "disc").clone());
+    let [held, free] = ends.map(|end| *link(&end, "disc"));
     held.position
         .into_iter()
         .zip(free.position)

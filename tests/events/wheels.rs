@@ -3,7 +3,7 @@
 use crate::common::scratch;
 use crate::scene_files::{apart, joint, report};
 use catena::report::{LinkReport, Report};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Closed forms are met to this (m, rad): tolerances of 1e-11 m and their factors of some ten.
 const BOUND: f64 = 1e-10;
@@ -62,7 +62,7 @@ fn rolling() -> f64 {
     CARRIAGE + WHEEL + INERTIA / (RADIUS * RADIUS)
 }
 
-fn run(file: &PathBuf, duration: f64) -> Report {
+fn run(file: &Path, duration: f64) -> Report {
     let end = report(file, &[], &[], Some(duration), 1e-11);
     assert!(end.energy.max_relative_error < 1e-11, "{:?}", end.energy);
     assert_eq!((end.method.first_order_steps, end.energy.impacts), (0, 0.0));

@@ -20,6 +20,9 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
+/// Writes the accelerations in a state.
+pub(super) type AtRest<'a> = &'a mut dyn FnMut(&State, &mut [f64]);
+
 /// Steps in a row in which all is slower than this part of the speed of a fall in one.
 const STILL: usize = 3;
 const RESTS: f64 = 1e-6;
@@ -161,7 +164,7 @@ impl Resting {
         speeds: &[(f64, f64)],
         contacts: &mut Contacts,
         (state, step): (&mut State, f64),
-        (accelerations, accelerations_at_rest): (&[f64], &mut dyn FnMut(&State, &mut [f64])),
+        (accelerations, accelerations_at_rest): (&[f64], AtRest),
     ) -> bool {
         let gravity = mechanism.gravity.norm();
         let slow = RESTS * gravity * step;
