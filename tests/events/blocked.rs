@@ -1,6 +1,6 @@
 //! Joints that are moved in time and press on what cannot give way: the run stops and names them.
 
-use crate::common::scratch;
+use crate::scene_files::scene_of;
 use catena::prelude::{Model, Simulation};
 
 const BLOCK: &str = "<link name='block'><inertial><mass value='1.3'/><inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial>\
@@ -8,11 +8,7 @@ const BLOCK: &str = "<link name='block'><inertial><mass value='1.3'/><inertia ix
 
 /// The message with which a scene stops, and when (s).
 fn stopped(folder: &str, urdf: &str, text: &str) -> (String, f64) {
-    let folder = scratch(folder);
-    std::fs::write(folder.join("robot.urdf"), format!("<robot name='r'><link name='base'/>{urdf}</robot>"))
-        .expect("a robot");
-    let file = folder.join("scene.toml");
-    std::fs::write(&file, text).expect("a scene");
+    let file = scene_of(folder, &format!("<link name='base'/>{urdf}"), text);
     let model = Model::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let mut simulation = Simulation::new(&model).tolerance(1e-6).duration(3.0);
     let error = simulation.run().expect_err("nothing can give way").to_string();

@@ -1,18 +1,7 @@
 //! Contacts between bodies that are moved in time and what they carry: when they press no more.
 
-use crate::common::scratch;
-use crate::scene_files::{apart, joint, report};
+use crate::scene_files::{apart, joint, report, scene_of};
 use catena::report::Report;
-use std::path::PathBuf;
-
-fn scene(folder: &str, urdf: &str, text: &str) -> PathBuf {
-    let folder = scratch(folder);
-    std::fs::write(folder.join("robot.urdf"), format!("<robot name='r'><link name='base'/>{urdf}</robot>"))
-        .expect("a robot");
-    let file = folder.join("scene.toml");
-    std::fs::write(&file, text).expect("a scene");
-    file
-}
 
 fn releases(report: &Report) -> usize {
     report.events.list.iter().filter(|event| event.kind == "release").count()
@@ -21,7 +10,7 @@ fn releases(report: &Report) -> usize {
 #[test]
 fn a_follower_leaves_its_cam_whatever_the_friction() {
     // The follower is guided along z, so that friction is across its motion and changes none of it.
-    let urdf = "<link name='disc'><inertial><origin xyz='0.02 0 0'/><mass value='1'/>\
+    let urdf = "<link name='base'/><link name='disc'><inertial><origin xyz='0.02 0 0'/><mass value='1'/>\
         <inertia ixx='0.001' iyy='0.001' izz='0.001' ixy='0' ixz='0' iyz='0'/></inertial>\
         <collision><origin xyz='0.02 0 0' rpy='1.5707963267948966 0 0'/><geometry><cylinder radius='0.06' length='0.03'/></geometry></collision></link>\
         <link name='follower'><inertial><mass value='0.6'/><inertia ixx='0.001' iyy='0.001' izz='0.001' ixy='0' ixz='0' iyz='0'/></inertial>\
@@ -37,7 +26,7 @@ fn a_follower_leaves_its_cam_whatever_the_friction() {
         )
     };
     let run = |friction: f64, tolerance: f64| {
-        let file = scene(&format!("cam_{friction}_{tolerance:e}"), urdf, &text(friction));
+        let file = scene_of(&format!("cam_{friction}_{tolerance:e}"), urdf, &text(friction));
         report(&file, &[], &[], Some(0.6), tolerance)
     };
     let smooth = run(0.0, 1e-9);
@@ -57,7 +46,7 @@ fn a_follower_leaves_its_cam_whatever_the_friction() {
 #[test]
 fn a_box_leaves_a_vibrating_table_at_any_tolerance() {
     // The amplitude grows, and its acceleration is beyond that of gravity for a fifth of a period.
-    let urdf = "<link name='table'><inertial><mass value='5'/><inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial>\
+    let urdf = "<link name='base'/><link name='table'><inertial><mass value='5'/><inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial>\
         <collision><geometry><box size='1 1 0.05'/></geometry></collision></link>\
         <joint name='z' type='prismatic'><parent link='base'/><child link='table'/><origin xyz='0 0 0.5'/><axis xyz='0 0 1'/>\
         <limit lower='-1' upper='1' effort='9' velocity='9'/></joint>";
@@ -67,7 +56,7 @@ fn a_box_leaves_a_vibrating_table_at_any_tolerance() {
              pose.position = [0.2, 0, 0.575]\n[[motion]]\njoint = \"z\"\n\
              position = {{ formula = \"a*sin(2*pi*f*t)*t/(1+t)\", a = {amplitude}, f = {frequency} }}\n"
         );
-        let file = scene(&format!("table_{frequency}"), urdf, &text);
+        let file = scene_of(&format!("table_{frequency}"), urdf, &text);
         let [coarse, fine] = [1e-3, 1e-8].map(|tolerance| report(&file, &[], &[], Some(2.6), tolerance));
         let off = apart(&coarse, &fine);
         assert!(off < 1e-3, "{off} m at {frequency} Hz");

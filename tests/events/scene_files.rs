@@ -1,11 +1,21 @@
 //! Runs of scene files and robots, by their reports.
 
+use crate::common::scratch;
 use catena::prelude::*;
 use catena::report::{Numbers, Report};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Positions and velocities of joints at the start, by name.
 pub type Given<'g> = [(&'g str, f64)];
+
+/// A scene file with this text beside `robot.urdf`, a robot of these links and joints, in a folder of its own.
+pub fn scene_of(folder: &str, robot: &str, text: &str) -> PathBuf {
+    let folder = scratch(folder);
+    std::fs::write(folder.join("robot.urdf"), format!("<robot name='r'>{robot}</robot>")).expect("a robot");
+    let file = folder.join("scene.toml");
+    std::fs::write(&file, text).expect("a scene");
+    file
+}
 
 /// The report of a run with a tolerance (m), from a start, for a duration (s); without one that of the file.
 pub fn report(file: &Path, positions: &Given, velocities: &Given, duration: Option<f64>, tolerance: f64) -> Report {

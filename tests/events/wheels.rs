@@ -1,9 +1,8 @@
 //! Wheels on axles that are guided, carried or driven: cylinders that stand on a plane by both rims, against closed forms.
 
-use crate::common::scratch;
-use crate::scene_files::{apart, joint, report};
+use crate::scene_files::{apart, joint, report, scene_of};
 use catena::report::{LinkReport, Report};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Closed forms are met to this (m, rad): tolerances of 1e-11 m and their factors of some ten.
 const BOUND: f64 = 1e-10;
@@ -32,14 +31,6 @@ fn cylinder() -> String {
 
 /// Its axle is y but for a rounding.
 const AXLE: &str = "rpy='-1.5707963267948966 0 0'";
-
-fn scene(folder: &str, urdf: &str, text: &str) -> PathBuf {
-    let folder = scratch(folder);
-    std::fs::write(folder.join("robot.urdf"), format!("<robot name='r'>{urdf}</robot>")).expect("a robot");
-    let file = folder.join("scene.toml");
-    std::fs::write(&file, text).expect("a scene");
-    file
-}
 
 /// A carriage on a slide along x and one along z, with a link without mass between them.
 fn on_slides() -> String {
@@ -74,7 +65,7 @@ fn a_wheel_at_rest_under_a_carriage_on_slides_begins_to_roll() {
     // Gravity is slanted by as much as a slope would be.
     let along = -0.9;
     let text = format!("[scene]\ngravity = [{along}, 0, -9.7]\n[[robot]]\nurdf = \"robot.urdf\"\n{FLOOR}");
-    let end = run(&scene("wheel_on_slides", &on_slides(), &text), 1.6);
+    let end = run(&scene_of("wheel_on_slides", &on_slides(), &text), 1.6);
     let wanted = 0.5 * (CARRIAGE + WHEEL) * along / rolling() * 1.6 * 1.6;
     let (x, _) = joint(&end, "x");
     assert!((x - wanted).abs() < BOUND, "{x} instead of {wanted}");
@@ -89,7 +80,7 @@ fn a_wheel_at_rest_begins_to_roll_under_a_force_that_grows_from_zero() {
         "[[robot]]\nurdf = \"robot.urdf\"\n{FLOOR}\
          [[motor]]\njoint = \"x\"\nkind = \"effort\"\ntarget = {{ formula = \"a*sin(w*t)\", a = {most}, w = {frequency} }}\n"
     );
-    let end = run(&scene("wheel_under_sine", &on_slides(), &text), duration);
+    let end = run(&scene_of("wheel_under_sine", &on_slides(), &text), duration);
     let wanted = most / (rolling() * frequency) * (duration - (frequency * duration).sin() / frequency);
     let (x, _) = joint(&end, "x");
     assert!((x - wanted).abs() < BOUND, "{x} instead of {wanted}");
@@ -106,7 +97,7 @@ fn a_wheel_under_a_carriage_on_a_planar_joint_turns_in_its_hinge_alone() {
     );
     let along = -1.1;
     let text = format!("[scene]\ngravity = [{along}, 0, -9.7]\n[[robot]]\nurdf = \"robot.urdf\"\n{FLOOR}");
-    let end = run(&scene("wheel_on_plane", &urdf, &text), 1.5);
+    let end = run(&scene_of("wheel_on_plane", &urdf, &text), 1.5);
     let own: &LinkReport = &end.links.iter().find(|(name, _)| name == "carriage").expect("a link").1;
     let wanted = 0.5 * (CARRIAGE + WHEEL) * along / rolling() * 1.5 * 1.5;
     assert!((own.position[0] - wanted).abs() < BOUND, "{} instead of {wanted}", own.position[0]);
@@ -119,8 +110,7 @@ fn a_wheel_on_a_trailing_arm_takes_the_speed_of_its_belt_in_one_stop() {
     let (speed, arm, hinge) = (0.45, 0.5, 0.3_f64);
     let angle = ((hinge - RADIUS) / arm).asin();
     let urdf = format!(
-        "<link name='base'/>\
-         <link name='arm'><inertial><origin xyz='0.25 0 0'/><mass value='1'/><inertia ixx='0.01' iyy='0.02' izz='0.02' ixy='0' ixz='0' iyz='0'/>\
+        "<link name='base'/><link name='arm'><inertial><origin xyz='0.25 0 0'/><mass value='1'/><inertia ixx='0.01' iyy='0.02' izz='0.02' ixy='0' ixz='0' iyz='0'/>\
          </inertial></link>{}\
          <joint name='a' type='continuous'><parent link='base'/><child link='arm'/><origin xyz='0 0 {hinge}'/><axis xyz='0 1 0'/></joint>\
          <joint name='spin' type='continuous'><parent link='arm'/><child link='wheel'/><origin xyz='{arm} 0 0' {AXLE}/><axis xyz='0 0 1'/></joint>",
@@ -129,7 +119,7 @@ fn a_wheel_on_a_trailing_arm_takes_the_speed_of_its_belt_in_one_stop() {
     let text = format!(
         "[[robot]]\nurdf = \"robot.urdf\"\npositions = {{ a = {angle} }}\n{FLOOR}surface_velocity = [{speed}, 0, 0]\n"
     );
-    let file = scene("wheel_on_belt", &urdf, &text);
+    let file = scene_of("wheel_on_belt", &urdf, &text);
     for tolerance in [1e-3, 1e-6, 1e-9] {
         let end = report(&file, &[], &[], Some(1.0), tolerance);
         let (_, rate) = joint(&end, "spin");
@@ -173,7 +163,7 @@ fn a_robot_with_a_caster_lands_and_drives_without_steps_of_first_order() {
         motor("left", 4.0),
         motor("right", 6.0)
     );
-    let file = scene("caster", &urdf, &text);
+    let file = scene_of("caster", &urdf, &text);
     let [coarse, fine] = [1e-3, 1e-7].map(|tolerance| report(&file, &[], &[], Some(1.5), tolerance));
     assert!(coarse.method.first_order_steps < 10, "{}", coarse.method.first_order_steps);
     let off = apart(&coarse, &fine);

@@ -7,14 +7,14 @@
 
 use crate::events::finding::detection::ONE_INSTANT;
 use crate::events::integrator::Eventful;
-use crate::events::modes::mode::{Closed, JointMode, MotorMode};
+use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::events::modes::piece::Piece;
 use crate::events::next_step::NextStep;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::progress::Progress;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;
-use crate::mechanism::description::contact::Cores;
+use crate::instant::holding::rope::is_rope;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
@@ -29,11 +29,6 @@ const LOOK: f64 = 1e-3;
 /// follows a sine is negative for a part of its period.
 const SAMPLED: f64 = 2.0;
 
-/// Whether a closed contact is one of shapes.
-fn is_no_rope(closed: &Closed) -> bool {
-    closed.contact.joint.touch.pairing().is_none_or(|pairing| pairing.cores != Cores::Hollow)
-}
-
 impl Eventful {
     /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen, and the loads where nothing moves; no
     /// later than `until`.
@@ -46,7 +41,11 @@ impl Eventful {
         };
         let resolved = self.model.resolved_step(time, step, until);
         // Where bodies move, stages resolve the loads; the samples of watched functions are fewer than the stages.
-        let times = if pace.is_none() || !self.mode.contacts.iter().any(is_no_rope) { 1.0 } else { SAMPLED };
+        let times = if pace.is_none() || self.mode.contacts.iter().all(|closed| is_rope(&closed.contact.joint)) {
+            1.0
+        } else {
+            SAMPLED
+        };
         let resolved = resolved.min(self.model.whole.resolved_step(time, times * resolved, until) / times);
         if resolved < step.min(until - time) { time + resolved } else { until }
     }

@@ -7,8 +7,9 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::drives::Drives;
 use crate::events::modes::mode::{Closed, JointMode, MotorMode};
 use crate::instant::holding::held::Held;
+use crate::instant::holding::rope::is_rope;
 use crate::mechanism::description::closure::{LoopJoint, LoopKind};
-use crate::mechanism::description::contact::{Cores, TouchJoint};
+use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::mechanism::ground::words::counted;
@@ -151,7 +152,7 @@ impl Moving {
 
 /// The closure of a rope between two points that is taut: their distance.
 fn taut(joint: &TouchJoint) -> Option<LoopJoint> {
-    let pairing = joint.touch.pairing().filter(|pairing| pairing.cores == Cores::Hollow && !joint.is_reeved())?;
+    let pairing = joint.touch.pairing().filter(|_| is_rope(joint) && !joint.is_reeved())?;
     let kind = LoopKind::Distance(pairing.reach);
     Some(LoopJoint { name: "rope".into(), kind, a: joint.a, b: joint.b })
 }

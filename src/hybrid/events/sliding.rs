@@ -8,14 +8,13 @@
 //!
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
-use crate::events::effects::contacts::BRIEF;
 use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::piece::Piece;
-use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
+use crate::events::modes::tolerances::{BRIEF_SLIP, STOPPED_SLIP, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
@@ -105,7 +104,7 @@ impl Eventful {
         let stops = first.map_or(f64::INFINITY, |stop| stop.time());
         let straight = first.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
         // One that turns may pass its stop.
-        let most = if straight { BRIEF } else { STOPPED_SLIP };
+        let most = if straight { BRIEF_SLIP } else { STOPPED_SLIP };
         let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= most * rest);
         let slow = slow.and_then(|stop| {
             let slip = match stop.what {

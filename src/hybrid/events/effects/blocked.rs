@@ -12,10 +12,10 @@
 //! looked at.
 
 use crate::events::effects::decision::Scene;
+use crate::events::effects::immobile::{ROUNDING, answers_of_tree};
 use crate::events::effects::impact::Meeting;
 use crate::events::effects::resting::energy;
 use crate::instant::cone::bounded::minimise;
-use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Of, Row, Rows};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -25,8 +25,6 @@ use nalgebra::{DMatrix, DVector};
 const SOFT: f64 = 1e-9;
 /// Pushes hold each other if what they move is less than this part of what they would move alone.
 const HOLDS: f64 = 1e-6;
-/// An answer below this part of that without closures is rounding.
-const ROUNDING: f64 = 1e-13;
 /// Impulses that do more work than this times the kinetic energy may have met no mass.
 const WILD: f64 = 1e6;
 /// A rate that is this part of the fastest approach and cannot be stopped is no rounding.
@@ -54,7 +52,7 @@ pub(crate) fn blocked(
         return None;
     }
     let normals: Vec<Row> = meetings.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
-    let own = answers_of_tree(scene.whole, after, &normals);
+    let own = answers_without_moved(scene.whole, after, &normals);
     let mut square = Rows::new(scene.response, after, normals).square;
     let answers = |number: usize| square[(number, number)] > ROUNDING * own[number] && own[number] > 0.0;
     let still: Vec<usize> = (0..rates.len()).filter(|&number| !answers(number)).collect();
@@ -83,12 +81,9 @@ pub(crate) fn blocked(
     fastest.filter(|_| hold).map(|number| meetings[number].block.of)
 }
 
-/// An upper bound of the order of `N H⁻¹ Nᵀ` of the tree without closures and without the joints that are moved.
-fn answers_of_tree(whole: &Mechanism, state: &State, rows: &[Row]) -> Vec<f64> {
-    let mut open = whole.clone();
-    open.loops.clear();
-    open.mimics.clear();
-    let mut of_freedoms = Response::new(&open).diagonal(state, 0..whole.velocity_count);
+/// An upper bound of the order of `N H⁻¹ Nᵀ` without closures and without the joints that are moved.
+fn answers_without_moved(whole: &Mechanism, state: &State, rows: &[Row]) -> Vec<f64> {
+    let mut of_freedoms = answers_of_tree(whole, state, 0..whole.velocity_count);
     for mimic in whole.mimics.iter().filter(|mimic| mimic.is_moved()) {
         of_freedoms[mimic.follower.freedom] = 0.0;
     }

@@ -15,7 +15,7 @@ use crate::events::effects::planar_rims::{land_opposite, point_that_begins, touc
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
-use crate::events::modes::tolerances::{SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
+use crate::events::modes::tolerances::{BRIEF_SLIP, SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
@@ -23,7 +23,7 @@ use crate::instant::holding::moments::Turning;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::{Feature, Moments};
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::Vector3;
@@ -35,8 +35,6 @@ const OVERLAP: f64 = 1e-12;
 const CLOSED: f64 = 1e-15;
 /// Slips of contacts that jam may be faster than rest by this factor at most.
 const JAMMED: f64 = 1e6;
-/// A slip that friction stops within the shortest step may be faster than rest by this factor, as at a light wheel or a caster.
-pub(crate) const BRIEF: f64 = 1e6;
 /// A pair with more points than this at its flat ends is looked at without those that its load has needed before.
 const MOST_POINTS: usize = 12;
 
@@ -71,7 +69,7 @@ impl Contacts {
             candidates: Vec::new(),
             rest: SLOWEST_SLIP,
             jam: 1.0,
-            stopped: if found.brief { BRIEF } else { STOPPED_SLIP },
+            stopped: if found.brief { BRIEF_SLIP } else { STOPPED_SLIP },
         };
         let slid = before.contacts.iter().enumerate().filter(|(_, closed)| closed.slides.is_some());
         contacts.slid = slid.map(|(index, _)| index).collect();
@@ -189,8 +187,7 @@ impl Contacts {
             return;
         }
         let bodies = body_states(scene.whole, state);
-        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
-        body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
+        let accelerations = decided.of_bodies(scene.whole, state, &bodies);
         for Closed { contact, .. } in closed {
             if let Some(point) = point_that_begins(scene.touching, contact, &bodies, &accelerations, self.rest) {
                 *contact = point;

@@ -33,7 +33,7 @@ use crate::mechanism::description::contact::{Moment, Moments, TouchJoint};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use crate::mechanism::motion::event::Side;
-use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::Vector3;
@@ -135,6 +135,15 @@ pub(crate) struct Decided {
     /// λ_N of every candidate (N), and the normal forces that would hold all of them; zero if no candidate is at the rim of a flat end.
     pub pressures: Vec<f64>,
     pub holding: Vec<f64>,
+}
+
+impl Decided {
+    /// The accelerations of all bodies, in a state with these places and rates of theirs.
+    pub fn of_bodies(&self, whole: &Mechanism, state: &State, bodies: &[BodyState]) -> Vec<BodyAcceleration> {
+        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
+        body_accelerations(whole, bodies, &state.velocity, &self.accelerations, &mut accelerations);
+        accelerations
+    }
 }
 
 /// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors.

@@ -13,7 +13,7 @@ use crate::events::effects::decision::{Candidate, Scene};
 use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::cone::apart::parts_joined;
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, row_of_torque, rows_of_contact};
+use crate::instant::holding::blocks::{Row, Rows, least_answer, row_of_freedom, row_of_torque, rows_of_contact};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
@@ -26,11 +26,8 @@ use std::iter::successors;
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
-/// A row that answers with less than this part of the largest answer has roundings for entries, 1e-16 of others: across the plane of a wheel on slides,
-/// say. Answers of light bodies and of other units are far above it.
-const NOTHING: f64 = 1e-24;
 /// An answer below this part of that without closures is rounding.
-const ROUNDING: f64 = 1e-13;
+pub(crate) const ROUNDING: f64 = 1e-13;
 
 /// The pairs of candidates without a closed contact in a mode, whose gaps its held joints and closed contacts keep as they are.
 pub fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[Candidate]) -> Vec<usize> {
@@ -134,12 +131,17 @@ fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<us
     if answers.is_empty() || !whole.has_closures() {
         return Vec::new();
     }
+    let of_tree = answers_of_tree(whole, state, answers.iter().map(|(freedom, _)| *freedom));
+    let dead = answers.iter().zip(of_tree).filter(|((_, answer), free)| *answer <= ROUNDING * free);
+    dead.map(|((freedom, _), _)| *freedom).collect()
+}
+
+/// `H⁻¹_ii` of freedoms: their answers without closures.
+pub(crate) fn answers_of_tree(whole: &Mechanism, state: &State, freedoms: impl Iterator<Item = usize>) -> Vec<f64> {
     let mut open = whole.clone();
     open.loops.clear();
     open.mimics.clear();
-    let of_tree = Response::new(&open).diagonal(state, answers.iter().map(|(freedom, _)| *freedom));
-    let dead = answers.iter().zip(of_tree).filter(|((_, answer), free)| *answer <= ROUNDING * free);
-    dead.map(|((freedom, _), _)| *freedom).collect()
+    Response::new(&open).diagonal(state, freedoms)
 }
 
 /// Whether an answer Y_ii vanishes beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.
@@ -156,7 +158,7 @@ fn cannot_move(answer: f64, row: DMatrixView<f64>, inverse: &DMatrix<f64>) -> bo
 /// bodies that stand beside each other. A row along which nothing moves but for roundings holds nothing.
 fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
     let count = square.nrows();
-    let least = NOTHING * square.diagonal().iter().fold(0.0, |most: f64, own| most.max(*own));
+    let least = least_answer(square);
     let scale = |own: f64| if own > least { 1.0 / own.sqrt() } else { 0.0 };
     let inverse: Vec<f64> = (0..count).map(|row| scale(square[(row, row)])).collect();
     let parts = parts_joined(count, |row, column| square[(row, column)] != 0.0);

@@ -13,7 +13,7 @@ use crate::events::effects::turnings::turning_faster;
 use crate::events::modes::tolerances::SLIPS_TOGETHER;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::contact::TouchJoint;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
 use nalgebra::Vector3;
@@ -52,8 +52,7 @@ impl Contacts {
             return false;
         }
         let bodies = body_states(scene.whole, state);
-        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
-        body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
+        let accelerations = decided.of_bodies(scene.whole, state, &bodies);
         let largest = decided.accelerations.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         // A flat end that has begun to tilt touches at one point, whatever its accelerations.
         let value = |joint: &TouchJoint| {

@@ -20,7 +20,7 @@ use crate::instant::cone::least_norm::{least_norm, spread};
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Block, Of, Rows, fall, rows_of_contact, second_rates};
+use crate::instant::holding::blocks::{Block, Of, Rows, fall, least_answer, rows_of_contact, second_rates};
 use crate::instant::holding::moments::{Turning, blocks_of_moments, give_loads, have_moments};
 use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::touching::Contact;
@@ -32,9 +32,6 @@ use nalgebra::{DMatrix, DVector};
 
 /// Held rows whose response is singular to this part are redundant.
 const SINGULAR: f64 = 1e-10;
-
-/// A row that answers with less than this part of the largest answer has roundings for entries.
-const NOTHING: f64 = 1e-24;
 
 /// Bodies whose relative acceleration is below this part of their fall are in common free fall and do not press. Tilts of 1e-13 that an impact has
 /// left make this much of a spin.
@@ -229,7 +226,8 @@ pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> Cl
         let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
-    let answers = |row: &usize| rows.square[(*row, *row)] > NOTHING * rows.square.diagonal().max();
+    let least = least_answer(&rows.square);
+    let answers = |row: &usize| rows.square[(*row, *row)] > least;
     let size = (0..forces.len()).filter(|&row| is_force[row]).filter(answers).map(size).fold(0.0, f64::max);
     ClosedForces { joints, contacts, moments, weights, size, load: Load { held, together } }
 }

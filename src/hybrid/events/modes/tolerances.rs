@@ -6,7 +6,7 @@
 //!     a gap:    1e-11 of the size of a function
 //! ```
 //!
-//! u_max (m/s): the fastest that any body has been; q̇_max (rad/s or m/s): the fastest that the joint has been.
+//! u_max (m/s): the fastest that any body, or its surface at a contact that rubs, has been; q̇_max (rad/s or m/s): the fastest that the joint has been.
 
 /// A slip below this part of the fastest that any body has been is at rest: the solution of the stages leaves some 1e-11 of it.
 const SLIP: f64 = 1e-10;
@@ -14,6 +14,8 @@ const SLIP: f64 = 1e-10;
 pub(crate) const SLOWEST_SLIP: f64 = 1e-13;
 /// Slips whose stop was found may be faster than rest by this factor: a step that ends at the stop leaves the component across the slip.
 pub(crate) const STOPPED_SLIP: f64 = 1e4;
+/// The same for a slip that falls straight to its stop within the shortest step, as at a light wheel or a caster.
+pub(crate) const BRIEF_SLIP: f64 = 1e6;
 /// The contacts of a pair are at rest together if each of them is slower than this many times the rest of one contact: they share one body's errors.
 pub(crate) const SLIPS_TOGETHER: f64 = 100.0;
 /// Slips slower than this part of the fastest give no usable slope: the noise of slips at rest is a thousandth of them.

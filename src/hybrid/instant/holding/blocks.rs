@@ -29,6 +29,8 @@ use std::ops::Deref;
 
 /// A component of a motion that is this part of it is rounding.
 const NOTHING: f64 = 1e-15;
+/// The same of an answer, which is a square of components.
+const EMPTY: f64 = 1e-24;
 /// An acceleration that is this part of the terms that cancel in it is rounding.
 const ROUNDING: f64 = 1e-14;
 /// Bodies whose relative acceleration is below this part of their own accelerations are in common free fall and exert no force on each other. If they
@@ -251,6 +253,11 @@ pub(crate) fn second_rates<'c>(
         }
     }
     rates
+}
+
+/// The answer in `D = W Y Wᵀ` up to which a row has roundings for entries, 1e-16 of others. Answers of light bodies and of other units are far above it.
+pub fn least_answer(square: &DMatrix<f64>) -> f64 {
+    EMPTY * square.diagonal().iter().fold(0.0, |most: f64, own| most.max(*own))
 }
 
 impl Rows {

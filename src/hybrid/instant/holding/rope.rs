@@ -3,9 +3,15 @@
 use crate::geometry::{PairGeometry, TouchPlace};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::contact::{Cores, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::reeved::rope_length;
 use nalgebra::{Rotation3, Translation3, Vector3};
+
+/// Whether a contact is a rope.
+pub(crate) fn is_rope(joint: &TouchJoint) -> bool {
+    joint.touch.pairing().is_some_and(|pairing| pairing.cores == Cores::Hollow)
+}
 
 /// The rounding of the gap of a rope through several points, as a part of its length.
 pub(super) const ROUNDED: f64 = 1e-13;
