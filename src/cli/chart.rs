@@ -4,7 +4,7 @@
 //! measurements up to then.
 
 use crate::cli::arguments::input::WorldArgs;
-use crate::cli::arguments::numbers::{Assignment, numbers, pairs, positive};
+use crate::cli::arguments::numbers::{Assignment, Coordinates, numbers, pairs, positive};
 use crate::cli::terminal::printing::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::drawing::error::ChartError;
@@ -146,10 +146,12 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
     for (mut loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
         refuse_what_has_no_rival(&loaded.model)?;
         let alone = arguments.inputs.len() == 1;
-        let here = |assignments: &[Assignment]| -> Vec<(String, Vec<f64>)> {
-            pairs(assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some()))
+        let here = |assignments: &[Assignment], are| {
+            let here = assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some());
+            pairs(here, &loaded.model, are)
         };
-        let (position, velocity) = (here(&arguments.position), here(&arguments.velocity));
+        let position = here(&arguments.position, Coordinates::Positions)?;
+        let velocity = here(&arguments.velocity, Coordinates::Velocities)?;
         let in_input = || input.display().to_string();
         let start = loaded.initial_state(&position, &velocity, arguments.base_velocity).with_context(in_input)?;
         let Loaded { model, simulation, .. } = loaded;

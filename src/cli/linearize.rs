@@ -1,7 +1,7 @@
 //! `catena linearize`: linear equations of motion and their modes, about an equilibrium or an instant of a run.
 
 use crate::cli::arguments::input::InputArgs;
-use crate::cli::arguments::numbers::{Assignment, pairs, positive};
+use crate::cli::arguments::numbers::{Assignment, Coordinates, pairs, positive};
 use crate::cli::logged_state::{LogInstant, start_of};
 use crate::cli::recorded::Recorded;
 use crate::cli::tables::table::{Table, number};
@@ -115,7 +115,9 @@ fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {
     let loaded = args.input.load().map_err(Failure::input)?;
     args.input.refuse_warnings(&loaded.model).map_err(Failure::input)?;
     let model = Model::of_loaded(loaded, args.input.input.clone(), args.input.world.world());
-    let (positions, velocities) = (pairs(&args.position), pairs(&args.velocity));
+    let given = |given, are| pairs(given, model.description(), are).map_err(Failure::input);
+    let positions = given(&args.position, Coordinates::Positions)?;
+    let velocities = given(&args.velocity, Coordinates::Velocities)?;
     let at_start = || -> Result<State, Failure> { Ok(model.loaded().assembled(&positions, &velocities, None)?.state) };
     match args.at {
         None | Some(At::Rest) => Ok(model.linear_of_state(&at_start()?, &[], true)?),

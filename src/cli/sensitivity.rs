@@ -1,7 +1,7 @@
 //! `catena sensitivity`: derivatives of a run by its start, its efforts and the numbers of its files, through its events.
 
 use crate::cli::arguments::input::InputArgs;
-use crate::cli::arguments::numbers::{Assignment, pairs, positive};
+use crate::cli::arguments::numbers::{Assignment, Coordinates, pairs, positive};
 use crate::cli::arguments::outputs::output_file;
 use crate::cli::tables::table::{Table, number};
 use crate::cli::terminal::printing::{Failure, print, print_json};
@@ -121,8 +121,8 @@ impl RunSettings<'_> {
     /// A run of a model with them.
     ///
     /// # Errors
-    /// Unknown joints at the start.
-    pub fn run(&self, model: &Model) -> Result<Simulation, Error> {
+    /// Unknown joints at the start, and numbers with units that they do not have.
+    pub fn run(&self, model: &Model) -> Result<Simulation, Failure> {
         let mut run = self.keep.iter().fold(Simulation::new(model), |run, rule| run.keep(*rule));
         if let Some(duration) = self.duration {
             run = run.duration(duration);
@@ -133,8 +133,10 @@ impl RunSettings<'_> {
         if let Some((stages, step)) = self.fixed {
             run = run.fixed(stages.into(), step);
         }
-        let [positions, velocities] = self.start.map(pairs);
-        run.start(positions)?.velocities(velocities)
+        let given = |given, are| pairs(given, model.description(), are).map_err(Failure::input);
+        let positions = given(self.start[0], Coordinates::Positions)?;
+        let velocities = given(self.start[1], Coordinates::Velocities)?;
+        Ok(run.start(positions)?.velocities(velocities)?)
     }
 }
 

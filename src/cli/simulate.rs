@@ -5,7 +5,7 @@
 
 use crate::cli::arguments::input::InputArgs;
 use crate::cli::arguments::log_options::LogArgs;
-use crate::cli::arguments::numbers::{Assignment, numbers, pairs, positive, rate};
+use crate::cli::arguments::numbers::{Assignment, Coordinates, numbers, pairs, positive, rate};
 use crate::cli::check::end_with_half_the_step;
 use crate::cli::logged_state::{LogInstant, start_of};
 use crate::cli::origin;
@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long, help_heading = START, value_name = "VX,VY,VZ,WX,WY,WZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
     base_velocity: Option<[f64; 6]>,
 
-    /// Initial position of a joint [rad, m]; as many numbers as the joint has degrees of freedom (repeatable)
+    /// Initial position of a joint [rad, or "30 deg"; m]; as many numbers as the joint has degrees of freedom (repeatable)
     #[arg(long, help_heading = START, value_name = "JOINT=VALUE")]
     position: Vec<Assignment>,
 
@@ -144,7 +144,8 @@ impl Setup {
     /// # Errors
     /// The defect of the start or of the settings.
     pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
-        let (positions, velocities) = (pairs(&arguments.position), pairs(&arguments.velocity));
+        let positions = pairs(&arguments.position, &loaded.model, Coordinates::Positions)?;
+        let velocities = pairs(&arguments.velocity, &loaded.model, Coordinates::Velocities)?;
         let state = match &arguments.from {
             None => loaded.initial_state(&positions, &velocities, arguments.base_velocity)?,
             Some(from) => {

@@ -64,6 +64,8 @@ pub use scene_reading::scene_file::simulation;
 pub use scene_reading::scene_file::{read_scene, scene_from_text};
 pub use scene_reading::scene_files::{FilesOnDisk, SceneFiles};
 #[cfg(feature = "scene")]
+pub use scene_reading::scene_numbers::{Quantity, Unit};
+#[cfg(feature = "scene")]
 pub use scene_reading::scene_schema::SimulationTable;
 #[cfg(feature = "scene")]
 pub use scene_reading::toml_text::TomlText;

@@ -197,7 +197,7 @@ impl UrdfJointKind {
 
     /// Whether number `index` of a position or velocity of the joint, as users give it, is an angle or its rate.
     #[cfg(feature = "scene")]
-    pub(crate) fn is_angle(self, index: usize) -> bool {
+    pub fn is_angle(self, index: usize) -> bool {
         match self {
             UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Spherical => true,
             UrdfJointKind::Prismatic | UrdfJointKind::Fixed => false,

@@ -22,6 +22,10 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
             format!("{ONE}pose = {{ position = [0, nan, 0] }}"),
             &["scene.toml:3: robot.pose.position: NaN is not finite"],
         ),
+        (
+            format!("{ONE}positions = {{ elbow = -.5 }}"),
+            &["scene.toml:3: ", "a number needs a digit before its point, such as -0.5"],
+        ),
         (format!("{ONE}positions = {{ elbow = inf }}"), &["scene.toml:3: robot.positions.elbow: inf is not finite"]),
         (format!("{ONE}positions = {{ elbow = \"up\" }}"), &["scene.toml:3: robot.positions.elbow: "]),
         (format!("{ONE}positions = {{ knee = 1 }}"), &["scene.toml:3: ", "no joint \"knee\"", "\"elbow\""]),

@@ -26,6 +26,7 @@ fn a_pattern_and_a_list_drive_the_joints_that_they_name_one_by_one() {
         motor("\"*\"", &drive),
         motor("[\"hinge\", \"slide\", \"wheel\", \"thumb\"]", &drive),
         motor("[\"hinge\", \"*\"]", &drive),
+        motor("\"limbs/*\"", &drive),
         motor("[\"hinge\", \"s*\", \"*h*\"]", &drive),
     ] {
         assert_eq!(mechanism(&read(&folder, &format!("{LIMBED}{short}")).unwrap()), long, "{short}");

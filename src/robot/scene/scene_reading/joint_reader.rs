@@ -69,8 +69,10 @@ impl CouplingReader<'_> {
             for (robot, placed) in self.robots.iter().enumerate() {
                 for joint in placed.robot.joints.iter().filter(|joint| joint.can_be_driven()) {
                     let (on, joint) = (format!("{}{}", placed.prefix, joint.name), joint.name.clone());
+                    // A scene with one robot may write its joints with its name, too.
+                    let long = format!("{}/{joint}", placed.name);
                     let joint = JointReference { robot, joint };
-                    if matches(name.get_ref(), &on) && all.iter().all(|other| other.joint != joint) {
+                    if [&on, &long].iter().any(|full| matches(name.get_ref(), full)) && all.iter().all(|other| other.joint != joint) {
                         all.push(Driven { table, joint, on, lenient: true, line });
                     }
                 }

@@ -55,14 +55,16 @@ pub(crate) struct AngleRate(pub f64);
 
 /// A number in SI units, and the unit that was written beside it: only the joint that it is for tells which units it may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Quantity {
+pub struct Quantity {
+    /// In SI units.
     pub number: f64,
+    /// The unit beside it.
     pub unit: Unit,
 }
 
 /// A unit beside a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unit {
+pub enum Unit {
     /// None: the number is in SI units.
     Unwritten,
     /// Degrees or radians.
@@ -72,7 +74,10 @@ pub(crate) enum Unit {
 }
 
 impl Quantity {
-    /// A finite number, or one with the unit `deg`, `rad`, `deg/s` or `rad/s`.
+    /// A finite number with the unit `deg`, `rad`, `deg/s` or `rad/s`.
+    ///
+    /// # Errors
+    /// The reason why it is none.
     pub fn parse(text: &str) -> Result<Self, String> {
         let refuse =
             || format!("{text:?} is no number with a unit; give a number or, of angles, \"30 deg\" or \"30 deg/s\"");
@@ -102,7 +107,10 @@ impl Quantity {
         })
     }
 
-    /// The number, where `angle` says whether it is one of an angle, and `rate` whether it is its rate.
+    /// The number in SI units, for a place where `angle` says whether it is one of an angle, and `rate` whether it is its rate.
+    ///
+    /// # Errors
+    /// The reason why its unit does not belong there.
     pub fn value(self, angle: bool, rate: bool) -> Result<f64, String> {
         self.of(match (angle, rate) {
             (false, _) => Unit::Unwritten,

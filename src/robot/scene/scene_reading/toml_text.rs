@@ -48,6 +48,9 @@ impl TomlText<'_> {
             if let Some(table) = key.as_ref().filter(|key| !key.contains('.') && message.ends_with("a sequence")) {
                 message = format!("{message}; there may be several: write [[{table}]]");
             }
+            if error.span().is_some_and(|span| begins_with_a_point(self.text, span.start)) {
+                message = format!("{message}: a number needs a digit before its point, such as -0.5");
+            }
             let element = error.span().and_then(|span| self.element(span.start));
             let problem = Box::new(Problem::Toml { key, message });
             SceneError { file: self.file.to_path_buf(), line, element, problem }
@@ -89,6 +92,12 @@ impl TomlText<'_> {
         search_table(table.get_ref(), offset, &mut Vec::new(), &mut found);
         (!found.is_empty()).then(|| found.join("."))
     }
+}
+
+/// Whether the text at a byte is a number, with a sign or without, that begins with a point.
+fn begins_with_a_point(text: &str, at: usize) -> bool {
+    let rest = text.get(at..).unwrap_or_default().trim_start_matches(['+', '-']);
+    rest.strip_prefix('.').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
 }
 
 /// The longest path of keys to a key or value that holds the byte. The span of a table is its header alone, so that no
