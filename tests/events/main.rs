@@ -45,6 +45,7 @@ mod crowds;
 mod ellipsoids;
 mod exact;
 mod free_bodies;
+mod impacts_with_limits;
 mod laws;
 mod loads;
 mod locked;

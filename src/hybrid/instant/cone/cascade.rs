@@ -32,6 +32,8 @@ const ACCEPTED: f64 = 1e-10;
 const SOLVED: f64 = 1e-11;
 /// A residual up to this is enough for steps of first order.
 const ROUGH: f64 = 1e-6;
+/// The largest residual of free rates that are roundings of larger ones.
+const ROUNDED: f64 = 1e-3;
 /// Proximal compliance, in units of the mobility of a block.
 const COMPLIANCE: f64 = 1e-8;
 /// Compliances that vanish, in the same units.
@@ -68,12 +70,15 @@ struct Best {
     residual: f64,
     /// The entry that has found them.
     by: ContactSolver,
+    /// Residuals up to this are solutions.
+    enough: f64,
 }
 
 impl Best {
     /// No forces, before any have been found.
-    fn none(count: usize) -> Self {
-        Best { forces: vec![0.0; count], merit: f64::INFINITY, residual: f64::INFINITY, by: ContactSolver::Unsolved }
+    fn none(count: usize, enough: f64) -> Self {
+        let (merit, residual) = (f64::INFINITY, f64::INFINITY);
+        Best { forces: vec![0.0; count], merit, residual, by: ContactSolver::Unsolved, enough }
     }
 
     /// Takes forces that an entry has found, if they are better; says whether the problem is solved. Large forces solve it if they leave a small part of
@@ -82,7 +87,7 @@ impl Best {
         let mut rates = vec![0.0; forces.len()];
         scaled.rates(&forces, &mut rates);
         let (merit, residual) = (scaled.merit(&forces, &rates), scaled.residual(&forces, &rates));
-        let is_solved = residual <= SOLVED && (is_small(scaled, &forces) || merit.sqrt() <= LEFT * fastest(scaled));
+        let is_solved = residual <= self.enough && (is_small(scaled, &forces) || merit.sqrt() <= LEFT * fastest(scaled));
         if merit < self.merit || is_solved {
             (self.forces, self.merit, self.residual, self.by) = (forces, merit, residual, by);
         }
@@ -108,10 +113,25 @@ pub(crate) fn solve_counted(
     start: Option<&[f64]>,
     solvers: &mut ContactSolvers,
 ) -> Result<Answer, Unsolved> {
+    solve_to_part(problem, start, 1.0, solvers)
+}
+
+/// The same where free rates are the small rest of larger ones, of which they are this part: their digits are roundings of those, and the residual may
+/// be larger by as much.
+///
+/// # Errors
+/// As of [`solve_counted`].
+pub(super) fn solve_to_part(
+    problem: &Problem,
+    start: Option<&[f64]>,
+    part: f64,
+    solvers: &mut ContactSolvers,
+) -> Result<Answer, Unsolved> {
     problem.check()?;
     let scaled = Scaled::new(problem);
     let count = problem.free.len();
-    let mut best = Best::none(count);
+    let within = |residual: f64| (residual / part).clamp(residual, ROUNDED);
+    let mut best = Best::none(count, within(SOLVED));
     let start = start.filter(|start| start.len() == count && start.iter().all(|force| force.is_finite()));
     let from = |forces: Vec<f64>, settings: Settings| improved(&scaled, forces, settings);
     let (warm, cold) = (ContactSolver::Warm, ContactSolver::Cold);
@@ -144,7 +164,7 @@ pub(crate) fn solve_counted(
     };
     let answer = settle(problem, &scaled, &best.forces);
     // The residual of large forces is a small part of them, and may be large beside the free rates.
-    let accepted = answer.residual <= ACCEPTED && (solved || is_small(&scaled, &best.forces));
+    let accepted = answer.residual <= within(ACCEPTED) && (solved || is_small(&scaled, &best.forces));
     solvers.count(if accepted { best.by } else { ContactSolver::Unsolved });
     if accepted { Ok(answer) } else { Err(Unsolved::Stopped { best: Box::new(answer) }) }
 }
@@ -191,7 +211,7 @@ pub(crate) fn solve_roughly(problem: &Problem) -> Option<Vec<f64>> {
 /// The same of a sound problem that does not fall apart.
 fn roughly(problem: &Problem) -> Vec<f64> {
     let scaled = Scaled::new(problem);
-    let mut best = Best::none(problem.free.len());
+    let mut best = Best::none(problem.free.len(), SOLVED);
     best.take(&scaled, ContactSolver::Cold, improved(&scaled, swept(&scaled), EVERYDAY));
     if best.residual > ROUGH
         && let Some(forces) = soft(&scaled)

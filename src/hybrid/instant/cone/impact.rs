@@ -13,7 +13,7 @@
 //!
 //! Source: B. Smith, D. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, Reflections on simultaneous impact, ACM Transactions on Graphics 31 (2012).
 
-use crate::instant::cone::cascade::solve_counted;
+use crate::instant::cone::cascade::{solve_counted, solve_to_part};
 use crate::instant::cone::problem::{Answer, Law, Problem, Unsolved};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use nalgebra::DMatrix;
@@ -85,7 +85,7 @@ pub fn impact_in_rounds(
     let (impulses, rates) = (vec![0.0; before.len()], before.to_vec());
     let mut state = Impact { impulses, rates, lost: 0.0, rounds: 0, cut: 0.0, without_rebound: 0 };
     let all: Vec<usize> = (0..problem.laws.len()).collect();
-    let least = APPROACHES * before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let least = APPROACHES * largest(before);
     if restitution.iter().any(|e| *e > 0.0) {
         let (mut asked, mut lost) = (ROUNDS, 0.0);
         loop {
@@ -181,7 +181,9 @@ fn round(
         })
         .collect();
     let round = Problem { mobility: &mobility, free: &free, laws: &laws };
-    let answer = solve_counted(&round, None, solvers)?;
+    // Late rounds have small rates, whose digits are roundings of the rates before the impact.
+    let left = largest(&free) / largest(problem.free);
+    let answer = solve_to_part(&round, None, left, solvers)?;
     let plastic = &answer.forces;
     let mut impulses = plastic.clone();
     let (mut rebound, mut reached) = (None, 0.0);
@@ -191,7 +193,7 @@ fn round(
             let approach = approach_rate(law, free[start]).min(0.0);
             target[start] += restitution[block] * if free[start] < 0.0 { approach } else { -approach };
         }
-        match solve_counted(&Problem { free: &target, ..round }, Some(plastic), solvers) {
+        match solve_to_part(&Problem { free: &target, ..round }, Some(plastic), left, solvers) {
             Ok(newton) => {
                 let share = largest_share(&round, plastic, &newton.forces);
                 for (impulse, newton) in impulses.iter_mut().zip(&newton.forces) {
@@ -220,6 +222,11 @@ fn round(
         rounds.push(Round { part: part.to_vec(), plastic: answer, rebound, share: reached });
     }
     Ok(())
+}
+
+/// The largest size of some rates.
+fn largest(rates: &[f64]) -> f64 {
+    rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()))
 }
 
 /// Sets rates to zero that are rounding of the terms that they are the sum of.
