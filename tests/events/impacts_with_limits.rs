@@ -40,7 +40,11 @@ fn a_box_on_the_rising_arm_of_a_seesaw_flies_on_when_the_plank_meets_its_limit()
         assert!(up > 0.9, "{light:?}");
         // A plank and a box that rest on each other and on the limit: what is left is less than the rate from which rounds do not go on, 1e-10.
         assert!(rate.abs() < 1e-3 && heavy.iter().all(|rate| rate.abs() < 1e-3), "{rate}, {heavy:?}");
-        assert!(!report.warnings.iter().any(|warning| warning.contains("could not be solved")), "{:?}", report.warnings);
+        assert!(
+            !report.warnings.iter().any(|warning| warning.contains("could not be solved")),
+            "{:?}",
+            report.warnings
+        );
     }
 }
 

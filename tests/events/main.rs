@@ -57,6 +57,7 @@ mod moved_contacts;
 mod orders;
 mod over_edges;
 mod pendulum;
+mod rams;
 mod reactions;
 mod reeved;
 mod rests_under_loads;

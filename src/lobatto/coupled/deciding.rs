@@ -72,6 +72,16 @@ fn ranks_without_turnings(mechanism: &Mechanism, mut rows: Vec<Row>, lengths: Ve
     Ranks::of(&rows, lengths, ROUNDING)
 }
 
+/// Friction holds the rows of contacts but for the first, their normal.
+fn tell_what_adheres(mechanism: &Mechanism, rows: &mut [Row]) {
+    let contacts = mechanism.loops.len()..mechanism.loops.len() + mechanism.touches.len();
+    let mut before = None;
+    for row in rows {
+        row.adheres = contacts.contains(&row.closure) && before == Some(row.closure);
+        before = Some(row.closure);
+    }
+}
+
 /// The flags of the closures for steps from the counted state: also the equations of a geometry that the others imply, in the position (here or
 /// beside) with the larger rank.
 pub fn known_of_steps<G: Geometry<One>>(
@@ -86,6 +96,7 @@ pub fn known_of_steps<G: Geometry<One>>(
         let (sizes, lengths) = scales(mechanism, &body_states(mechanism, state));
         let mut rows = projection.equations(start, &sizes, &lengths);
         rows.extend(mimic_rows(mechanism, state, &lengths));
+        tell_what_adheres(mechanism, &mut rows);
         ranks_without_turnings(mechanism, rows, lengths)
     };
     let mut best = ranks_at(&counted.state);

@@ -49,7 +49,8 @@ pub(crate) fn find_empty<G: Geometry<One>>(
     coupled.known.empty = empty;
 }
 
-/// The equations of the loops at the start of a step, dimensionless with the sizes of the loops and the lengths of the freedoms.
+/// The equations of the loops at the start of a step, dimensionless with the sizes of the loops and the lengths of the freedoms. Which of them friction holds
+/// is not told.
 pub(crate) fn equations<G: Geometry<One>>(
     coupled: &Coupled<One>,
     geometry: &G,
@@ -66,7 +67,7 @@ pub(crate) fn equations<G: Geometry<One>>(
             let entries =
                 entries.into_iter().map(|(freedom, along)| (freedom, along * lengths[freedom] / sizes[closure]));
             let gap = one(coupled.gaps[row]).abs() / sizes[closure];
-            return Row { closure, entries: entries.collect(), gap, moves: false };
+            return Row { closure, entries: entries.collect(), gap, adheres: false, moves: false };
         }
         // The force part is first; without it an equation is one of angles.
         let angles = direction[..G::WIDTH.div_ceil(2)].iter().all(|&component| component == 0.0);
@@ -82,7 +83,7 @@ pub(crate) fn equations<G: Geometry<One>>(
             }
         }
         entries.sort_unstable_by_key(|(freedom, _)| *freedom);
-        Row { closure, entries, gap: one(coupled.gaps[row]).abs() / unit, moves: false }
+        Row { closure, entries, gap: one(coupled.gaps[row]).abs() / unit, adheres: false, moves: false }
     };
     (0..loops).map(row).collect()
 }

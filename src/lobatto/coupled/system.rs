@@ -48,6 +48,10 @@ pub const SHARED: f64 = 1e-6;
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
 pub type Screw<V> = [V; TWIST];
 
+/// Tangents that others imply have ε this many times that of other implied equations, in masses of their bodies: they bear 1e-10 of a load that normals
+/// share with them.
+const LOOSE: f64 = 1e4;
+
 /// The geometry of the system: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
     /// Constants of the mechanism.
@@ -176,6 +180,9 @@ pub struct Coupled<V: Lanes> {
     /// Contacts of which some may imply others, with the value of ε for them [1/kg]; and the same for every row of such contacts.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
+    /// The mobility of the bodies of rows that friction holds [1/kg] times [`LOOSE`], and zero for others: beside a contact that was eliminated before, next
+    /// to nothing is left of the mobility of a row, and a tangent would bear a part of the weight that the other contact carries.
+    pub(crate) adhering: Vec<f64>,
     /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.
     pub(crate) references: Vec<f64>,
     /// The mobility that the other rows leave, over the reference.
@@ -262,6 +269,10 @@ impl<V: Lanes> Coupled<V> {
             (group, part * largest)
         });
         let dependent: Vec<(Dependent, f64)> = dependent.collect();
+        let mut adhering = vec![0.0; rows];
+        for own in &rows_of_loop[mechanism.loops.len()..loops] {
+            own.clone().skip(1).for_each(|row| adhering[row] = LOOSE * weight(row));
+        }
         Coupled {
             fronts: Fronts::new(mixing.active, &elimination),
             mixing,
@@ -295,6 +306,7 @@ impl<V: Lanes> Coupled<V> {
             weights,
             dependent,
             even: vec![None; rows],
+            adhering,
             references: vec![1.0; rows],
             left_over: vec![0.0; rows],
             elimination,

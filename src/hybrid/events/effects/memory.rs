@@ -126,14 +126,12 @@ impl Memory {
         known.in_flight_until = None;
     }
 
-    /// Elements whose flights from now on are left out, each with the end of the last one (s). A contact is named by its pair.
+    /// Flights from now on that are left out, each with the end of the last one (s): those of joints are remembered.
     pub(crate) fn omit_flights(&mut self, flights: &[(Of, f64)]) {
         for &(of, until) in flights {
-            let known = match of {
-                Of::Joint(joint) => &mut self.joints[joint],
-                Of::Contact(pair) | Of::Moment { contact: pair, .. } => self.pairs.of(pair),
-            };
-            known.in_flight_until = Some(until);
+            if let Of::Joint(joint) = of {
+                self.joints[joint].in_flight_until = Some(until);
+            }
         }
     }
 }

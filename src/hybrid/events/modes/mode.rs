@@ -171,12 +171,23 @@ impl Mode {
     pub(crate) fn closures(&self, touching: &Touching, bodies: &[BodyState]) -> Closures {
         let mut closures = Closures::default();
         for closed in &self.contacts {
-            match closed.anchor(bodies) {
-                Some(anchor) => closures.anchors.push(anchor),
-                None => closures.touches.push(closed.touch(touching)),
+            if self.is_anchored(closed) {
+                closures.anchors.push(closed.anchor(bodies));
+            } else {
+                closures.touches.push(closed.touch(touching));
             }
         }
         closures
+    }
+
+    /// Whether a closed contact is anchored, so that its place is held, not its velocity: a corner that sticks, unless another contact slides on one of
+    /// its bodies. What friction holds must not bear the load of what brakes then, which steps tell apart in the rows of contacts alone
+    /// ([`crate::mechanism::structure::ranks::counting`]).
+    pub fn is_anchored(&self, closed: &Closed) -> bool {
+        let bodies = |closed: &Closed| [closed.contact.joint.a.body, closed.contact.joint.b.body];
+        let meets =
+            |other: &Closed| bodies(other).into_iter().flatten().any(|body| bodies(closed).contains(&Some(body)));
+        closed.is_corner_that_sticks() && !self.contacts.iter().filter(|other| other.slides.is_some()).any(meets)
     }
 }
 
@@ -203,19 +214,16 @@ impl Closed {
         self.slides.is_some() || self.moments.brake()
     }
 
-    /// A corner that sticks on a face is anchored: its place is held, not its velocity. None has a place on a belt.
-    pub fn is_anchored(&self) -> bool {
+    /// Whether it is a corner that sticks on a face. None has a place on a belt.
+    fn is_corner_that_sticks(&self) -> bool {
         let joint = &self.contact.joint;
         let is_corner = joint.touch.features == [Feature::Plane, Feature::Point { radius: 0.0 }];
         self.slides.is_none() && !joint.is_belt() && is_corner && self.moments == Moments::default()
     }
 
     /// The place of a contact that is anchored.
-    fn anchor(&self, bodies: &[BodyState]) -> Option<LoopJoint> {
+    fn anchor(&self, bodies: &[BodyState]) -> LoopJoint {
         let joint = &self.contact.joint;
-        if !self.is_anchored() {
-            return None;
-        }
         let point = touch_motion(joint, bodies).point;
         let on = |end: &Attachment| {
             let body = end.on(bodies);
@@ -223,7 +231,7 @@ impl Closed {
             let frame = Pose::from_parts(Translation3::from(place), Rotation3::identity());
             Attachment { body: end.body, frame }
         };
-        Some(LoopJoint { name: "contact".into(), kind: LoopKind::Spherical, a: on(&joint.a), b: on(&joint.b) })
+        LoopJoint { name: "contact".into(), kind: LoopKind::Spherical, a: on(&joint.a), b: on(&joint.b) }
     }
 }
 

@@ -87,7 +87,8 @@ impl Best {
         let mut rates = vec![0.0; forces.len()];
         scaled.rates(&forces, &mut rates);
         let (merit, residual) = (scaled.merit(&forces, &rates), scaled.residual(&forces, &rates));
-        let is_solved = residual <= self.enough && (is_small(scaled, &forces) || merit.sqrt() <= LEFT * fastest(scaled));
+        let is_solved =
+            residual <= self.enough && (is_small(scaled, &forces) || merit.sqrt() <= LEFT * fastest(scaled));
         if merit < self.merit || is_solved {
             (self.forces, self.merit, self.residual, self.by) = (forces, merit, residual, by);
         }

@@ -219,22 +219,36 @@ fn groups(of_rows: &[Vec<usize>], bodies: usize) -> Vec<Vec<usize>> {
     groups
 }
 
+impl Elsewhere {
+    /// Itself, if all joints move something that has inertia: if its answer to its efforts is finite.
+    fn if_it_answers(mut self) -> Option<Self> {
+        let Elsewhere { inside, own, efforts, answer, .. } = &mut self;
+        inside.place(own);
+        inside.answer(efforts, answer);
+        answer.iter().all(|rate| rate.is_finite()).then_some(self)
+    }
+}
+
 impl Way {
     /// The one with the least work; the axes of loop joints point as they do in a state.
     fn new(file: &Mechanism, state: &State) -> Self {
         // In space, as the projections are.
         let found = other_tree(file, &[], &[Rule::Planar]);
         let other = found.and_then(|(tree, _)| OtherTree::new(file, &tree, None, state).ok());
-        let Some(other) = other else { return Way::OfFile(Box::new(ResponseOnTree::new(file))) };
-        let freedoms = other.mechanism.velocity_count;
-        Way::Elsewhere(Box::new(Elsewhere {
-            inside: ResponseOnTree::new(&other.mechanism),
-            state: State::zero(file),
-            own: State::zero(&other.mechanism),
-            efforts: vec![0.0; freedoms],
-            answer: vec![0.0; freedoms],
-            other,
-        }))
+        let elsewhere = other.map(|mut other| {
+            let freedoms = other.mechanism.velocity_count;
+            let mut own = State::zero(&other.mechanism);
+            other.take(file, state, &mut own);
+            let inside = ResponseOnTree::new(&other.mechanism);
+            let (efforts, answer) = (vec![1.0; freedoms], vec![0.0; freedoms]);
+            Elsewhere { inside, state: State::zero(file), own, efforts, answer, other }
+        });
+        // A joint of the other tree may move a link without mass alone, which has no answer.
+        let elsewhere = elsewhere.and_then(Elsewhere::if_it_answers);
+        elsewhere.map_or_else(
+            || Way::OfFile(Box::new(ResponseOnTree::new(file))),
+            |elsewhere| Way::Elsewhere(Box::new(elsewhere)),
+        )
     }
 }
 

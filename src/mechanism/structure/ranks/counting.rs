@@ -7,6 +7,9 @@
 //!     rank A  by row-pivoted QR (`row_pivoting`):  pivots above  first pivot · max(1e-10, 100 gap / L)
 //! ```
 //!
+//! Rows that friction holds come after the others: normal forces carry what they can, and friction bears the rest. If it carried a part of the weight of a box
+//! that a ram pushes over a floor, the floor would brake the box less.
+//!
 //! No mass and no square of an entry enters, so that light links and the order of the loops do not matter. Rows that share freedoms form a block;
 //! blocks are decided one by one. A freedom x is still at this configuration if the null space of A does not touch it, `|Z[x, :]| <= 1e-10`.
 //!
@@ -73,7 +76,8 @@ impl Ranks {
             weakest: 1.0,
             weak: 0,
         };
-        for block in blocks(rows, count) {
+        for mut block in blocks(rows, count) {
+            block.1.sort_by_key(|&row| rows[row].adheres);
             ranks.decide(rows, &block, rounding);
             if block.1.iter().any(|&row| rows[row].moves) {
                 for &freedom in &block.0 {
@@ -109,7 +113,8 @@ impl Ranks {
                     entries
                 })
                 .collect();
-            let found = row_pivoting::pivoted(dense, threshold);
+            let preferred = members.partition_point(|&row| !rows[row].adheres);
+            let found = row_pivoting::pivoted_preferring(preferred, dense, threshold);
             let parts = found.null_parts(freedoms.len());
             for (&freedom, part) in freedoms.iter().zip(&parts) {
                 self.still[freedom] = part.iter().map(|value| value * value).sum::<f64>().sqrt() <= STILL;

@@ -1,7 +1,7 @@
 //! Row-pivoted QR of a dense matrix: the largest row left is the next pivot.
 //!
 //! ```text
-//!     while  |a_i| = max over the rows left  >  threshold · |first|:
+//!     while  |a_i| = max over the rows left  >  threshold · |first|:       first among preferred rows, while these leave more than 1e-2 |first|
 //!         q = a_i / |a_i|,  q ← q − Qᵀ Q q,  q ← q / |q|          re-orthogonalised, so that Q stays orthonormal to rounding
 //!         a_j ← a_j − (a_j · q) q   of all rows left
 //! ```
@@ -12,6 +12,9 @@
 
 /// Rows that are shorter than the longest by no more than this part of it count as equally long.
 const EQUAL: f64 = 1e-6;
+
+/// A preferred row goes first if more than this part of the first pivot is left of it.
+const PREFERRED: f64 = 1e-2;
 
 /// The result of the QR.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,17 +30,27 @@ pub struct Pivoted {
 }
 
 /// Decides which rows are independent: a row of which less than `threshold` times the first pivot is left is not.
-pub fn pivoted(mut rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
+pub fn pivoted(rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
+    let all = rows.len();
+    pivoted_preferring(all, rows, threshold)
+}
+
+/// The same, where this number of rows at the beginning is preferred to the others.
+pub fn pivoted_preferring(preferred: usize, mut rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
     let mut found = Pivoted::default();
     let mut left: Vec<usize> = (0..rows.len()).collect();
     loop {
         let norms: Vec<f64> = left.iter().map(|&row| norm(&rows[row])).collect();
-        let largest = norms.iter().fold(0.0, |most: f64, &norm| most.max(norm));
+        let longest = |norms: &[f64]| norms.iter().fold(0.0, |most: f64, &norm| most.max(norm));
+        let largest = longest(&norms);
         let first = found.pivots.first().copied().unwrap_or(largest);
         if largest == 0.0 || !largest.is_finite() || largest <= threshold * first {
             return found;
         }
-        let Some(place) = norms.iter().position(|&norm| norm >= (1.0 - EQUAL) * largest) else { return found };
+        let of_preferred = &norms[..left.partition_point(|&row| row < preferred)];
+        let among = if longest(of_preferred) > PREFERRED * first { of_preferred } else { &norms[..] };
+        let chosen = longest(among);
+        let Some(place) = among.iter().position(|&norm| norm >= (1.0 - EQUAL) * chosen) else { return found };
         let row = left.remove(place);
         let mut unit = std::mem::take(&mut rows[row]);
         let length = norms[place];
@@ -115,6 +128,14 @@ mod tests {
         let of = |index: usize| norm(&parts[index]);
         // The null space is (1, 0, −1)/√2.
         assert!((of(0) - 0.5_f64.sqrt()).abs() < 1e-15 && of(1) < 1e-15, "{parts:?}");
+    }
+
+    #[test]
+    fn preferred_rows_imply_others_where_they_are_not_nearly_implied_themselves() {
+        let rows = |small: f64| vec![vec![1.0, 0.0], vec![1.0, small], vec![0.0, 3.0], vec![2.0, 0.0]];
+        assert_eq!(pivoted_preferring(2, rows(0.1), 1e-10).order, [1, 0]);
+        assert_eq!(pivoted_preferring(2, rows(1e-3), 1e-10).order, [1, 2]);
+        assert_eq!(pivoted(rows(0.1), 1e-10).order, [2, 3]);
     }
 
     #[test]

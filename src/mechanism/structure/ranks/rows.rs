@@ -40,6 +40,8 @@ pub struct Row {
     pub entries: Vec<(usize, f64)>,
     /// Its error, dimensionless like the entries.
     pub gap: f64,
+    /// Whether friction holds it: a force that others can give is theirs.
+    pub adheres: bool,
     /// Whether it moves its freedoms, as a joint that is moved in time or a belt does: they are not still, however many equations they have.
     pub moves: bool,
 }
@@ -93,7 +95,7 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
             let entries = freedoms
                 .iter()
                 .map(|&(freedom, side)| (freedom, entry(&screws[freedom], side) * lengths[freedom] / unit));
-            rows.push(Row { closure, entries: entries.collect(), gap: gap / unit, moves: false });
+            rows.push(Row { closure, entries: entries.collect(), gap: gap / unit, adheres: false, moves: false });
         };
         let rate = |screw: &Screw, side: usize| {
             let motion = if screw.turns { screw.axis.cross(&([a, b][side] - screw.point)) } else { screw.axis };
@@ -126,7 +128,7 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
             let entries = entries.map(|(freedom, entry)| (freedom, entry * lengths[freedom] / sizes[closure]));
             let TouchMotion { gap, point, .. } = touch_motion(joint, bodies);
             let gap = gap.abs().max(f64::EPSILON * point.amax()) / sizes[closure];
-            rows.push(Row { closure, entries: entries.collect(), gap, moves: false });
+            rows.push(Row { closure, entries: entries.collect(), gap, adheres: false, moves: false });
             continue;
         }
         let turns = |direction: &Vector3<f64>| {
@@ -197,20 +199,27 @@ fn touch_rows(
     }
     let TouchMotion { gap, normal, point, .. } = touch_motion(joint, bodies);
     let rounding = f64::EPSILON * point.amax();
-    let row = |direction: &Vector3<f64>, gap: f64, moves: bool| Row {
+    let row = |direction: &Vector3<f64>, gap: f64, adheres: bool| Row {
         closure,
         entries: entries(direction, &point),
         gap: gap.max(rounding) / size,
-        moves,
+        adheres,
+        // A belt carries what it holds.
+        moves: adheres && joint.is_belt(),
     };
     let mut rows = vec![row(&normal, gap.abs(), false)];
     if joint.touch.grip == Grip::Rolls {
-        // A belt carries what it holds.
-        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0, joint.is_belt())));
+        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0, true)));
     }
     if joint.moments.rows() > 0 {
         let held = joint.held_turns(&normal, &tangents(&normal));
-        rows.extend(held.map(|along| Row { closure, entries: turns(&along), gap: f64::EPSILON, moves: false }));
+        rows.extend(held.map(|along| Row {
+            closure,
+            entries: turns(&along),
+            gap: f64::EPSILON,
+            adheres: true,
+            moves: false,
+        }));
     }
     rows
 }
@@ -225,7 +234,7 @@ pub fn mimic_rows(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> Vec<
         entries.iter_mut().for_each(|(_, entry)| *entry /= largest);
         let gap = mimic_gap(mimic, state).0.abs() / largest;
         let closure = mechanism.loops.len() + mechanism.touches.len() + number;
-        Row { closure, entries, gap, moves: mimic.is_moved() }
+        Row { closure, entries, gap, adheres: false, moves: mimic.is_moved() }
     };
     mechanism.mimics.iter().enumerate().map(row).collect()
 }

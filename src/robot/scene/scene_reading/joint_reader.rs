@@ -72,7 +72,9 @@ impl CouplingReader<'_> {
                     // A scene with one robot may write its joints with its name, too.
                     let long = format!("{}/{joint}", placed.name);
                     let joint = JointReference { robot, joint };
-                    if [&on, &long].iter().any(|full| matches(name.get_ref(), full)) && all.iter().all(|other| other.joint != joint) {
+                    if [&on, &long].iter().any(|full| matches(name.get_ref(), full))
+                        && all.iter().all(|other| other.joint != joint)
+                    {
                         all.push(Driven { table, joint, on, lenient: true, line });
                     }
                 }

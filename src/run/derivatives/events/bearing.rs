@@ -34,13 +34,13 @@ impl Sight<'_> {
         let touch = self.touch_of(contact)?;
         let placed = self.at.at_rest();
         let found = touch.at(&placed);
-        if self.mode.contacts[contact].is_anchored() {
-            let own = before.iter().filter(|closed| closed.is_anchored()).count();
+        if self.mode.is_anchored(&self.mode.contacts[contact]) {
+            let own = before.iter().filter(|closed| self.mode.is_anchored(closed)).count();
             let first = touches - mimics - 3 * (closed.anchors.len() - own);
             let force = Vector([0, 1, 2].map(|axis: usize| multipliers[first + axis]));
             return Some(Bearing { normal: found.normal.dot(force), across: across(found.normal, force) });
         }
-        let own = before.iter().filter(|closed| !closed.is_anchored()).count();
+        let own = before.iter().filter(|closed| !self.mode.is_anchored(closed)).count();
         let first = touches + closed.touches[..own].iter().map(ClosedTouch::rows).sum::<usize>();
         let own = &closed.touches[own];
         let force = own.force(&self.at.placed(self.velocities), &multipliers[first..first + own.rows()]).force;

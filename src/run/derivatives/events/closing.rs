@@ -55,7 +55,7 @@ impl Walk<'_> {
         traced: &TracedStep,
         laws: &Laws<T>,
     ) -> Result<Vec<ClosedTouch<T>>, SensitivityError> {
-        let closed = traced.mode.contacts.iter().filter(|closed| !closed.is_anchored());
+        let closed = traced.mode.contacts.iter().filter(|closed| !traced.mode.is_anchored(closed));
         let lost = |pair: usize| SensitivityError::Closed { time: self.state.time, contact: self.names("and", pair) };
         let touch = |closed: &Closed| {
             let pair = closed.contact.pair;

@@ -13,6 +13,9 @@
 //! is the error itself ([`Beside::share_of_first_order`]). Motions further apart than a hundredth of the mechanism's size have parted
 //! and give no estimate.
 //!
+//! A coarser companion may be far off where the run is not: it may miss an event, or step over it. So a finer one, once, is asked before a run is said to
+//! be off ([`Beside::finer`]), and stays beside it where it is nearer.
+//!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
 //! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]).
 
@@ -27,7 +30,7 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy, may_be_chaotic};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
-use crate::simulation::tolerance::beside::{Behind, Beside, RATIO};
+use crate::simulation::tolerance::beside::{Behind, Beside, OWN_ROUNDINGS};
 use crate::simulation::tolerance::event_order::first_difference;
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::tolerance::given_forces::GivenForces;
@@ -38,10 +41,6 @@ use crate::stepping::length::stage_choice::StageChoice;
 
 /// The accuracy over the stop, for which stages are chosen when the run restarts.
 const OPTIMISTIC: f64 = 100.0;
-/// The error of a run is at most this times the error of the companion over [`RATIO`], because a companion may be accurate by luck.
-const LUCK: f64 = 3.0;
-/// Factor for the rounding errors of two motions that round independently.
-const OWN_ROUNDINGS: f64 = 2.0;
 /// Motions have parted if their distance exceeds this share of the mechanism's size.
 const PARTED: f64 = 1e-2;
 /// Number of estimates in a run with a carried companion, and in one with a separate companion.
@@ -93,6 +92,8 @@ pub struct Assessed<'a> {
     /// The last estimate.
     so_far: Option<AccuracySoFar>,
     parted: bool,
+    /// Whether a finer run was asked for, because the coarser one was far off.
+    asked: bool,
     /// The events so far, and the time from which the separate run has met different ones (s), if any.
     events: Vec<Event>,
     differ: Option<f64>,
@@ -131,6 +132,7 @@ impl<'a> Assessed<'a> {
             largest: 0.0,
             so_far: None,
             parted: false,
+            asked: false,
             events: Vec::new(),
             differ: None,
             horizon: Horizon::default(),
@@ -165,7 +167,7 @@ impl<'a> Assessed<'a> {
         (self.stop, self.stages) = self.next.take().unwrap_or((self.stop, self.stages));
         self.run = self.terms.run(mechanism, self.stop, self.stages)?;
         self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
-        (self.steps, self.looked, self.parted) = (0, 0, false);
+        (self.steps, self.looked, self.parted, self.asked) = (0, 0, false, false);
         (self.largest, self.so_far) = (0.0, None);
         self.events.clear();
         self.differ = None;
@@ -182,7 +184,7 @@ impl<'a> Assessed<'a> {
 
     /// A separate coarser run from a state on.
     fn beside(&self, mechanism: &Mechanism, state: &State) -> By {
-        let beside = Beside::new(mechanism, &self.terms, self.stop, self.stages, state);
+        let beside = Beside::coarser(mechanism, &self.terms, self.stop, self.stages, state);
         beside.map_or(By::Nothing, |beside| By::Beside(Box::new(beside)))
     }
 
@@ -233,18 +235,24 @@ impl<'a> Assessed<'a> {
                     Err(Behind::Failed) => return Some(f64::INFINITY),
                     Err(Behind::Interrupted) => return None,
                 }
-                let share = if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
-                // The iterations of nine stages leave errors in proportion to the stop; those of five leave next to none beside truncation.
-                let truncated = match self.stages {
-                    StageChoice::Many => 0.0,
-                    few => (LUCK * beside.share_of_truncation(self.steps, few.count())).min(1.0),
-                };
-                let share = share.max(beside.share_of_first_order(&self.run)).max(truncated);
+                let share = beside.share(&self.run, self.stop, self.stages, self.steps);
                 (probes(mechanism, &beside.state), share)
             }
         };
         let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
+        if std::env::var("DUMP").is_ok() {
+            eprintln!(
+                "look {} apart {apart:e} share {share:e} {} events {} {:?}",
+                state.time,
+                match &self.by {
+                    By::Beside(b) => format!("finer {} ev {} last {:?}", b.finer_is(), b.events.len(), b.events.last()),
+                    _ => String::new(),
+                },
+                self.events.len(),
+                self.events.last()
+            );
+        }
         self.horizon.see(state.time, apart.min(PARTED * self.size));
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
@@ -256,24 +264,23 @@ impl<'a> Assessed<'a> {
             return;
         }
         let Some(error) = self.error(mechanism, state) else { return };
-        let error = error.max(self.largest);
+        let mut error = error.max(self.largest);
         // Samples inside steps that are too long for a damper may be off where the ends are right.
         let ringing = self.run.ringing_inside();
+        let Terms { start, end, tolerance: wanted, .. } = self.terms;
+        let restarts = self.finer_stop(state, error, ringing);
+        if restarts.is_none() && error > wanted {
+            error = self.second_opinion(mechanism, state, error);
+        }
         // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
         let estimate = error.max(ringing) + self.run.error_of_impacts(state.time) + self.given.error(state.time);
-        let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
         self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
         self.largest = error;
         let later = (state.time - start) * LATER;
         (self.looked, self.due) = (self.steps, (state.time + (end - start) / self.looks()).min(start + later));
-        if self.may_begin_again
-            && self.stop > FINEST
-            && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error, ringing)
-            && self.gains_by_finer_steps(state)
-        {
-            let stop = self.forecast.finer(predicted, self.begun > 1);
+        if let Some(stop) = restarts {
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
         } else if error.is_infinite() {
             self.parted = true;
@@ -286,6 +293,31 @@ impl<'a> Assessed<'a> {
             self.run.pass_horizon();
             if let By::Beside(beside) = &mut self.by {
                 beside.run.pass_horizon();
+            }
+        }
+    }
+
+    /// The stop with which the run restarts, if it is too coarse for its error (m) and for that of ringing (m), and may restart.
+    fn finer_stop(&mut self, state: &State, error: f64, ringing: f64) -> Option<f64> {
+        if !self.may_begin_again || self.stop <= FINEST {
+            return None;
+        }
+        let predicted = self.forecast.too_coarse(state.time, self.steps, error, ringing)?;
+        self.gains_by_finer_steps(state).then(|| self.forecast.finer(predicted, self.begun > 1))
+    }
+
+    /// The error of the run (m), whose coarser companion is this far off (m), as a finer one tells it: it stays beside the run if it is nearer.
+    fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64) -> f64 {
+        let (By::Beside(_), Some(origin), false) = (&self.by, &self.origin, self.asked) else { return error };
+        self.asked = true;
+        let finer = Beside::finer(mechanism, &self.terms, self.stop, self.stages, origin);
+        let Some(finer) = finer else { return error };
+        let coarser = std::mem::replace(&mut self.by, By::Beside(Box::new(finer)));
+        match self.error(mechanism, state) {
+            Some(told) if told < error => told,
+            _ => {
+                self.by = coarser;
+                error
             }
         }
     }

@@ -1,10 +1,12 @@
-//! A coarser run beside another, with its own steps: their distance is an estimate of the error.
+//! A run beside another, with its own steps: their distance is an estimate of the error. It is coarser, for the least cost; one that seems to be far off
+//! may be off itself, and a finer one has the last word.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::simulation::tolerance::forecast::{FINEST, ROUNDED};
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::length::control::COARSEST_STOP;
 use crate::stepping::length::stage_choice::StageChoice;
@@ -15,6 +17,15 @@ pub(crate) const RATIO: f64 = 30.0;
 const ENERGY: f64 = 300.0;
 /// Length of its steps over events over those of the run beside it.
 const OVER_EVENTS: f64 = 2.0;
+/// The stop of a finer run beside one whose stop is at rounding, over that stop: its steps are others.
+const OTHER_STEPS: f64 = 10.0;
+/// The error of a run is at most this times its distance from a finer one: errors of both may have the same sign.
+const NEAR_TRUTH: f64 = 1.25;
+
+/// The error of a run is at most this times the error of a coarser one over [`RATIO`], because that may be accurate by luck.
+const LUCK: f64 = 3.0;
+/// Factor for the rounding errors of two motions that round independently.
+pub(crate) const OWN_ROUNDINGS: f64 = 2.0;
 
 /// Why a separate run has not reached the time that was asked for.
 pub(crate) enum Behind {
@@ -24,8 +35,10 @@ pub(crate) enum Behind {
     Interrupted,
 }
 
-/// A separate coarser run, and its state.
+/// A separate run, and its state.
 pub(crate) struct Beside {
+    /// Whether it is finer than the run beside it.
+    is_finer: bool,
     pub(crate) run: RunIntegrator,
     pub(crate) state: State,
     pub(crate) events: Vec<Event>,
@@ -34,8 +47,8 @@ pub(crate) struct Beside {
 }
 
 impl Beside {
-    /// A run with these settings and this stop, from a state on; `None` for invalid steps.
-    pub(crate) fn new(
+    /// A coarser run with these settings and beside this stop, from a state on; `None` for invalid steps.
+    pub(crate) fn coarser(
         mechanism: &Mechanism,
         terms: &Terms,
         stop: f64,
@@ -53,7 +66,41 @@ impl Beside {
         // Impacts of both that end at the same height would hide what that leaves.
         let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         run.coarsen_over_events(OVER_EVENTS);
-        Some(Beside { run, state: state.clone(), events: Vec::new(), steps: 0 })
+        Some(Beside { is_finer: false, run, state: state.clone(), events: Vec::new(), steps: 0 })
+    }
+
+    pub fn finer_is(&self) -> bool {
+        self.is_finer
+    }
+    /// A finer run, whose accumulating impacts and steps over events leave less.
+    pub(crate) fn finer(
+        mechanism: &Mechanism,
+        terms: &Terms,
+        stop: f64,
+        stages: StageChoice,
+        state: &State,
+    ) -> Option<Self> {
+        let finer = if stop < ROUNDED { OTHER_STEPS * stop } else { (stop / RATIO).max(FINEST) };
+        let run = terms.run(mechanism, finer, stages).ok()?;
+        let mut run = run.leaving(stop / (RATIO * terms.first_stop(mechanism)), 1.0 / RATIO);
+        run.coarsen_over_events(1.0 / OVER_EVENTS);
+        Some(Beside { is_finer: true, run, state: state.clone(), events: Vec::new(), steps: 0 })
+    }
+
+    /// The part of the distance of both runs that is the error of the run beside it, which has this stop and stages, and has made this number of steps.
+    pub(crate) fn share(&self, run: &RunIntegrator, stop: f64, stages: StageChoice, steps: usize) -> f64 {
+        if self.is_finer {
+            let [own, finer] = [run, &self.run].map(RunIntegrator::smeared);
+            let shares = own.into_iter().zip(finer).filter(|(own, _)| *own > 0.0);
+            return shares.map(|(own, finer)| own / (own - finer).max(own / RATIO)).fold(NEAR_TRUTH, f64::max);
+        }
+        let share = if RATIO * stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
+        // The iterations of nine stages leave errors in proportion to the stop; those of five leave next to none beside truncation.
+        let truncated = match stages {
+            StageChoice::Many => 0.0,
+            few => (LUCK * self.share_of_truncation(steps, few.count())).min(1.0),
+        };
+        share.max(self.share_of_first_order(run)).max(truncated)
     }
 
     /// The part of the distance of both runs that is the error of the finer one, as far as steps of first order have made it.
@@ -62,7 +109,7 @@ impl Beside {
     ///     e = C Σ h²,    e′ − e = C (Σ h′² − Σ h²)        over events: the error of each step is in proportion to h² (m)
     ///     e = C Σ h                                       over jams, which leave an error of the velocity in proportion to h
     /// ```
-    pub(crate) fn share_of_first_order(&self, finer: &RunIntegrator) -> f64 {
+    fn share_of_first_order(&self, finer: &RunIntegrator) -> f64 {
         let [own, coarser] = [finer, &self.run].map(RunIntegrator::smeared);
         let shares = own.into_iter().zip(coarser).filter(|(own, _)| *own > 0.0);
         shares.map(|(own, coarser)| own / (coarser - own).max(own)).fold(0.0, f64::max)
@@ -74,7 +121,7 @@ impl Beside {
     /// ```text
     ///     e′/e = (n/n′)^(2s − 2)        n, n′: the numbers of steps
     /// ```
-    pub(crate) fn share_of_truncation(&self, steps: usize, stages: usize) -> f64 {
+    fn share_of_truncation(&self, steps: usize, stages: usize) -> f64 {
         let longer = steps as f64 / self.steps.max(1) as f64;
         longer.max(1.0).powi(2 - 2 * stages as i32)
     }
