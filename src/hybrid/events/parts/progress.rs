@@ -5,6 +5,7 @@
 
 use crate::events::parts::crowding::Crowding;
 use crate::events::parts::repeats::Repeats;
+use crate::events::slow_passes::Pass;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
 
@@ -17,6 +18,8 @@ pub(crate) struct Progress {
     pub bounded: bool,
     /// Events that may repeat, and the functions that the step does not look at.
     pub repeats: Repeats,
+    /// The slips that pass near their stops now.
+    pub passes: Vec<Pass>,
     /// The counts of crowds of events.
     pub crowding: Crowding,
     /// Whether the run makes steps over many impacts now.
@@ -44,6 +47,7 @@ impl Progress {
             began: 0.0,
             bounded: false,
             repeats: Repeats::new(),
+            passes: Vec::new(),
             crowding: Crowding::CALM,
             in_crowd: false,
             estimated: false,
