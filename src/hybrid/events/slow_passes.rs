@@ -21,6 +21,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::tolerances::{STOPPED_SLIP, slip_at_rest};
+use crate::events::parts::progress::Pass;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -59,16 +60,6 @@ fn error([from, to]: [&Vector3<f64>; 2], stages: usize) -> f64 {
     let root = [(0.5 * (size + real)).max(0.0).sqrt(), (0.5 * (size - real)).max(0.0).sqrt().copysign(imaginary)];
     let ellipse = (x + root[0]).hypot(y + root[1]).max((x - root[0]).hypot(y - root[1])).max(1.0);
     square.sqrt() * turned * ellipse.powi(2 - 2 * stages as i32)
-}
-
-/// A slip that passes near its stop, as it was in the last step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pass {
-    /// Its contact, among the closed ones, and the pair of that.
-    contact: usize,
-    pair: usize,
-    /// How fast it changes [m/s²].
-    rate: Vector3<f64>,
 }
 
 /// The longest step (s), up to a length, in which a slip that changes at this rate is off by no more than is allowed [m/s].

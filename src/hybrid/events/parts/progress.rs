@@ -5,9 +5,19 @@
 
 use crate::events::parts::crowding::Crowding;
 use crate::events::parts::repeats::Repeats;
-use crate::events::slow_passes::Pass;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
+use nalgebra::Vector3;
+
+/// A slip that passes near its stop, as it was in the last step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pass {
+    /// Its contact, among the closed ones, and the pair of that.
+    pub contact: usize,
+    pub pair: usize,
+    /// How fast it changes [m/s²].
+    pub rate: Vector3<f64>,
+}
 
 /// The progress of a run.
 #[derive(Clone)]
