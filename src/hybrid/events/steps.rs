@@ -104,6 +104,7 @@ impl Eventful {
         self.trial.forget_looks();
         inputs.write_constant(&mut self.trial.efforts);
         self.mode.add_constant_efforts(&self.model.elements, &mut self.trial.efforts);
+        self.trial.holding.foreseen.begin(&self.trial.efforts);
         self.note_slips(state);
         if !self.model.touching.pairs.is_empty() {
             match &mut self.previous.stepped_in {

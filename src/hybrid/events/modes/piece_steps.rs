@@ -125,6 +125,11 @@ pub(crate) trait PieceSteps: Integrator + Send + Sync {
         false
     }
 
+    /// Writes the forces on the second ends of the closures in the last step ([`SpanSteps::closure_forces`]); whether it has found them.
+    fn closure_forces(&self, _forces: &mut Vec<[f64; 3]>) -> bool {
+        false
+    }
+
     /// A step that is shorter than this (s) and cannot be solved is given up, now and later.
     fn give_up_below(&mut self, _length: f64) {}
 
@@ -199,6 +204,10 @@ impl PieceSteps for SpanSteps {
 
     fn is_short_span(&self) -> bool {
         SpanSteps::is_short_span(self)
+    }
+
+    fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
+        SpanSteps::closure_forces(self, forces)
     }
 
     fn give_up_below(&mut self, length: f64) {
