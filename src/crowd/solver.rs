@@ -11,26 +11,27 @@ use nalgebra::Vector3;
 
 /// The residual at which an island counts as solved, and the one at which no more than one interior point is tried.
 pub const TOLERANCE: f64 = 5e-9;
-const ENOUGH: f64 = 1e-5;
+const ENOUGH: f64 = 1e-4;
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
 /// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
 const NEARLY: f64 = 1e-5;
 /// Blocks are added this often at most.
 const WIDENED: usize = 10;
-/// The most iterations of Newton's method.
+/// The most iterations of Newton's method, and of those that finish another one.
 const NEWTON: f64 = 80.0;
+const FINISH: f64 = 40.0;
 /// How far inside the cones interior points start, in units of the largest bias. Each is one more chance.
 const DEPTHS: [f64; 3] = [10.0, 1e3, 0.1];
 
 /// Solves the problem of an island from these impulses until its residual is below `tolerance`; returns the residual. Blocks that exert no impulse and do
 /// not close are left out, until the others make them close: hundreds of points of a hull are near a floor, and few of them press. Which of them take
-/// part is found out with a coarse solution.
+/// part is found out with a coarse solution. Without `hard`, Newton's method is the only one.
 pub fn solve(
     problem: &mut Problem,
     impulses: &mut [Vector3<f64>],
     v: &mut Vec<f64>,
-    tolerance: f64,
+    (tolerance, hard): (f64, bool),
     room: &mut Workspace,
 ) -> f64 {
     let all = std::mem::take(&mut problem.blocks);
@@ -47,7 +48,7 @@ pub fn solve(
         let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
         residual = newton(problem, &mut own, v, [within, NEWTON], room);
         let mut more = called(problem, &all, &part, v);
-        if more.is_empty() && within <= tolerance && residual > tolerance && !own.is_empty() {
+        if hard && more.is_empty() && within <= tolerance && residual > tolerance && !own.is_empty() {
             residual = harder(problem, &mut own, residual, v, tolerance, room);
             more = called(problem, &all, &part, v);
         }
@@ -88,7 +89,7 @@ fn harder(
         }
         let mut near = impulses.to_vec();
         if interior(problem, &mut near, depth, room) {
-            let found = newton(problem, &mut near, v, [tolerance, NEWTON], room);
+            let found = newton(problem, &mut near, v, [tolerance, FINISH], room);
             if found < residual {
                 (residual, best) = (found, near);
             }

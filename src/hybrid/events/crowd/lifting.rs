@@ -57,7 +57,7 @@ impl Crowd {
                 let mut problem = Problem::new(trees, &next.rows, [&island.trees, &places], &nothing, blocks);
                 let mut impulses = vec![Vector3::zeros(); island.candidates.len()];
                 let mut v = Vec::new();
-                solve(&mut problem, &mut impulses, &mut v, SOLVED, room);
+                solve(&mut problem, &mut impulses, &mut v, (SOLVED, true), room);
                 let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
                 freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
             }
