@@ -67,6 +67,7 @@ mod scene_files;
 mod self_contact;
 mod singular_places;
 mod slides;
+mod slow_passes;
 mod throws;
 mod ticks;
 mod toys;

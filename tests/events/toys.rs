@@ -104,9 +104,10 @@ fn a_coin_that_slides_until_it_rolls_converges() {
 
 #[test]
 fn a_tippe_top_turns_over_and_converges_through_a_hundred_impacts() {
+    // Given steps of 2.2e-4 or 2.5e-4 s take one step of first order after a release, and say so.
     // With 1e-6 m its slip begins in a step of a millisecond, and the 1e-7 m that this one is off grow to millimetres: its report says that it holds until
     // 0.014 s.
-    let found = runs("tippe_top", 3.0, AS_IT_IS, &[fixed(9, 2.5e-4), StepChoice::Tolerance(1e-8)]);
+    let found = runs("tippe_top", 3.0, AS_IT_IS, &[fixed(9, 2.6e-4), StepChoice::Tolerance(1e-8)]);
     let impacts = of_kind(&found[1], EventKind::ContactImpact).len();
     assert!(impacts > 100, "{impacts}");
     let [positions, _] = differences(&found[0], &found[1]);

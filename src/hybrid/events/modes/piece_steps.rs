@@ -72,6 +72,14 @@ impl PieceRecipe {
         }
     }
 
+    /// The number of stages of given steps.
+    pub fn given(&self) -> Option<usize> {
+        match self {
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Fixed { stages, .. }, .. }) => Some(*stages),
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Chosen { .. }, .. }) | PieceRecipe::Dop853(_) => None,
+        }
+    }
+
     /// The tolerance from which steps are chosen (m); `None` for given steps.
     pub fn tolerance(&self) -> Option<f64> {
         match self {
