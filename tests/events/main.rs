@@ -7,6 +7,7 @@ mod belts;
 mod blocked;
 mod closed;
 mod contacts;
+mod contacts_arch;
 mod contacts_bowl;
 mod contacts_cans;
 mod contacts_car;
