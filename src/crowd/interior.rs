@@ -32,6 +32,8 @@ const STIFF: f64 = 0.1;
 /// Part of the way to the border of the cones, and the shortest step.
 const SHORT: f64 = 0.99;
 const SHORTEST: f64 = 1e-6;
+/// ν that has not halved in this many iterations will not.
+const STALLED: usize = 4;
 
 /// An iterate, or a step.
 #[derive(Clone, Default)]
@@ -63,6 +65,7 @@ pub(crate) fn interior(problem: &Problem, impulses: &mut [Vector3<f64>], depth: 
     let Some(mut point) = start(problem, depth, size, room) else { return false };
     let first = product(problem, &point);
     let mut v = Vec::new();
+    let (mut halved, mut since) = (first, 0);
     for _ in 0..ITERATIONS {
         problem.velocity(&point.impulses, &mut v);
         let rates = |number: usize| problem.rate(number, &v, &point.impulses[number]) - point.rates[number];
@@ -70,7 +73,14 @@ pub(crate) fn interior(problem: &Problem, impulses: &mut [Vector3<f64>], depth: 
         let mean = product(problem, &point);
         let weighted = problem.blocks.iter().zip(&off).map(|(block, off)| block.rho.sqrt() * off.amax());
         let infeasible = weighted.fold(0.0, f64::max);
-        if !mean.is_finite() || (mean <= ENOUGH * first.min(size * size) && infeasible <= ENOUGH * size) {
+        since += 1;
+        if mean < 0.5 * halved {
+            (halved, since) = (mean, 0);
+        }
+        if !mean.is_finite()
+            || since > STALLED
+            || (mean <= ENOUGH * first.min(size * size) && infeasible <= ENOUGH * size)
+        {
             break;
         }
         let linear: Option<Vec<Linear>> =
@@ -85,7 +95,7 @@ pub(crate) fn interior(problem: &Problem, impulses: &mut [Vector3<f64>], depth: 
         let straight = step(problem, &point, &blocks, &off, 0.0, None, room);
         let length = longest(problem, &point, &straight);
         let reached = product(problem, &moved(&point, &straight, length));
-        let target = mean * (reached / mean).max(0.0).powi(3).min(1.0);
+        let target = mean * (reached / mean).max(0.0).powi(2).min(1.0);
         let chosen = step(problem, &point, &blocks, &off, target, Some(&straight), room);
         let length = (SHORT * longest(problem, &point, &chosen)).min(1.0);
         if !length.is_finite() || length < SHORTEST {

@@ -41,6 +41,14 @@ impl Law {
         }
     }
 
+    /// Whether an impulse is beyond the bounds, or pulls at a contact.
+    pub fn pulls(self, impulse: &Vector3<f64>) -> bool {
+        match self {
+            Law::Cone(_) => impulse.x < 0.0,
+            Law::Interval(lower, upper) => impulse.x < lower || impulse.x > upper,
+        }
+    }
+
     /// De Saxcé's shift of the normal rate.
     pub fn shift(self, rate: &Vector3<f64>) -> f64 {
         match self {

@@ -6,12 +6,13 @@
 //! ```
 //!
 //! ε is a proximal part: without it contacts that stick at places that do not fit together have no bounded impulses. A step is halved until the sum of
-//! the squared natural maps falls; because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is ten
-//! times as large, up to five times, because redundant contacts pull against each other; then the full step is taken once. The best impulses of all
-//! iterations are the answer.
+//! the squared natural maps is below the largest of the last ones: a sum that has to fall in each step ends where redundant contacts change their states in
+//! turn. Because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is ten times as large, up to five
+//! times, because redundant contacts pull against each other; then the full step is taken once. The best impulses of all iterations are the answer.
 //!
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
-//! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity.
+//! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity; L. Grippo, F. Lampariello, S. Lucidi, A nonmonotone line search technique for
+//! Newton's method, SIAM Journal on Numerical Analysis 23 (1986).
 
 use crate::block_factors::Factors;
 use crate::laws::Response;
@@ -19,9 +20,12 @@ use crate::problem::Problem;
 use nalgebra::Vector3;
 
 /// The proximal part lies between these.
-const PROXIMAL: [f64; 2] = [1e-8, 0.1];
-/// The merit has to fall to this part at a step that counts as a success.
+const PROXIMAL: [f64; 2] = [1e-8, 1.0];
+/// The merit has to fall to this part of the largest of the last ones at a step that counts as a success.
 const FALLS: f64 = 0.9;
+const LAST: usize = 40;
+/// Iterations in which the least residual has not halved are the last ones.
+const STALLED: usize = 30;
 const HALVINGS: usize = 5;
 /// k grows by this factor after a step without success, this often in a row, and falls by its root after a success.
 const FIRMER: f64 = 10.0;
@@ -43,6 +47,7 @@ pub struct Workspace {
     responses: Vec<Response>,
     trial: [Vec<Vector3<f64>>; 2],
     best: Vec<Vector3<f64>>,
+    merits: Vec<f64>,
 }
 
 /// Iterates on impulses and rates until the residual is below `tolerance`, with a largest number of iterations; returns the residual at the end.
@@ -59,13 +64,17 @@ pub fn newton(
     let mut best = merit.residual;
     room.best.clear();
     room.best.extend_from_slice(impulses);
+    room.merits.clear();
+    room.merits.push(merit.value);
     let (mut unsuccessful, mut firm) = (0, 1.0_f64);
+    let (mut halved, mut since) = (merit.residual, 0);
     for _ in 0..most as usize {
-        if merit.residual <= tolerance {
+        if merit.residual <= tolerance || since > STALLED {
             break;
         }
         direction(problem, impulses, firm * merit.residual, room);
-        let Workspace { rates, turned, changes, trial: [trial, moved], .. } = room;
+        let Workspace { rates, turned, changes, trial: [trial, moved], merits, .. } = room;
+        let largest = merits.iter().rev().take(LAST).fold(0.0_f64, |largest, merit| largest.max(*merit));
         let (mut part, mut falls) = (1.0, false);
         let mut found = merit;
         for halving in 0..=HALVINGS {
@@ -78,7 +87,7 @@ pub fn newton(
             along(impulses, changes, trial);
             along(rates, turned, moved);
             found = problem.merit(trial, moved);
-            falls = found.value.is_finite() && found.value < FALLS * merit.value;
+            falls = found.value.is_finite() && found.value < FALLS * largest;
             if falls {
                 break;
             }
@@ -98,6 +107,11 @@ pub fn newton(
         problem.velocity(impulses, v);
         problem.rates(v, impulses, &mut room.rates);
         merit = problem.merit(impulses, &room.rates);
+        room.merits.push(merit.value);
+        since += 1;
+        if merit.residual < 0.5 * halved {
+            (halved, since) = (merit.residual, 0);
+        }
         if merit.residual < best {
             best = merit.residual;
             room.best.copy_from_slice(impulses);
@@ -109,6 +123,18 @@ pub fn newton(
     if best < merit.residual || merit.residual.is_nan() {
         impulses.copy_from_slice(&room.best);
         problem.velocity(impulses, v);
+    }
+    // No contact pulls, however little: a part of a step may leave a part of an impulse.
+    let mut pulled = false;
+    for (impulse, block) in impulses.iter_mut().zip(&problem.blocks) {
+        if block.law.pulls(impulse) {
+            (*impulse, pulled) = (block.law.project(impulse), true);
+        }
+    }
+    if pulled {
+        problem.velocity(impulses, v);
+        problem.rates(v, impulses, &mut room.rates);
+        best = problem.merit(impulses, &room.rates).residual;
     }
     best
 }

@@ -6,31 +6,32 @@
 use crate::convex::rounds;
 use crate::interior::interior;
 use crate::newton::{Workspace, newton};
-use crate::problem::Problem;
+use crate::problem::{Block, Problem};
 use nalgebra::Vector3;
 
 /// The residual at which an island counts as solved, and the one at which no more than one interior point is tried.
 pub const TOLERANCE: f64 = 5e-9;
-const ENOUGH: f64 = 1e-6;
+const ENOUGH: f64 = 1e-4;
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
 /// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
 const NEARLY: f64 = 1e-5;
 /// Blocks are added this often at most.
 const WIDENED: usize = 10;
-/// The most iterations of Newton's method.
-const NEWTON: f64 = 40.0;
+/// The most iterations of Newton's method, and of those that finish another one.
+const NEWTON: f64 = 80.0;
+const FINISH: f64 = 40.0;
 /// How far inside the cones interior points start, in units of the largest bias. Each is one more chance.
 const DEPTHS: [f64; 3] = [10.0, 1e3, 0.1];
 
 /// Solves the problem of an island from these impulses until its residual is below `tolerance`; returns the residual. Blocks that exert no impulse and do
 /// not close are left out, until the others make them close: hundreds of points of a hull are near a floor, and few of them press. Which of them take
-/// part is found out with a coarse solution.
+/// part is found out with a coarse solution. Without `hard`, Newton's method is the only one.
 pub fn solve(
     problem: &mut Problem,
     impulses: &mut [Vector3<f64>],
     v: &mut Vec<f64>,
-    tolerance: f64,
+    (tolerance, hard): (f64, bool),
     room: &mut Workspace,
 ) -> f64 {
     let all = std::mem::take(&mut problem.blocks);
@@ -45,37 +46,42 @@ pub fn solve(
         problem.blocks.clear();
         problem.blocks.extend(part.iter().map(|&number| all[number]));
         let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
-        residual = solve_all(problem, &mut own, v, within, room);
+        residual = newton(problem, &mut own, v, [within, NEWTON], room);
+        let mut more = called(problem, &all, &part, v);
+        if hard && more.is_empty() && within <= tolerance && residual > tolerance && !own.is_empty() {
+            residual = harder(problem, &mut own, residual, v, tolerance, room);
+            more = called(problem, &all, &part, v);
+        }
         part.iter().zip(own).for_each(|(&number, impulse)| impulses[number] = impulse);
-        let before = part.len();
-        let mut inside = part.iter().copied().peekable();
-        let others = (0..all.len()).filter(|number| inside.next_if_eq(number).is_none());
-        let more: Vec<usize> = others.filter(|&number| problem.is_called(&all[number], v, 0.0)).collect();
-        part.extend(more);
-        part.sort_unstable();
-        if part.len() == before {
+        if more.is_empty() {
             if residual <= tolerance || within <= tolerance {
                 break;
             }
             within = tolerance;
         }
+        part.extend(more);
+        part.sort_unstable();
     }
     problem.blocks = all;
     residual
 }
 
-/// The same with all blocks.
-fn solve_all(
+/// The blocks that take no part and close at these rates.
+fn called(problem: &Problem, all: &[Block], part: &[usize], v: &[f64]) -> Vec<usize> {
+    let mut inside = part.iter().copied().peekable();
+    let others = (0..all.len()).filter(|number| inside.next_if_eq(number).is_none());
+    others.filter(|&number| problem.is_called(&all[number], v, 0.0)).collect()
+}
+
+/// Goes on from impulses at which Newton's method has stalled, with this residual; returns the residual of the better ones.
+fn harder(
     problem: &Problem,
     impulses: &mut [Vector3<f64>],
+    mut residual: f64,
     v: &mut Vec<f64>,
     tolerance: f64,
     room: &mut Workspace,
 ) -> f64 {
-    let mut residual = newton(problem, impulses, v, [tolerance, NEWTON], room);
-    if residual <= tolerance || impulses.is_empty() {
-        return residual;
-    }
     let (enough, mut best) = (ENOUGH.max(tolerance), impulses.to_vec());
     for (number, depth) in DEPTHS.into_iter().enumerate() {
         if number > 0 && residual <= enough {
@@ -83,7 +89,7 @@ fn solve_all(
         }
         let mut near = impulses.to_vec();
         if interior(problem, &mut near, depth, room) {
-            let found = newton(problem, &mut near, v, [tolerance, NEWTON], room);
+            let found = newton(problem, &mut near, v, [tolerance, FINISH], room);
             if found < residual {
                 (residual, best) = (found, near);
             }

@@ -144,6 +144,12 @@ impl Lobatto {
         weights.iter().zip(rates).map(|(weight, rate)| weight * *rate * *rate).sum()
     }
 
+    /// Writes the forces (N) on the second ends of the closures, loops and then contacts, at all stages of the last step but its end, stage after stage
+    /// of each; whether it solved for them.
+    pub fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
+        self.stepper.kernel.closure_forces(forces)
+    }
+
     /// Number of stages.
     pub fn stages(&self) -> usize {
         self.stepper.tableau.stages

@@ -155,6 +155,12 @@ impl SpanSteps {
         self.last().mean_square_rate(freedom, rates)
     }
 
+    /// Writes the forces (N) on the second ends of the closures at all stages of the last step but its end, stage after stage of each; whether it solved
+    /// for them ([`Lobatto::closure_forces`]).
+    pub fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
+        self.last().closure_forces(forces)
+    }
+
     /// The pace of the steps with many stages, for one who goes on; `origin` is where a grid began (s).
     pub fn step_pace(&self, origin: f64) -> StepPace {
         self.many.step_pace(origin)

@@ -1,7 +1,8 @@
 //! Runs go on through dead points of loops and gimbal locks: joints turn round there, or turn against each other without bound.
 
 use crate::common::shared;
-use crate::scene_files::{joint, report};
+use crate::scene_files::{joint, report, scene_of};
+use catena::prelude::{Model, Simulation};
 
 #[test]
 fn a_joint_with_friction_turns_round_at_a_dead_point_of_its_loop_while_another_joint_is_held() {
@@ -84,4 +85,58 @@ fn a_start_in_gimbal_lock_of_links_without_mass_goes_on_as_starts_beside_it_and_
         assert!(end.warnings.iter().any(|warning| warning.contains("gimbal lock")), "{angle}: {:?}", end.warnings);
     }
     assert!(beside.warnings.is_empty(), "{:?}", beside.warnings);
+}
+
+#[test]
+fn given_steps_go_on_through_dead_points_of_a_loop_with_held_joints_as_chosen_ones_do() {
+    // A crank, a rod that rubs in its knee, and a rocker that comes to rest on its limit: then the knee stops, and the crank and the rod go on as a pendulum.
+    let link = |name: &str, at: f64, mass: f64, turning: f64| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='{at} 0 0'/><mass value='{mass}'/>\
+             <inertia ixx='{0}' iyy='{turning}' izz='{turning}' ixy='0' ixz='0' iyz='0'/></inertial></link>",
+            0.1 * turning
+        )
+    };
+    let hinge = |name: &str, parent: &str, child: &str, at: f64, rest: &str| {
+        let kind = if rest.contains("limit") { "revolute" } else { "continuous" };
+        format!(
+            "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/><origin xyz='{at} 0 0'/>\
+             <axis xyz='0 -1 0'/>{rest}</joint>"
+        )
+    };
+    let robot = [
+        "<link name='base'/>".to_string(),
+        link("a", 0.05365055, 0.2227341, 0.0002137045720891795),
+        hinge("crank", "base", "a", 0.0, "<dynamics damping='0.002483921' friction='0'/>"),
+        link("b", 0.1549055, 0.55634, 0.004449925162651761),
+        hinge("knee", "a", "b", 0.1073011, "<dynamics damping='0' friction='0.01445573'/>"),
+        link("c", 0.22900215, 2.373057, 0.041482606299065784),
+        hinge(
+            "rocker",
+            "base",
+            "c",
+            0.2452202,
+            "<limit lower='1.098406730632811' upper='3.419923530632811' effort='1000' velocity='1000'/>\
+             <dynamics damping='0.1594881' friction='0.02417648'/>",
+        ),
+    ];
+    let scene = "[[robot]]\nurdf = \"robot.urdf\"\n\
+                 positions = { crank = -1.870149, knee = 3.9416409477964947, rocker = 2.763075730632811 }\n\
+                 velocities = { crank = -3.422525 }\n[[loop]]\nname = \"closure\"\ntype = \"distance\"\n\
+                 a = { link = \"b\", position = [0.309811, 0, 0] }\nb = { link = \"c\", position = [0.32060300999999997, 0, 0] }\n\
+                 [[joint]]\nname = \"rocker\"\nrestitution = 0.0\n[simulation]\nduration = 0.5424932\n";
+    let file = scene_of("dead_points", &robot.concat(), scene);
+    let wanted = report(&file, &[], &[], None, 1e-8);
+    let model = Model::load(&file).expect("a model");
+    for step in [5e-3, 2e-3, 1e-3] {
+        let mut simulation = Simulation::new(&model).fixed(5, step);
+        simulation.run().unwrap_or_else(|error| panic!("steps of {step} s: {error}"));
+        let found = simulation.finish().expect("a report");
+        assert_eq!(found.method.first_order_steps, wanted.method.first_order_steps);
+        for name in ["crank", "knee", "rocker"] {
+            // The dead points amplify roundings: the tolerance of the other run.
+            let off = (joint(&found, name).0 - joint(&wanted, name).0).abs();
+            assert!(off <= 1e-8, "steps of {step} s: {name} is {off:e} off");
+        }
+    }
 }

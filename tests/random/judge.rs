@@ -12,6 +12,7 @@
 //! | `twin` | the same scene written otherwise moves otherwise |
 //! | `slow` | some hundred times as many steps as usual |
 
+use crate::crowd;
 use crate::scene::{Answer, Scene};
 use crate::watch::{ATTEMPTS, Seen, Watch};
 use catena::output::report::{Numbers, Report};
@@ -75,7 +76,10 @@ pub fn judge(scene: &Scene, folder: &Path) -> Vec<Fault> {
     let path = scene.write(folder);
     let scene = Arc::new(scene.clone());
     let mut faults = Vec::new();
-    let judged = catch_unwind(AssertUnwindSafe(|| judge_runs(&scene, &path, &mut faults)));
+    let judged = catch_unwind(AssertUnwindSafe(|| {
+        let judge_all = if scene.is_crowd { crowd::judge } else { judge_runs };
+        judge_all(&scene, &path, &mut faults);
+    }));
     if judged.is_err() {
         faults.push(Fault { verdict: "panic", words: PANIC.take() });
     }

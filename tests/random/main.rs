@@ -3,12 +3,14 @@
 //! ```text
 //! cargo test --release --test random                                           200 scenes
 //! cargo test --release --test random thousand -- --ignored --nocapture         5000 scenes
-//! SEED=17 cargo test --release --test random one_seed -- --ignored --nocapture  the scene of seed 17, or 17..40
+//! cargo test --release --test random crowds -- --ignored --nocapture           500 heaps and limp robots
+//! SEED=17 cargo test --release --test random one_seed -- --ignored --nocapture  the scene of seed 17, or 17..40; of crowds with CROWD=1
 //! ```
 
 #[path = "../shared/common/mod.rs"]
 mod common;
 
+mod crowd;
 mod draw;
 mod judge;
 mod kinds;
@@ -18,6 +20,7 @@ mod shapes;
 mod urdf;
 mod watch;
 
+use scene::Scene;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -29,14 +32,14 @@ fn folder(seed: u64) -> PathBuf {
 }
 
 /// Judges all scenes of these seeds on as many threads as there are processors. Files of scenes that are right are removed.
-fn judged(seeds: Range<u64>) -> BTreeMap<u64, Vec<judge::Fault>> {
+fn judged(seeds: Range<u64>, of: fn(u64) -> Scene) -> BTreeMap<u64, Vec<judge::Fault>> {
     let (next, wrong) = (AtomicU64::new(seeds.start), Mutex::new(BTreeMap::new()));
     let work = || loop {
         let seed = next.fetch_add(1, Ordering::Relaxed);
         if seed >= seeds.end {
             break;
         }
-        let (scene, folder) = (kinds::scene(seed), folder(seed));
+        let (scene, folder) = (of(seed), folder(seed));
         let faults = judge::judge(&scene, &folder);
         if faults.is_empty() {
             let _ = std::fs::remove_dir_all(&folder);
@@ -58,9 +61,9 @@ fn judged(seeds: Range<u64>) -> BTreeMap<u64, Vec<judge::Fault>> {
 }
 
 /// Says which seeds are wrong, shows the first scene, and fails if there are any.
-fn assert_right(seeds: Range<u64>) {
+fn assert_right(seeds: Range<u64>, of: fn(u64) -> Scene) {
     let count = seeds.end - seeds.start;
-    let wrong = judged(seeds);
+    let wrong = judged(seeds, of);
     let mut verdicts: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
     for (seed, faults) in &wrong {
         faults.iter().for_each(|fault| verdicts.entry(fault.verdict).or_default().push(*seed));
@@ -70,7 +73,7 @@ fn assert_right(seeds: Range<u64>) {
     }
     println!("{} of {count} scenes are wrong", wrong.len());
     if let Some(seed) = wrong.keys().next() {
-        println!("{}", kinds::scene(*seed).listing());
+        println!("{}", of(*seed).listing());
         println!("its files: {}", folder(*seed).display());
         println!("again: SEED={seed} cargo test --release --test random one_seed -- --ignored --nocapture");
     }
@@ -79,7 +82,7 @@ fn assert_right(seeds: Range<u64>) {
 
 #[test]
 fn two_hundred_random_scenes_with_events_keep_every_law() {
-    assert_right(0..200);
+    assert_right(0..200, kinds::scene);
 }
 
 /// Seeds of the five thousand that broke a law once.
@@ -98,7 +101,7 @@ const BROKEN_ONCE: [(&str, &[u64]); 5] = [
 fn scenes_that_broke_a_law_once_keep_it() {
     for (what, seeds) in BROKEN_ONCE {
         for seed in seeds {
-            let faults = judged(*seed..seed + 1);
+            let faults = judged(*seed..seed + 1, kinds::scene);
             assert!(faults.is_empty(), "{what}: seed {seed}: {faults:?}");
         }
     }
@@ -107,19 +110,26 @@ fn scenes_that_broke_a_law_once_keep_it() {
 #[test]
 #[ignore = "some ten minutes: cargo test --release --test random thousand -- --ignored --nocapture"]
 fn five_thousand_random_scenes_with_events_keep_every_law() {
-    assert_right(1000..6000);
+    assert_right(1000..6000, kinds::scene);
+}
+
+#[test]
+#[ignore = "some minutes: cargo test --release --test random crowds -- --ignored --nocapture"]
+fn five_hundred_crowds_keep_every_law() {
+    assert_right(0..500, kinds::crowd);
 }
 
 #[test]
 #[ignore = "SEED=17 cargo test --release --test random one_seed -- --ignored --nocapture"]
 fn one_seed() {
     let Ok(seeds) = std::env::var("SEED") else { return };
+    let of = if std::env::var_os("CROWD").is_some() { kinds::crowd } else { kinds::scene };
     let parsed = |text: &str| text.parse::<u64>().expect("SEED is a number, or a range as 10..20");
     match seeds.split_once("..") {
-        Some((from, to)) => assert_right(parsed(from)..parsed(to)),
+        Some((from, to)) => assert_right(parsed(from)..parsed(to), of),
         None => {
-            println!("{}", kinds::scene(parsed(&seeds)).listing());
-            assert_right(parsed(&seeds)..parsed(&seeds) + 1);
+            println!("{}", of(parsed(&seeds)).listing());
+            assert_right(parsed(&seeds)..parsed(&seeds) + 1, of);
         }
     }
 }

@@ -45,6 +45,8 @@ pub struct Scene {
     pub all_pairs: bool,
     /// Pairs of links of one robot that touch, if links of one robot do.
     pub itself: Vec<[String; 2]>,
+    /// It is judged as a crowd: links of one robot touch as far as the model lets them.
+    pub is_crowd: bool,
     /// Of all contacts; `None`: there are no shapes.
     pub contact: Option<(f64, f64)>,
     pub solids: Vec<Solid>,
@@ -167,7 +169,7 @@ impl Scene {
         let touching = if all_pairs { "all" } else { "environment" };
         self.table(format!(
             "[contact]\npairs = \"{touching}\"\nself_contact = {}\nfriction = {friction:?}\nrestitution = {restitution:?}",
-            !self.itself.is_empty()
+            self.is_crowd || !self.itself.is_empty()
         ));
         (self.all_pairs, self.contact) = (all_pairs, Some((friction, restitution)));
     }

@@ -80,6 +80,10 @@ impl Observer for Progress {
         self.accuracy = Some(*so_far);
     }
 
+    fn skips_contacts(&self) -> bool {
+        true
+    }
+
     fn begin_again(&mut self, _: &MethodDescription) -> Result<(), ObserverError> {
         self.accuracy = None;
         Ok(())

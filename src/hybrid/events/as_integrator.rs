@@ -104,8 +104,11 @@ impl Integrator for Eventful {
                 self.progress.crowding.jam(self.trial.origin.time);
                 self.pass_singular(inputs, state, next)
             }
-            // A given step was halved again and again, and is beyond the limit of stability because joints turn without bound.
-            Err(StepError::Unstable { .. }) if self.model.touching.pairs.is_empty() && self.starts_singular() => {
+            // A given step was halved again and again, and is beyond the limit of stability because joints turn without bound, or because a loop with
+            // held joints has no motion to follow.
+            Err(StepError::Unstable { .. })
+                if self.model.touching.pairs.is_empty() && (self.starts_singular() || self.holds_in_loops()) =>
+            {
                 self.progress.crowding.jam(self.trial.origin.time);
                 self.pass_singular(inputs, state, next)
             }

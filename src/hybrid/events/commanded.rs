@@ -52,7 +52,7 @@ impl Eventful {
                 changed = true;
             }
         }
-        if changed || self.progress.asleep || !self.goes_on_under(inputs, state) {
+        if changed || self.progress.asleep || !self.goes_on_under(inputs, state, false) {
             let exchanged = self.pass(inputs, state, &[], false);
             self.tally.lost_at_start += exchanged;
         }

@@ -62,7 +62,8 @@ impl Eventful {
         at_end
             && sticks
             && !self.progress.undecided
-            && self.trial.holding.holds_all(state, &self.efforts_in(&self.mode, state))
+            && (self.trial.holding.foreseen.holds_all_at(state.time)
+                || self.trial.holding.holds_all(state, &self.efforts_in(&self.mode, state)))
     }
 
     /// Adds the closed contacts in a state of the last step: at its end, or inside it.

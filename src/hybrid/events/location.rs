@@ -91,7 +91,8 @@ impl Eventful {
     fn look(&mut self, inputs: Inputs, since: f64, but: Option<usize>, looking: &mut Looking) -> Option<Bracket> {
         let Looking { which, zero, noise, room } = looking;
         self.candidates(since, which);
-        which.retain(|index| Some(*index) != but);
+        self.see_forces();
+        which.retain(|index| Some(*index) != but && !self.is_foreseen(self.trial.watched[*index]));
         if which.is_empty() {
             return None;
         }

@@ -44,6 +44,7 @@ mod effects;
 mod entering;
 mod finding;
 mod forces;
+mod foresight;
 mod integrator;
 mod jumps;
 mod last_step;

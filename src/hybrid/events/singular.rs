@@ -79,6 +79,12 @@ impl Eventful {
         modes(&mass).is_some_and(|(_, eigen)| eigen.eigenvalues.iter().any(|value| *value < LIGHT))
     }
 
+    /// Whether joints are held while loops are closed: near a dead point the rest of a loop may move at rates without bound, or not at all.
+    pub(super) fn holds_in_loops(&self) -> bool {
+        let held = |mode: &JointMode| matches!(mode, JointMode::Held { .. });
+        !self.model.whole.loops.is_empty() && self.mode.joints.iter().any(held)
+    }
+
     /// Linear and angular momentum of each body about its centre of mass after the forces on it have acted for a step (s).
     fn momenta(&self, start: &State, step: f64) -> Vec<BodyWrench> {
         let bodies = body_states(&self.model.whole, start);

@@ -104,6 +104,7 @@ impl Eventful {
         self.trial.forget_looks();
         inputs.write_constant(&mut self.trial.efforts);
         self.mode.add_constant_efforts(&self.model.elements, &mut self.trial.efforts);
+        self.trial.holding.foreseen.begin(&self.trial.efforts);
         self.note_slips(state);
         if !self.model.touching.pairs.is_empty() {
             match &mut self.previous.stepped_in {
@@ -114,6 +115,7 @@ impl Eventful {
         let shortest = self.shortest_passing(since);
         let Stopping { until: soon, slow, straight } = self.soon_after_stop(inputs, since, state);
         let stopped = slow.filter(|_| straight && !passing);
+        let soon = self.before_passes(since, soon.min(until));
         let given = self.progress.bounded && !passing && until <= soon;
         let contacts = self.mode.contacts.len();
         let piece = self.workspaces.active_mut();
@@ -123,8 +125,7 @@ impl Eventful {
             steps.expect_instant(given);
         }
         piece.begin(&self.model.whole, inputs, &self.trial.efforts, &self.trial.origin);
-        let until = until.min(soon);
-        let until = if rests { self.model.next_extreme(since, until) } else { until };
+        let until = if rests { self.model.next_extreme(since, soon) } else { soon };
         Attempt { since, until, passing, given, shortest, unknowns, slow, stopped }
     }
 

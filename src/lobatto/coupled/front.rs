@@ -38,6 +38,15 @@ pub(crate) fn active<V: Lanes>(count: usize) -> usize {
     if V::COUNT == 1 { 1 } else { count }
 }
 
+/// The same where a caller knows that all lanes of the vectors are `FULL`: a constant then as well.
+#[inline(always)]
+fn stages<V: Lanes, const FULL: bool>(count: usize) -> usize {
+    if FULL { V::COUNT } else { active::<V>(count) }
+}
+
+/// Vectors of more lanes have loops over stages, full or not: they are too long to be without.
+const SHORT: usize = 4;
+
 /// Largest number of stages.
 const MAX: usize = crate::numbers::lanes::MAX_LANES;
 
@@ -139,31 +148,39 @@ impl<V: Lanes> Fronts<V> {
     /// Gathers the pivot's column, row and block for a joint axis; `right` and `left` keep them.
     #[inline(always)]
     pub fn take_freedom(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
-        match self.width {
-            3 => self.take_screw::<3>(level, screws, columns),
-            _ => self.take_screw::<TWIST>(level, screws, columns),
+        match (self.width, self.is_full()) {
+            (3, false) => self.take_screw::<3, false>(level, screws, columns),
+            (3, true) => self.take_screw::<3, true>(level, screws, columns),
+            (_, false) => self.take_screw::<TWIST, false>(level, screws, columns),
+            (_, true) => self.take_screw::<TWIST, true>(level, screws, columns),
         }
+    }
+
+    /// Whether short vectors are full of stages.
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        V::COUNT <= SHORT && self.active == V::COUNT
     }
 
     /// [`Fronts::take_freedom`] with twists of `W` components.
     #[inline(always)]
-    fn take_screw<const W: usize>(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
-        let active = self.active();
+    fn take_screw<const W: usize, const FULL: bool>(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
+        let active = stages::<V, FULL>(self.active);
         let mut row_screw = [V::zero_array(); W];
         for component in 0..W {
             row_screw[component] = screws.rows[component].to_array();
         }
         let mut pivot = [V::zero(); MAX];
         for slot in 0..W {
-            self.take_row(level, &row_screw, slot);
+            self.take_row::<W, FULL>(level, &row_screw, slot);
             for k in 0..active {
                 pivot[k] = self.right[slot * V::COUNT + k].mul_add(screws.columns[slot], pivot[k]);
             }
         }
-        self.take_row(level, &row_screw, self.slots);
+        self.take_row::<W, FULL>(level, &row_screw, self.slots);
         for column in columns {
             if column.slot >= W {
-                self.take_row(level, &row_screw, column.slot);
+                self.take_row::<W, FULL>(level, &row_screw, column.slot);
             }
             let start = self.at(level, column.slot, 0);
             let row = &self.data[start..start + W * active];
@@ -181,8 +198,8 @@ impl<V: Lanes> Fronts<V> {
 
     /// One column of the pivot's row: the twist's rows of that column, projected on the joint axis.
     #[inline(always)]
-    fn take_row<const W: usize>(&mut self, level: usize, screw: &[V::Array; W], slot: usize) {
-        let active = self.active();
+    fn take_row<const W: usize, const FULL: bool>(&mut self, level: usize, screw: &[V::Array; W], slot: usize) {
+        let active = stages::<V, FULL>(self.active);
         let right = &mut self.right[slot * V::COUNT..slot * V::COUNT + active];
         right.fill(V::zero());
         for component in 0..W {
@@ -237,7 +254,17 @@ impl<V: Lanes> Fronts<V> {
     /// the stages in use.
     #[inline(always)]
     pub fn eliminate(&mut self, level: usize, columns: &[Column], kept: &mut [V]) {
-        let active = self.active();
+        if self.is_full() {
+            self.eliminate_stages::<true>(level, columns, kept);
+        } else {
+            self.eliminate_stages::<false>(level, columns, kept);
+        }
+    }
+
+    /// [`Fronts::eliminate`] for all stages of a full vector, or for those in use.
+    #[inline(always)]
+    fn eliminate_stages<const FULL: bool>(&mut self, level: usize, columns: &[Column], kept: &mut [V]) {
+        let active = stages::<V, FULL>(self.active);
         invert(&mut self.inverse, active);
         let mut inverse = [V::zero_array(); MAX];
         for k in 0..active {

@@ -4,6 +4,7 @@ use crate::coupled::system::{Coupled, Geometry, ReevedEnd};
 use crate::coupled::touching::Touching;
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
+use crate::stages::coefficients::row_stage;
 use std::ops::Range;
 
 impl<V: Lanes> Coupled<V> {
@@ -85,6 +86,22 @@ impl<V: Lanes> Coupled<V> {
     /// The latest increments of the multipliers.
     pub fn multiplier_increments(&self) -> &[V] {
         &self.multiplier_increments
+    }
+
+    /// Adds the forces of a loop or contact on its second end at the rows' stages, in the order of their times, for a step of this length (s):
+    /// `Σ_rows λ_k f_k h⁻²` (N), f the direction of a row.
+    pub(crate) fn closure_forces(&self, closure: usize, step: f64, forces: &mut Vec<[f64; 3]>) {
+        let (first, active) = (forces.len(), self.mixing.active);
+        forces.resize(first + active, [0.0; 3]);
+        for row in self.rows_of_loop[closure].clone() {
+            let scaled = self.multipliers[row] * V::splat((step * step).recip());
+            for axis in 0..3 {
+                let along = (scaled * self.gradients[row][1][axis]).to_array();
+                for (lane, along) in along.as_ref()[..active].iter().enumerate() {
+                    forces[first + row_stage(lane, active)][axis] += along;
+                }
+            }
+        }
     }
 
     /// The direction in which a multiplier pushes on the second end of its loop, in the first lane.

@@ -14,6 +14,7 @@ use crate::coupled::system::{Coupled, Geometry, Screw};
 use crate::coupled::touching::Touching;
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::numbers::reductions::largest;
+use crate::plan::elimination::TWIST;
 use crate::stages::coefficients::row_stage;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::closure::Mimic;
@@ -95,6 +96,14 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
     /// Work of the joints that are moved in time in the rows of a solved step (J).
     pub fn moving_work(&self) -> f64 {
         self.mimics.work(&self.coupled)
+    }
+
+    /// Writes the forces (N) on the second ends of loops and contacts at the rows' stages of a solved step of this length (s), stage after stage of each;
+    /// whether there are forces in space.
+    pub fn closure_forces(&self, step: f64, forces: &mut Vec<[f64; 3]>) -> bool {
+        forces.clear();
+        (0..self.coupled.loops).for_each(|closure| self.coupled.closure_forces(closure, step, forces));
+        G::WIDTH == TWIST
     }
 
     /// One iteration, after the bodies are placed: fills the increments, advances the multipliers; returns the largest increment.

@@ -59,6 +59,11 @@ pub trait Step: Send + Sync {
     fn known(&self) -> Option<&Known> {
         None
     }
+    /// Writes the forces on the second ends of the closures, loops and then contacts, at the stages 1 … s − 1 of the last solved step: of each closure
+    /// one force (N) a stage. Whether the step solved for them.
+    fn closure_forces(&self, _forces: &mut Vec<[f64; 3]>) -> bool {
+        false
+    }
     /// Number of redundant equations of the closures at the end of the finished step; `None` without closures, or if the projection had no work
     /// there.
     fn redundant(&self) -> Option<usize>;

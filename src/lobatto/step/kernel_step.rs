@@ -166,6 +166,11 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         self.closing.as_ref().map(Closing::known)
     }
 
+    fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
+        let newton = self.newton.as_ref().filter(|_| self.closing.is_some());
+        newton.is_some_and(|newton| newton.closure_forces(self.length, forces))
+    }
+
     fn redundant(&self) -> Option<usize> {
         self.closing.as_ref().and_then(Closing::weak)
     }

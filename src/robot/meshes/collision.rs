@@ -9,10 +9,30 @@ use crate::meshes::error::MeshError;
 use crate::meshes::{ending_of, read_surface};
 use nalgebra::Vector3;
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::path::Path;
 
 /// Twice the area below which a triangle is degenerate, relative to the square of its longest side.
 const NO_AREA: f64 = 1e-12;
+
+/// A hash of coordinates: their bits, multiplied by an odd number with as many ones as zeros, one after the other.
+#[derive(Default)]
+struct OfBits(u64);
+
+impl Hasher for OfBits {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, bits: u64) {
+        // The high bits of a product depend on all bits of its factor, and the next factor has them below.
+        self.0 = (self.0.rotate_left(32) ^ bits).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+}
 
 /// The surface in the bytes of a mesh file, scaled along the axes (m). The ending of the path says which format it has.
 ///
@@ -28,7 +48,7 @@ pub fn collision_surface(path: &Path, bytes: &[u8], scale: &Vector3<f64>) -> Res
 fn surface(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, scale: &Vector3<f64>) -> Result<Surface, MeshError> {
     let mirrors = scale.iter().filter(|factor| **factor < 0.0).count() % 2 == 1;
     let mut surface = Surface::default();
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut known: HashMap<(u64, u64, u64), u32, BuildHasherDefault<OfBits>> = HashMap::default();
     for corners in triangles {
         let mut numbers = [0; 3];
         for (number, corner) in numbers.iter_mut().zip(&corners) {
@@ -37,7 +57,7 @@ fn surface(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, scale: &Vector3<f
             if !place.iter().all(|coordinate| coordinate.is_finite()) {
                 return Err(MeshError::NotFinite);
             }
-            *number = *known.entry([place.x, place.y, place.z].map(f64::to_bits)).or_insert_with(|| {
+            *number = *known.entry((place.x.to_bits(), place.y.to_bits(), place.z.to_bits())).or_insert_with(|| {
                 surface.vertices.push(place);
                 (surface.vertices.len() - 1) as u32
             });

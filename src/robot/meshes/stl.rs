@@ -38,7 +38,7 @@ pub(super) fn read(data: &[u8]) -> Result<Surface, MeshError> {
 }
 
 fn binary(triangles: &[u8]) -> Part {
-    let mut part = Part::default();
+    let mut part = Part::with_room(triangles.len() / TRIANGLE);
     for triangle in triangles.chunks_exact(TRIANGLE) {
         let number = |place: usize| {
             let bytes = [0, 1, 2, 3].map(|byte| triangle[4 * place + byte]);

@@ -70,6 +70,12 @@ impl Surface {
 }
 
 impl Part {
+    /// One without triangles and colour, with room for some triangles.
+    pub(crate) fn with_room(triangles: usize) -> Self {
+        let count = 3 * triangles.min(MOST_TRIANGLES);
+        Part { corners: Vec::with_capacity(count), normals: Vec::with_capacity(count), color: None }
+    }
+
     /// Its colour, or else a light grey.
     pub fn shown_color(&self) -> [f32; 4] {
         self.color.unwrap_or(PLAIN)

@@ -1,6 +1,7 @@
 //! The kinds of scenes. Each takes its numbers from a [`Draw`] alone.
 
 mod balls;
+mod heaps;
 mod hinges;
 mod itself;
 mod locked;
@@ -45,11 +46,22 @@ const KINDS: [Kind; 20] = [
 /// The scene of a seed.
 pub fn scene(seed: u64) -> Scene {
     let (turn, place) = (seed as usize / KINDS.len(), seed as usize % KINDS.len());
-    // Every other tree on a floor is a robot that falls on itself.
+    // Every other tree on a floor is a robot that falls on itself; a heap stands for every other stack, a limp robot for one of three pairs of robots.
     let (kind, make) = match KINDS[place] {
         ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
+        ("stack", _) if turn % 2 == 1 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
+        ("two robots", _) if turn % 3 == 1 => ("limp robot", heaps::limp as fn(&mut Draw, Scene) -> Scene),
         kind => kind,
     };
     let mut draw = Draw::new(seed);
     make(&mut draw, Scene::new(kind, 0.0))
+}
+
+/// A heap or a limp robot, in turn.
+pub fn crowd(seed: u64) -> Scene {
+    let (kind, make) = match seed % 2 {
+        0 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
+        _ => ("limp robot", heaps::limp as fn(&mut Draw, Scene) -> Scene),
+    };
+    make(&mut Draw::new(seed), Scene::new(kind, 0.0))
 }

@@ -9,7 +9,7 @@
 use crate::crowd::islands::islands;
 use crate::crowd::laws::Law;
 use crate::crowd::problem::{Given, Problem};
-use crate::crowd::solver::{TOLERANCE, solve};
+use crate::crowd::solver::solve;
 use crate::events::crowd::contacts::{Candidate, Scene};
 use crate::events::crowd::step::Crowd;
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -21,6 +21,8 @@ const OVERLAP: f64 = 3e-10;
 /// Contacts with gaps up to this take part.
 const NEAR: f64 = 1e-6;
 const ROUNDS: usize = 6;
+/// The residual of their problem: it is repeated in rounds, and only gaps count.
+const SOLVED: f64 = 1e-6;
 
 impl Crowd {
     /// Lifts a state whose candidates are at the end of the step; returns the largest overlap before, and what is left (m or rad).
@@ -55,7 +57,7 @@ impl Crowd {
                 let mut problem = Problem::new(trees, &next.rows, [&island.trees, &places], &nothing, blocks);
                 let mut impulses = vec![Vector3::zeros(); island.candidates.len()];
                 let mut v = Vec::new();
-                solve(&mut problem, &mut impulses, &mut v, TOLERANCE, room);
+                solve(&mut problem, &mut impulses, &mut v, (SOLVED, true), room);
                 let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
                 freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
             }

@@ -79,6 +79,8 @@ pub(super) fn move_on(
         off: f64,
         best: (Vec<Vector3<f64>>, Vec<f64>, f64),
         open: bool,
+        /// Whether a round was not solved: those after it are left to Newton's method alone.
+        stuck: bool,
     }
     let at_end: [OnceCell<Rows>; ROUNDS] = std::array::from_fn(|_| OnceCell::new());
     let pressing = found.iter().filter(|island| !island.candidates.is_empty());
@@ -110,6 +112,7 @@ pub(super) fn move_on(
                 off: f64::INFINITY,
                 best: Default::default(),
                 open: true,
+                stuck: false,
             };
             (own, island)
         })
@@ -125,7 +128,8 @@ pub(super) fn move_on(
                 continue;
             }
             let tolerance = if round == 0 { COARSE } else { TOLERANCE };
-            own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, tolerance, room);
+            own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, (tolerance, !own.stuck), room);
+            own.stuck |= own.residual > tolerance;
             spread(trees, island, &own.v, displacement);
         }
         place_end(moving, displacement, end, bodies);

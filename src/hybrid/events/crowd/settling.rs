@@ -101,7 +101,7 @@ pub(super) fn settle(
         }
         problem.set_scale();
         let mut v = Vec::new();
-        let residual = solve(&mut problem, &mut impulses, &mut v, TOLERANCE, room);
+        let residual = solve(&mut problem, &mut impulses, &mut v, (TOLERANCE, true), room);
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
         freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);

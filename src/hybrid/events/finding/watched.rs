@@ -119,7 +119,8 @@ impl Watched {
                 (unique || shares, Watched::Presses(index)),
                 (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
                 (rubs && closed.slides.is_some() && (unique || slide(pair) > 1), Watched::Slips(index)),
-                (apart(pair), Watched::Feature(index)),
+                // A ball has no border that its contact could leave.
+                (apart(pair) && !touching.pairs[pair].has_one_place(), Watched::Feature(index)),
             ];
             all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
             for (moment, spinning) in [(closed.moments.rolling, false), (closed.moments.spinning, true)] {

@@ -166,6 +166,11 @@ impl Closing {
         })
     }
 
+    /// Their rows.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
     /// λ of all rows.
     pub fn forces(&self, unique: bool) -> Vec<f64> {
         Chosen::new(&self.blocks).solve(&self.rows.square, &self.offset, unique)

@@ -11,6 +11,7 @@
 //! the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
 use crate::events::forces::closed_forces::{ClosedForces, Closing, Load, are_unique, closed_forces};
+use crate::events::forces::foreseen::Foreseen;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
@@ -60,6 +61,8 @@ pub(crate) struct Holding {
     /// The state and the efforts that they were worked out for last.
     known: Option<(State, Vec<f64>)>,
     how: How,
+    /// The forces of the contacts that the last step has shown.
+    pub foreseen: Foreseen,
 }
 
 #[derive(Clone)]
@@ -172,6 +175,7 @@ impl Holding {
             margin_known: false,
             known: None,
             how,
+            foreseen: Foreseen::default(),
         }
     }
 
@@ -296,6 +300,13 @@ impl Holding {
         {
             self.margin = load.margin();
             self.margin_known = true;
+        }
+    }
+
+    /// Takes the answer of the forces to efforts in the position for which they were worked out last, if they are unique.
+    pub fn learn(&mut self, position: &[f64]) {
+        if let How::Closed { unique: true, last: Some(load) } = &self.how {
+            self.foreseen.learn(position, &load.held);
         }
     }
 

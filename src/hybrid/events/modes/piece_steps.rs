@@ -72,6 +72,14 @@ impl PieceRecipe {
         }
     }
 
+    /// The number of stages of given steps.
+    pub fn given(&self) -> Option<usize> {
+        match self {
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Fixed { stages, .. }, .. }) => Some(*stages),
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Chosen { .. }, .. }) | PieceRecipe::Dop853(_) => None,
+        }
+    }
+
     /// The tolerance from which steps are chosen (m); `None` for given steps.
     pub fn tolerance(&self) -> Option<f64> {
         match self {
@@ -122,6 +130,11 @@ pub(crate) trait PieceSteps: Integrator + Send + Sync {
 
     /// Whether the last step was a span to a given instant, short beside the steps of the motion.
     fn is_short_span(&self) -> bool {
+        false
+    }
+
+    /// Writes the forces on the second ends of the closures in the last step ([`SpanSteps::closure_forces`]); whether it has found them.
+    fn closure_forces(&self, _forces: &mut Vec<[f64; 3]>) -> bool {
         false
     }
 
@@ -199,6 +212,10 @@ impl PieceSteps for SpanSteps {
 
     fn is_short_span(&self) -> bool {
         SpanSteps::is_short_span(self)
+    }
+
+    fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
+        SpanSteps::closure_forces(self, forces)
     }
 
     fn give_up_below(&mut self, length: f64) {

@@ -7,6 +7,17 @@ use crate::events::parts::crowding::Crowding;
 use crate::events::parts::repeats::Repeats;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
+use nalgebra::Vector3;
+
+/// A slip that passes near its stop, as it was in the last step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pass {
+    /// Its contact, among the closed ones, and the pair of that.
+    pub contact: usize,
+    pub pair: usize,
+    /// How fast it changes [m/s²].
+    pub rate: Vector3<f64>,
+}
 
 /// The progress of a run.
 #[derive(Clone)]
@@ -17,6 +28,8 @@ pub(crate) struct Progress {
     pub bounded: bool,
     /// Events that may repeat, and the functions that the step does not look at.
     pub repeats: Repeats,
+    /// The slips that pass near their stops now.
+    pub passes: Vec<Pass>,
     /// The counts of crowds of events.
     pub crowding: Crowding,
     /// Whether the run makes steps over many impacts now.
@@ -44,6 +57,7 @@ impl Progress {
             began: 0.0,
             bounded: false,
             repeats: Repeats::new(),
+            passes: Vec::new(),
             crowding: Crowding::CALM,
             in_crowd: false,
             estimated: false,

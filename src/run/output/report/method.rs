@@ -322,6 +322,13 @@ impl AccuracyReport {
         let wanted = self.wanted;
         if !self.reached {
             let until = rounded(self.holds_until);
+            if !self.parts && wanted < FINEST && self.estimated <= FINEST {
+                return Some(format!(
+                    "rounding is the limit: {wanted:e} m holds until t = {until} s; double precision leaves an error of {:.1e} m, however short the \
+                     steps",
+                    self.estimated
+                ));
+            }
             if !self.amplifies {
                 return Some(format!(
                     "{wanted:e} m holds until t = {until} s; later the estimated error is {:.1e} m: compare with a run of another --tolerance",
@@ -372,6 +379,32 @@ mod tests {
         assert_eq!(contains(warning(0, 5), parts), [true, false]);
         assert_eq!(contains(warning(2, 5), parts), [true, true]);
         assert_eq!(contains(warning(2, 0), parts), [false, true]);
+    }
+
+    #[test]
+    fn an_accuracy_finer_than_roundings_is_no_chaos() {
+        let warning = |wanted: f64, estimate: f64, parted: bool| {
+            let found = Calibration {
+                stop: 1e-16,
+                stages: StageChoice::Many,
+                estimate,
+                between_steps: None,
+                holds_until: 0.0,
+                told_until: 2.0,
+                parted,
+                amplifies: true,
+                events_differ: None,
+                pilots: 0,
+                begun: 1,
+            };
+            AccuracyReport::new(wanted, &found).warning().expect("a warning")
+        };
+        let said = warning(1e-20, 5.6e-14, false);
+        assert!(said.starts_with("rounding is the limit: 1e-20 m") && said.contains("5.6e-14 m"), "{said}");
+        // A motion that has amplified roundings to a tenth of a millimetre is chaotic, whatever was asked for.
+        assert!(warning(1e-20, 1e-4, false).starts_with("chaotic motion"));
+        assert!(warning(1e-20, 1.0, true).starts_with("chaotic motion"));
+        assert!(warning(1e-10, 1e-9, false).starts_with("chaotic motion"));
     }
 
     #[test]

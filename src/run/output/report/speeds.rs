@@ -80,4 +80,8 @@ impl Observer for SpeedWatch {
         }
         Ok(())
     }
+
+    fn skips_contacts(&self) -> bool {
+        true
+    }
 }

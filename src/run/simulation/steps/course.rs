@@ -12,7 +12,7 @@ use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::making::Tells;
-use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks, show};
+use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks_at_contacts, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
 use crate::simulation::steps::undefined::{beyond, undefined};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
@@ -167,7 +167,7 @@ impl Course {
     /// Passes the start to the observers. Because no step has decided yet which contacts hold there, its contacts are worked out from the state.
     pub(crate) fn begin(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         self.sampled = 1;
-        if let Some(start) = self.sampled_state.as_ref().filter(|_| any_looks(observers)) {
+        if let Some(start) = self.sampled_state.as_ref().filter(|_| any_looks_at_contacts(observers)) {
             let contacts = Exerted::contacts(mechanism, start);
             observers.iter_mut().for_each(|observer| observer.contacts(&contacts));
         }
@@ -326,7 +326,7 @@ impl Course {
         time: f64,
         observers: &mut [&mut dyn Observer],
     ) {
-        let Some(sample) = self.sampled_state.as_mut().filter(|_| any_looks(observers)) else { return };
+        let Some(sample) = self.sampled_state.as_mut().filter(|_| any_looks_at_contacts(observers)) else { return };
         sample.time = time;
         sample.position.copy_from_slice(&self.position);
         sample.velocity.copy_from_slice(&self.velocity);

@@ -87,11 +87,16 @@ pub trait Observer: Send {
     fn skips_samples(&self) -> bool {
         false
     }
+
+    /// Whether it does not look at contacts. They are worked out at samples only if an observer looks at them.
+    fn skips_contacts(&self) -> bool {
+        self.skips_samples()
+    }
 }
 
-/// Whether an observer looks at samples.
-pub(crate) fn any_looks(observers: &[&mut dyn Observer]) -> bool {
-    observers.iter().any(|observer| !observer.skips_samples())
+/// Whether an observer looks at contacts.
+pub(crate) fn any_looks_at_contacts(observers: &[&mut dyn Observer]) -> bool {
+    observers.iter().any(|observer| !observer.skips_contacts())
 }
 
 /// Passes a sample to every observer.
