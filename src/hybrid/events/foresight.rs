@@ -20,7 +20,7 @@ impl Eventful {
     pub(super) fn see_forces(&mut self) {
         let contacts = self.mode.contacts.len();
         let (anchors, plain) =
-            (self.mode.contacts.iter().filter(|closed| closed.is_anchored()).count(), self.has_plain_contacts());
+            (self.mode.contacts.iter().filter(|closed| self.mode.is_anchored(closed)).count(), self.has_plain_contacts());
         let piece = self.workspaces.active();
         let reduced = &piece.moving.mechanism;
         let counted = reduced.loops.len() == anchors && reduced.touches.len() == contacts - anchors;
@@ -33,8 +33,9 @@ impl Eventful {
         let Eventful { workspaces, trial, mode, model, .. } = self;
         let Some(steps) = workspaces.active().steps.as_ref() else { return };
         // Anchors are loops, and come first.
+        let mode = &*mode;
         let order = [true, false].into_iter().flat_map(|anchored| {
-            mode.contacts.iter().enumerate().filter(move |(_, closed)| closed.is_anchored() == anchored)
+            mode.contacts.iter().enumerate().filter(move |(_, closed)| mode.is_anchored(closed) == anchored)
         });
         let order = order.map(|(number, closed)| {
             let friction = closed.slides.is_none().then(|| model.touching.pairs[closed.contact.pair].friction);

@@ -167,9 +167,14 @@ impl Eventful {
         self.tally.smeared
     }
 
-    /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints up to an instant (s) (m or rad).
-    pub fn error_of_impacts(&self, time: f64) -> f64 {
-        self.tally.error_of_impacts(time)
+    /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints so far (m or rad).
+    pub fn error_of_impacts(&self) -> f64 {
+        self.tally.error_of_impacts()
+    }
+
+    /// The distance by which blows in such flights can have moved them up to an instant (s) (m or rad).
+    pub fn doubt_of_blows(&self, time: f64) -> f64 {
+        self.tally.doubt_of_blows(time)
     }
 
     /// Takes a state that no step has left.

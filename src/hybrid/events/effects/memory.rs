@@ -126,12 +126,14 @@ impl Memory {
         known.in_flight_until = None;
     }
 
-    /// Flights from now on that are left out, each with the end of the last one (s): those of joints are remembered.
+    /// Elements whose flights from now on are left out, each with the end of the last one (s). A contact is named by its pair.
     pub(crate) fn omit_flights(&mut self, flights: &[(Of, f64)]) {
         for &(of, until) in flights {
-            if let Of::Joint(joint) = of {
-                self.joints[joint].in_flight_until = Some(until);
-            }
+            let known = match of {
+                Of::Joint(joint) => &mut self.joints[joint],
+                Of::Contact(pair) | Of::Moment { contact: pair, .. } => self.pairs.of(pair),
+            };
+            known.in_flight_until = Some(until);
         }
     }
 }

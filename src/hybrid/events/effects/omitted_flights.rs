@@ -1,17 +1,17 @@
-//! Blows that come while a joint would still bounce on its limit in flights that are left out, too low to matter by themselves.
+//! Blows that come while an element would still bounce in flights that are left out, too low to matter by themselves.
 //!
 //! ```text
-//!     t < t∞:   the joint is a little above its limit when the blow comes.
-//!     v_A  one impact with the joint on its limit            v_B  one without it, then one of everything, as the limit is reached a moment later
+//!     t < t∞:   the element is a little above its bound when the blow comes.
+//!     v_A  one impact with the element on its bound          v_B  one without it, then one of everything, as the element is reached a moment later
 //!     δv = max over probes |v_A − v_B|  [m/s]                the motion at t is in doubt by  Σ δv_k (t − t_k)  (m)
 //! ```
 //!
-//! Simultaneous impacts are not continuous: which limit is reached first decides their result, however low the flight is. The run takes v_A, and
-//! the estimate of its error includes the doubt. Contacts are not asked: corners of a box that comes to rest land one after the other within the flights of
-//! others, runs at every tolerance take v_A, and a doubt of centimetres would be told of motions that agree to 1e-11 m.
+//! Simultaneous impacts are not continuous: which element is reached first decides their result, however low the flight is. The run takes v_A, and
+//! the estimate of its error includes the doubt, unless a run that leaves out less refutes it.
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9, on the sequence of simultaneous impacts.
 
+use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::impact::{Meeting, collide};
 use crate::events::effects::memory::Memory;
@@ -23,27 +23,29 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
-/// The numbers of the joints at rest, among the meetings, that would be in a flight which is left out.
-fn in_flight(memory: &Memory, meetings: &[Meeting], velocity: &[f64], time: f64) -> Vec<usize> {
-    let until = |of: Of| match of {
-        Of::Joint(joint) => memory.joints[joint].in_flight_until,
-        Of::Contact(_) | Of::Moment { .. } => None,
+/// The numbers of the meetings at rest that would be in a flight which is left out.
+fn in_flight(memory: &Memory, contacts: &Contacts, meetings: &[Meeting], velocity: &[f64], time: f64) -> Vec<usize> {
+    let until = |of: Of| match (of, contacts.pair_of(of)) {
+        (Of::Joint(joint), _) => memory.joints[joint].in_flight_until,
+        (_, Some(pair)) => memory.pairs.get(pair).and_then(|known| known.in_flight_until),
+        (Of::Contact(_) | Of::Moment { .. }, None) => None,
     };
     let rests = |meeting: &Meeting| meeting.rate(velocity).abs() <= meeting.rest;
     let flies = |meeting: &Meeting| until(meeting.block.of).is_some_and(|until| time < until) && rests(meeting);
     (0..meetings.len()).filter(|&index| flies(&meetings[index])).collect()
 }
 
-/// The largest difference that such joints make to the velocity of any body [m/s]: `before` is the velocity before the impact on all these meetings,
+/// The largest difference that such elements make to the velocity of any body [m/s]: `before` is the velocity before the impact on all these meetings,
 /// and `after` the state after it.
 pub(crate) fn speed_in_doubt(
     scene: &mut Scene,
     memory: &Memory,
+    contacts: &Contacts,
     meetings: &[Meeting],
     before: &[f64],
     after: &State,
 ) -> f64 {
-    let flying = in_flight(memory, meetings, before, after.time);
+    let flying = in_flight(memory, contacts, meetings, before, after.time);
     if flying.is_empty() || before == after.velocity {
         return 0.0;
     }

@@ -94,7 +94,7 @@ pub(crate) fn transit(
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
-    done.speed_in_doubt = speed_in_doubt(scene, memory, &meetings, &velocity, state);
+    done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &velocity, state);
     let mut flights = ends.clone();
     for _ in 0..CALMING {
         let known = efforts(mode, state);
@@ -102,7 +102,10 @@ pub(crate) fn transit(
         if low.is_empty() {
             break;
         }
-        flights.extend(low.iter().zip(until).map(|(&index, until)| (meetings[index].block.of, until)));
+        flights.extend(low.iter().zip(until).map(|(&index, until)| {
+            let of = meetings[index].block.of;
+            (contacts.pair_of(of).map_or(of, Of::Contact), until)
+        }));
         done.left += left;
         done.lost += stop(scene, state, &meetings, &low);
         let plastic: Vec<Meeting> =

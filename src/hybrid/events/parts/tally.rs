@@ -54,10 +54,14 @@ impl Tally {
         self.in_doubt = [self.in_doubt[0] + speed, self.in_doubt[1] + speed * time];
     }
 
-    /// The distance by which the ends of accumulating impacts can have moved bodies or joints up to an instant (s), and by which blows in flights that
-    /// are left out and single steps of first order can have (m or rad).
-    pub fn error_of_impacts(&self, time: f64) -> f64 {
-        self.left_of_impacts + self.left_of_steps + (self.in_doubt[0] * time - self.in_doubt[1]).max(0.0)
+    /// The distance by which the ends of accumulating impacts, and single steps of first order, can have moved bodies or joints so far (m or rad).
+    pub fn error_of_impacts(&self) -> f64 {
+        self.left_of_impacts + self.left_of_steps
+    }
+
+    /// The distance by which blows in flights that are left out can have moved them up to an instant (s) (m or rad).
+    pub fn doubt_of_blows(&self, time: f64) -> f64 {
+        (self.in_doubt[0] * time - self.in_doubt[1]).max(0.0)
     }
 
     /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic

@@ -169,12 +169,21 @@ impl RunIntegrator {
         }
     }
 
-    /// The distance by which flights that were left out of accumulating impacts, and single steps of first order, can have moved bodies or joints up to
-    /// an instant (s) (m or rad).
-    pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {
+    /// The distance by which flights that were left out of accumulating impacts, and single steps of first order, can have moved bodies or joints so far
+    /// (m or rad).
+    pub(crate) fn error_of_impacts(&self) -> f64 {
         match self {
-            RunIntegrator::Eventful(eventful) => eventful.error_of_impacts(time),
-            RunIntegrator::WithoutLocked(run) => run.0.inside.error_of_impacts(time),
+            RunIntegrator::Eventful(eventful) => eventful.error_of_impacts(),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.error_of_impacts(),
+            RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
+        }
+    }
+
+    /// The distance by which blows in flights that were left out can have moved them up to an instant (s) (m or rad).
+    pub(crate) fn doubt_of_blows(&self, time: f64) -> f64 {
+        match self {
+            RunIntegrator::Eventful(eventful) => eventful.doubt_of_blows(time),
+            RunIntegrator::WithoutLocked(run) => run.0.inside.doubt_of_blows(time),
             RunIntegrator::Smooth(_) | RunIntegrator::OnOtherTree(_) => 0.0,
         }
     }

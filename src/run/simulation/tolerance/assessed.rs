@@ -241,18 +241,6 @@ impl<'a> Assessed<'a> {
         };
         let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
-        if std::env::var("DUMP").is_ok() {
-            eprintln!(
-                "look {} apart {apart:e} share {share:e} {} events {} {:?}",
-                state.time,
-                match &self.by {
-                    By::Beside(b) => format!("finer {} ev {} last {:?}", b.finer_is(), b.events.len(), b.events.last()),
-                    _ => String::new(),
-                },
-                self.events.len(),
-                self.events.last()
-            );
-        }
         self.horizon.see(state.time, apart.min(PARTED * self.size));
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
@@ -269,11 +257,12 @@ impl<'a> Assessed<'a> {
         let ringing = self.run.ringing_inside();
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let restarts = self.finer_stop(state, error, ringing);
-        if restarts.is_none() && error > wanted {
+        if restarts.is_none() && error + self.doubt(state) > wanted {
             error = self.second_opinion(mechanism, state, error);
         }
         // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
-        let estimate = error.max(ringing) + self.run.error_of_impacts(state.time) + self.given.error(state.time);
+        let estimate =
+            error.max(ringing) + self.run.error_of_impacts() + self.doubt(state) + self.given.error(state.time);
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
         self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
@@ -306,15 +295,25 @@ impl<'a> Assessed<'a> {
         self.gains_by_finer_steps(state).then(|| self.forecast.finer(predicted, self.begun > 1))
     }
 
-    /// The error of the run (m), whose coarser companion is this far off (m), as a finer one tells it: it stays beside the run if it is nearer.
+    /// The distance by which the order of blows can have moved bodies or joints up to a state (m or rad): a finer run leaves out less, and shows it.
+    fn doubt(&self, state: &State) -> f64 {
+        match &self.by {
+            By::Beside(beside) if beside.is_finer() => 0.0,
+            _ => self.run.doubt_of_blows(state.time),
+        }
+    }
+
+    /// The error of the run (m), whose coarser companion is this far off (m), as a finer one tells it: it stays beside the run if it is nearer, or refutes a
+    /// doubt.
     fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64) -> f64 {
         let (By::Beside(_), Some(origin), false) = (&self.by, &self.origin, self.asked) else { return error };
         self.asked = true;
         let finer = Beside::finer(mechanism, &self.terms, self.stop, self.stages, origin);
         let Some(finer) = finer else { return error };
+        let off = error + self.doubt(state);
         let coarser = std::mem::replace(&mut self.by, By::Beside(Box::new(finer)));
         match self.error(mechanism, state) {
-            Some(told) if told < error => told,
+            Some(told) if told < off => told,
             _ => {
                 self.by = coarser;
                 error

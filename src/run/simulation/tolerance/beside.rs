@@ -69,9 +69,6 @@ impl Beside {
         Some(Beside { is_finer: false, run, state: state.clone(), events: Vec::new(), steps: 0 })
     }
 
-    pub fn finer_is(&self) -> bool {
-        self.is_finer
-    }
     /// A finer run, whose accumulating impacts and steps over events leave less.
     pub(crate) fn finer(
         mechanism: &Mechanism,
@@ -85,6 +82,11 @@ impl Beside {
         let mut run = run.leaving(stop / (RATIO * terms.first_stop(mechanism)), 1.0 / RATIO);
         run.coarsen_over_events(1.0 / OVER_EVENTS);
         Some(Beside { is_finer: true, run, state: state.clone(), events: Vec::new(), steps: 0 })
+    }
+
+    /// Whether it is finer than the run beside it.
+    pub(crate) fn is_finer(&self) -> bool {
+        self.is_finer
     }
 
     /// The part of the distance of both runs that is the error of the run beside it, which has this stop and stages, and has made this number of steps.
