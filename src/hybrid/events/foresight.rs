@@ -19,8 +19,10 @@ impl Eventful {
     /// whose forces are unique.
     pub(super) fn see_forces(&mut self) {
         let contacts = self.mode.contacts.len();
-        let (anchors, plain) =
-            (self.mode.contacts.iter().filter(|closed| self.mode.is_anchored(closed)).count(), self.has_plain_contacts());
+        let (anchors, plain) = (
+            self.mode.contacts.iter().filter(|closed| self.mode.is_anchored(closed)).count(),
+            self.has_plain_contacts(),
+        );
         let piece = self.workspaces.active();
         let reduced = &piece.moving.mechanism;
         let counted = reduced.loops.len() == anchors && reduced.touches.len() == contacts - anchors;

@@ -16,7 +16,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::kinematics::body_states;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::ranks::counting::{ROUNDING, Ranks};
-use catena_mechanism::structure::ranks::rows::{Row, mimic_rows, scales};
+use catena_mechanism::structure::ranks::rows::{Row, mimic_rows, scales, tell_what_adheres};
 
 /// Decisions about the closures at the start of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,16 +72,6 @@ fn ranks_without_turnings(mechanism: &Mechanism, mut rows: Vec<Row>, lengths: Ve
     Ranks::of(&rows, lengths, ROUNDING)
 }
 
-/// Friction holds the rows of contacts but for the first, their normal.
-fn tell_what_adheres(mechanism: &Mechanism, rows: &mut [Row]) {
-    let contacts = mechanism.loops.len()..mechanism.loops.len() + mechanism.touches.len();
-    let mut before = None;
-    for row in rows {
-        row.adheres = contacts.contains(&row.closure) && before == Some(row.closure);
-        before = Some(row.closure);
-    }
-}
-
 /// The flags of the closures for steps from the counted state: also the equations of a geometry that the others imply, in the position (here or
 /// beside) with the larger rank.
 pub fn known_of_steps<G: Geometry<One>>(
@@ -108,6 +98,7 @@ pub fn known_of_steps<G: Geometry<One>>(
             }
         }
         known.implied = best.implied.iter().map(|(_, implied)| *implied).collect();
+        known.borne = best.borne;
     }
     known
 }

@@ -8,6 +8,8 @@ pub struct Known {
     pub empty: Vec<bool>,
     /// For every equation whether the others imply it in the run; empty if all are independent, or if this is unknown.
     pub implied: Vec<bool>,
+    /// For every equation whether friction would hold it and the others without friction imply it; empty as above.
+    pub borne: Vec<bool>,
     /// For every freedom whether it cannot move; empty if all can.
     pub still: Vec<bool>,
     /// For every freedom whether it and all freedoms that closures tie to it cannot move; empty if all can move.
@@ -23,6 +25,7 @@ impl Known {
     pub fn copy_from(&mut self, other: &Known) {
         self.empty.clone_from(&other.empty);
         self.implied.clone_from(&other.implied);
+        self.borne.clone_from(&other.borne);
         self.still.clone_from(&other.still);
         self.locked.clone_from(&other.locked);
         self.lent.clone_from(&other.lent);
@@ -31,7 +34,7 @@ impl Known {
 
     /// The flags of the freedoms alone, because a plane and space have different equations.
     pub fn of_freedoms(&self) -> Known {
-        Known { empty: Vec::new(), implied: Vec::new(), ..self.clone() }
+        Known { empty: Vec::new(), implied: Vec::new(), borne: Vec::new(), ..self.clone() }
     }
 
     /// Inertia lent to a freedom.
@@ -48,6 +51,11 @@ impl Known {
     /// Whether the others imply an equation.
     pub fn is_implied(&self, row: usize) -> bool {
         self.implied.get(row).copied().unwrap_or(false)
+    }
+
+    /// Whether equations without friction imply one that friction would hold.
+    pub fn is_borne(&self, row: usize) -> bool {
+        self.borne.get(row).copied().unwrap_or(false)
     }
 
     /// The freedoms that cannot move.

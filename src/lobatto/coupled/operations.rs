@@ -147,7 +147,8 @@ impl<V: Lanes> Coupled<V> {
             if row < self.mimic_rows.end {
                 let proximal = match self.even[row] {
                     Some(even) => even,
-                    None if self.known.is_implied(row) => IMPLIED * self.scales[row].max(self.adhering[row]),
+                    None if self.known.is_borne(row) => IMPLIED * self.scales[row].max(self.adhering[row]),
+                    None if self.known.is_implied(row) => IMPLIED * self.scales[row],
                     None => self.proximal * self.scales[row],
                 };
                 let proximal = V::splat(proximal);

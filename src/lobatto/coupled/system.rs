@@ -48,7 +48,7 @@ pub const SHARED: f64 = 1e-6;
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
 pub type Screw<V> = [V; TWIST];
 
-/// Tangents that others imply have ε this many times that of other implied equations, in masses of their bodies: they bear 1e-10 of a load that normals
+/// Tangents that normals imply have ε this many times that of other implied equations, in masses of their bodies: they bear 1e-10 of a load that normals
 /// share with them.
 const LOOSE: f64 = 1e4;
 
@@ -180,7 +180,7 @@ pub struct Coupled<V: Lanes> {
     /// Contacts of which some may imply others, with the value of ε for them [1/kg]; and the same for every row of such contacts.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
-    /// The mobility of the bodies of rows that friction holds [1/kg] times [`LOOSE`], and zero for others: beside a contact that was eliminated before, next
+    /// The mobility of the bodies of tangents that friction holds beside friction that brakes [1/kg], times [`LOOSE`], and zero for other rows: beside a contact that was eliminated before, next
     /// to nothing is left of the mobility of a row, and a tangent would bear a part of the weight that the other contact carries.
     pub(crate) adhering: Vec<f64>,
     /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.
@@ -270,8 +270,11 @@ impl<V: Lanes> Coupled<V> {
         });
         let dependent: Vec<(Dependent, f64)> = dependent.collect();
         let mut adhering = vec![0.0; rows];
-        for own in &rows_of_loop[mechanism.loops.len()..loops] {
-            own.clone().skip(1).for_each(|row| adhering[row] = LOOSE * weight(row));
+        let touches = rows_of_loop[mechanism.loops.len()..loops].iter().zip(&mechanism.touches);
+        for (own, joint) in touches.filter(|(_, joint)| mechanism.holds_beside_rubbing(joint)) {
+            // The tangents, between the normal and the turnings that are held.
+            let ends = own.start + 1..own.end.saturating_sub(joint.moments.rows());
+            ends.for_each(|row| adhering[row] = LOOSE * weight(row));
         }
         Coupled {
             fronts: Fronts::new(mixing.active, &elimination),

@@ -5,7 +5,7 @@
 //! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
 
 use crate::description::closure::{Attachment, JointLimit, LoopJoint, Mimic};
-use crate::description::contact::TouchJoint;
+use crate::description::contact::{Grip, TouchJoint};
 use crate::description::forces::Forces;
 use crate::description::joint::Joint;
 use crate::description::nonsmooth::Nonsmooth;
@@ -162,6 +162,13 @@ impl Mechanism {
     /// The closed contacts that slide with friction.
     pub fn rubbing(&self) -> impl Iterator<Item = &TouchJoint> {
         self.touches.iter().filter(|joint| joint.touch.friction() != 0.0)
+    }
+
+    /// Whether friction holds a closed contact while it brakes another one on one of its bodies: the load of that must not be borne by what holds.
+    pub fn holds_beside_rubbing(&self, joint: &TouchJoint) -> bool {
+        let bodies = |joint: &TouchJoint| [joint.a.body, joint.b.body].into_iter().flatten();
+        joint.touch.grip == Grip::Rolls
+            && self.rubbing().any(|other| bodies(other).any(|body| bodies(joint).any(|own| own == body)))
     }
 
     /// The motions that friction brakes at closed contacts and whose direction can turn: slips, then turnings across the normal.

@@ -31,6 +31,9 @@ const APPROACH: f64 = 1e-6;
 /// Rates below this part of the terms that they are the sum of are rounding.
 const ROUNDING: f64 = 1e-13;
 
+/// Rounds are late if less than this part of the rates is left.
+const LATE: f64 = 1e-3;
+
 /// The result of an impact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impact {
@@ -183,6 +186,7 @@ fn round(
     let round = Problem { mobility: &mobility, free: &free, laws: &laws };
     // Late rounds have small rates, whose digits are roundings of the rates before the impact.
     let left = largest(&free) / largest(problem.free);
+    let left = if left < LATE { left } else { 1.0 };
     let answer = solve_to_part(&round, None, left, solvers)?;
     let plastic = &answer.forces;
     let mut impulses = plastic.clone();

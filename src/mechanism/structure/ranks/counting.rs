@@ -7,8 +7,8 @@
 //!     rank A  by row-pivoted QR (`row_pivoting`):  pivots above  first pivot · max(1e-10, 100 gap / L)
 //! ```
 //!
-//! Rows that friction holds come after the others: normal forces carry what they can, and friction bears the rest. If it carried a part of the weight of a box
-//! that a ram pushes over a floor, the floor would brake the box less.
+//! Tangents that friction holds beside friction that brakes come after the other rows: normal forces carry what they can, and friction bears the rest. If it
+//! carried a part of the weight of a box that a ram pushes over a floor, the floor would brake the box less.
 //!
 //! No mass and no square of an entry enters, so that light links and the order of the loops do not matter. Rows that share freedoms form a block;
 //! blocks are decided one by one. A freedom x is still at this configuration if the null space of A does not touch it, `|Z[x, :]| <= 1e-10`.
@@ -42,6 +42,8 @@ const DENSE: usize = 300;
 pub struct Ranks {
     /// For every equation its closure (the loops first, then the mimics), and whether the others imply it.
     pub implied: Vec<(usize, bool)>,
+    /// For every equation whether friction would hold it, and the equations that friction does not hold imply it.
+    pub borne: Vec<bool>,
     /// For every degree of freedom whether the equations forbid it to move.
     pub still: Vec<bool>,
     /// For every degree of freedom whether its block has as many independent equations as freedoms: that holds beside the configuration, too.
@@ -69,6 +71,7 @@ impl Ranks {
         let count = lengths.len();
         let mut ranks = Ranks {
             implied: rows.iter().map(|row| (row.closure, true)).collect(),
+            borne: vec![false; rows.len()],
             still: vec![false; count],
             locked: vec![false; count],
             free: Some(Vec::new()),
@@ -115,6 +118,7 @@ impl Ranks {
                 .collect();
             let preferred = members.partition_point(|&row| !rows[row].adheres);
             let found = row_pivoting::pivoted_preferring(preferred, dense, threshold);
+            found.borne.iter().for_each(|&row| self.borne[members[row]] = true);
             let parts = found.null_parts(freedoms.len());
             for (&freedom, part) in freedoms.iter().zip(&parts) {
                 self.still[freedom] = part.iter().map(|value| value * value).sum::<f64>().sqrt() <= STILL;

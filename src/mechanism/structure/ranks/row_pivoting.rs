@@ -27,6 +27,8 @@ pub struct Pivoted {
     pub longest: Vec<f64>,
     /// Orthonormal vectors that span the rows.
     pub basis: Vec<Vec<f64>>,
+    /// The rows that preferred ones alone imply.
+    pub borne: Vec<usize>,
 }
 
 /// Decides which rows are independent: a row of which less than `threshold` times the first pivot is left is not.
@@ -39,16 +41,24 @@ pub fn pivoted(rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
 pub fn pivoted_preferring(preferred: usize, mut rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
     let mut found = Pivoted::default();
     let mut left: Vec<usize> = (0..rows.len()).collect();
+    let width = rows.first().map_or(0, Vec::len);
+    let mut others = false;
     loop {
         let norms: Vec<f64> = left.iter().map(|&row| norm(&rows[row])).collect();
         let longest = |norms: &[f64]| norms.iter().fold(0.0, |most: f64, &norm| most.max(norm));
         let largest = longest(&norms);
         let first = found.pivots.first().copied().unwrap_or(largest);
-        if largest == 0.0 || !largest.is_finite() || largest <= threshold * first {
+        let count = left.partition_point(|&row| row < preferred);
+        let goes_on = longest(&norms[..count]) > PREFERRED * first && found.basis.len() < width;
+        if !goes_on && !others {
+            others = true;
+            let vanish = left[count..].iter().zip(&norms[count..]).filter(|(_, norm)| **norm <= threshold * first);
+            found.borne = vanish.map(|(row, _)| *row).collect();
+        }
+        if largest == 0.0 || !largest.is_finite() || largest <= threshold * first || found.basis.len() == width {
             return found;
         }
-        let of_preferred = &norms[..left.partition_point(|&row| row < preferred)];
-        let among = if longest(of_preferred) > PREFERRED * first { of_preferred } else { &norms[..] };
+        let among = if goes_on { &norms[..count] } else { &norms[..] };
         let chosen = longest(among);
         let Some(place) = among.iter().position(|&norm| norm >= (1.0 - EQUAL) * chosen) else { return found };
         let row = left.remove(place);
@@ -66,9 +76,6 @@ pub fn pivoted_preferring(preferred: usize, mut rows: Vec<Vec<f64>>, threshold: 
         found.pivots.push(norms[place]);
         found.longest.push(largest);
         found.basis.push(unit);
-        if found.basis.len() == found.basis[0].len() {
-            return found;
-        }
     }
 }
 
@@ -133,8 +140,11 @@ mod tests {
     #[test]
     fn preferred_rows_imply_others_where_they_are_not_nearly_implied_themselves() {
         let rows = |small: f64| vec![vec![1.0, 0.0], vec![1.0, small], vec![0.0, 3.0], vec![2.0, 0.0]];
-        assert_eq!(pivoted_preferring(2, rows(0.1), 1e-10).order, [1, 0]);
-        assert_eq!(pivoted_preferring(2, rows(1e-3), 1e-10).order, [1, 2]);
+        let both = pivoted_preferring(2, rows(0.1), 1e-10);
+        assert_eq!((both.order, both.borne), (vec![1, 0], vec![2, 3]));
+        let one = pivoted_preferring(2, rows(1e-3), 1e-10);
+        assert_eq!((one.order, one.borne), (vec![1, 2], vec![]));
+        assert_eq!(pivoted_preferring(1, rows(0.1), 1e-10).borne, [3]);
         assert_eq!(pivoted(rows(0.1), 1e-10).order, [2, 3]);
     }
 

@@ -40,7 +40,7 @@ pub struct Row {
     pub entries: Vec<(usize, f64)>,
     /// Its error, dimensionless like the entries.
     pub gap: f64,
-    /// Whether friction holds it: a force that others can give is theirs.
+    /// Whether friction holds it beside friction that brakes: a force that others can give is theirs.
     pub adheres: bool,
     /// Whether it moves its freedoms, as a joint that is moved in time or a belt does: they are not still, however many equations they have.
     pub moves: bool,
@@ -150,7 +150,21 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
         }));
     }
     rows.extend(mimic_rows(mechanism, state, &lengths));
+    tell_what_adheres(mechanism, &mut rows);
     (rows, lengths)
+}
+
+/// Marks the tangents of contacts that friction holds while it brakes others beside them. The rows of a contact are its normal, its tangents, and the
+/// turnings that are held.
+pub fn tell_what_adheres(mechanism: &Mechanism, rows: &mut [Row]) {
+    for (number, joint) in
+        mechanism.touches.iter().enumerate().filter(|(_, joint)| mechanism.holds_beside_rubbing(joint))
+    {
+        let closure = mechanism.loops.len() + number;
+        let count = rows.iter().filter(|row| row.closure == closure).count();
+        let own = rows.iter_mut().filter(|row| row.closure == closure);
+        own.take(count.saturating_sub(joint.moments.rows())).skip(1).for_each(|row| row.adheres = true);
+    }
 }
 
 /// The entries of a rope through several points: what its pulls do along each of these freedoms.
@@ -199,17 +213,17 @@ fn touch_rows(
     }
     let TouchMotion { gap, normal, point, .. } = touch_motion(joint, bodies);
     let rounding = f64::EPSILON * point.amax();
-    let row = |direction: &Vector3<f64>, gap: f64, adheres: bool| Row {
+    let row = |direction: &Vector3<f64>, gap: f64, moves: bool| Row {
         closure,
         entries: entries(direction, &point),
         gap: gap.max(rounding) / size,
-        adheres,
-        // A belt carries what it holds.
-        moves: adheres && joint.is_belt(),
+        adheres: false,
+        moves,
     };
     let mut rows = vec![row(&normal, gap.abs(), false)];
     if joint.touch.grip == Grip::Rolls {
-        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0, true)));
+        // A belt carries what it holds.
+        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0, joint.is_belt())));
     }
     if joint.moments.rows() > 0 {
         let held = joint.held_turns(&normal, &tangents(&normal));
@@ -217,7 +231,7 @@ fn touch_rows(
             closure,
             entries: turns(&along),
             gap: f64::EPSILON,
-            adheres: true,
+            adheres: false,
             moves: false,
         }));
     }
