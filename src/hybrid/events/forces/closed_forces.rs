@@ -9,9 +9,8 @@
 //! Rolling and spinning friction that holds has rows of its own; while it brakes, the normal forces of contacts push along these rows.
 //!
 //! They are worked out at the level of accelerations, from the state alone, and have the order of the ends of steps. If some rows imply others, `zᵀ W
-//! = 0`, and a contact slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for the normals of all contacts
-//! ([`crate::lobatto::coupled::dependent`]), and a much larger one along the tangents of those that stick
-//! ([`crate::mechanism::structure::ranks::counting`]). If every contact sticks, the choice of λ does not change the motion. It is the least-norm one, and the
+//! = 0`, and a contact slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for all contacts
+//! ([`crate::lobatto::coupled::dependent`]). If every contact sticks, the choice of λ does not change the motion. It is the least-norm one, and the
 //! question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
 
 use crate::events::modes::mode::{Closed, JointMode};
@@ -33,9 +32,6 @@ use nalgebra::{DMatrix, DVector};
 
 /// Held rows whose response is singular to this part are redundant.
 const SINGULAR: f64 = 1e-10;
-
-/// The compliance of tangents that stick, over that of normals: large, as in steps ([`crate::lobatto::coupled::system`]).
-const ADHERES: f64 = 1e6;
 
 /// Bodies whose relative acceleration is below this part of their fall are in common free fall and do not press. Tilts of 1e-13 that an impact has
 /// left make this much of a spin.
@@ -359,8 +355,8 @@ pub(crate) struct Chosen {
     /// The row of each equation, and the rows along which its force pushes as well, with what it is multiplied by: −μ t of a contact that slides, −ρ t
     /// and −σ s of one that turns.
     equations: Vec<(usize, Vec<(usize, f64)>)>,
-    /// The compliance of each, as a part of that of the normals of contacts; `None` for one that is not of a contact.
-    touches: Vec<Option<f64>>,
+    /// Whether it is one of a contact.
+    touches: Vec<bool>,
     /// The rows of moments that stand for normal forces, and the rows of those.
     loads: Vec<[usize; 2]>,
     rows: usize,
@@ -395,11 +391,7 @@ impl Chosen {
                     equations.extend((rows..rows + block.rows.len()).map(|row| (row, Vec::new())));
                 }
             }
-            let first = touches.len();
-            touches.resize(equations.len(), matches!(block.of, Of::Contact(_)).then_some(ADHERES));
-            if let Some(Some(compliance)) = touches.get_mut(first) {
-                *compliance = 1.0;
-            }
+            touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
             rows += block.rows.len();
         }
         Chosen { equations, touches, loads, rows }
@@ -436,7 +428,7 @@ impl Chosen {
 
     /// The compliance that all contacts share: the mean of those of their normals.
     fn even(&self, mobility: &DMatrix<f64>) -> f64 {
-        let of_contacts = self.equations.iter().zip(&self.touches).filter(|(_, touches)| touches.is_some());
+        let of_contacts = self.equations.iter().zip(&self.touches).filter(|(_, touches)| **touches);
         let (sum, contacts) =
             of_contacts.fold((0.0, 0), |(sum, count), ((row, _), _)| (sum + mobility[(*row, *row)], count + 1));
         sum / f64::from(contacts.max(1))
@@ -446,8 +438,7 @@ impl Chosen {
     fn spread(&self, part: &[usize], plain: DMatrix<f64>, scales: &[f64], even: f64) -> Option<[DMatrix<f64>; 2]> {
         let columns = implied(plain)?;
         let weighed = columns.iter().map(|column| {
-            let weight =
-                |row: usize| self.touches[row].map_or(1.0, |compliance| compliance * even * scales[row] * scales[row]);
+            let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
             DVector::from_fn(part.len(), |place, _| column[place] * weight(part[place])).normalize()
         });
         let weighed: Vec<DVector<f64>> = weighed.collect();

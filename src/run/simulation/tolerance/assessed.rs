@@ -9,7 +9,7 @@
 //! A tree integrates its companion with its own steps, for half of their cost. The companion has the errors that iterations leave removed
 //! ([`crate::stepping::length::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside the
 //! errors of the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop
-//! that is [`RATIO`] times coarser; errors are proportional to the stop. Its steps of first order are twice as long, so that their part of the distance
+//! that is `beside::RATIO` times coarser; errors are proportional to the stop. Its steps of first order are twice as long, so that their part of the distance
 //! is the error itself ([`Beside::share_of_first_order`]). Motions further apart than a hundredth of the mechanism's size have parted
 //! and give no estimate.
 //!
