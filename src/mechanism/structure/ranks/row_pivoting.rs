@@ -143,7 +143,7 @@ mod tests {
         let both = pivoted_preferring(2, rows(0.1), 1e-10);
         assert_eq!((both.order, both.borne), (vec![1, 0], vec![2, 3]));
         let one = pivoted_preferring(2, rows(1e-3), 1e-10);
-        assert_eq!((one.order, one.borne), (vec![1, 2], vec![]));
+        assert_eq!((one.order, one.borne), (vec![0, 2], vec![3]));
         assert_eq!(pivoted_preferring(1, rows(0.1), 1e-10).borne, [3]);
         assert_eq!(pivoted(rows(0.1), 1e-10).order, [2, 3]);
     }
