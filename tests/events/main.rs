@@ -45,6 +45,7 @@ mod couplings;
 mod crowds;
 mod ellipsoids;
 mod exact;
+mod false_alarms;
 mod free_bodies;
 mod impacts_with_limits;
 mod laws;
