@@ -19,6 +19,7 @@ use crate::jordan::{arrow, scaling, to_border};
 use crate::laws::Law;
 use crate::newton::Workspace;
 use crate::problem::{Block, Problem};
+use crate::stall::Stall;
 use nalgebra::{Matrix3, Vector3};
 
 /// Most iterations.
@@ -65,7 +66,7 @@ pub(crate) fn interior(problem: &Problem, impulses: &mut [Vector3<f64>], depth: 
     let Some(mut point) = start(problem, depth, size, room) else { return false };
     let first = product(problem, &point);
     let mut v = Vec::new();
-    let (mut halved, mut since) = (first, 0);
+    let mut stall = Stall::new(first);
     for _ in 0..ITERATIONS {
         problem.velocity(&point.impulses, &mut v);
         let rates = |number: usize| problem.rate(number, &v, &point.impulses[number]) - point.rates[number];
@@ -73,12 +74,9 @@ pub(crate) fn interior(problem: &Problem, impulses: &mut [Vector3<f64>], depth: 
         let mean = product(problem, &point);
         let weighted = problem.blocks.iter().zip(&off).map(|(block, off)| block.rho.sqrt() * off.amax());
         let infeasible = weighted.fold(0.0, f64::max);
-        since += 1;
-        if mean < 0.5 * halved {
-            (halved, since) = (mean, 0);
-        }
+        stall.see(mean);
         if !mean.is_finite()
-            || since > STALLED
+            || stall.lasts(STALLED)
             || (mean <= ENOUGH * first.min(size * size) && infeasible <= ENOUGH * size)
         {
             break;

@@ -3,7 +3,7 @@
 //! - [`trees`]: mass matrices in joint rates;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
 //! - [`laws`], [`problem`]: the equations;
-//! - `elimination`, `block_factors`, [`newton`], `interior` (with [`jordan`]), `convex`, [`solver`]: the solvers and their order.
+//! - `elimination`, `block_factors`, [`newton`], `interior` (with [`jordan`]), `convex`, [`solver`]: the solvers and their order, and `stall`, which ends them.
 
 #![deny(unsafe_code)]
 
@@ -18,4 +18,5 @@ pub mod newton;
 pub mod problem;
 pub mod rows;
 pub mod solver;
+mod stall;
 pub mod trees;

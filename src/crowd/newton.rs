@@ -17,6 +17,7 @@
 use crate::block_factors::Factors;
 use crate::laws::Response;
 use crate::problem::Problem;
+use crate::stall::Stall;
 use nalgebra::Vector3;
 
 /// The proximal part lies between these.
@@ -67,9 +68,9 @@ pub fn newton(
     room.merits.clear();
     room.merits.push(merit.value);
     let (mut unsuccessful, mut firm) = (0, 1.0_f64);
-    let (mut halved, mut since) = (merit.residual, 0);
+    let mut stall = Stall::new(merit.residual);
     for _ in 0..most as usize {
-        if merit.residual <= tolerance || since > STALLED {
+        if merit.residual <= tolerance || stall.lasts(STALLED) {
             break;
         }
         direction(problem, impulses, firm * merit.residual, room);
@@ -108,10 +109,7 @@ pub fn newton(
         problem.rates(v, impulses, &mut room.rates);
         merit = problem.merit(impulses, &room.rates);
         room.merits.push(merit.value);
-        since += 1;
-        if merit.residual < 0.5 * halved {
-            (halved, since) = (merit.residual, 0);
-        }
+        stall.see(merit.residual);
         if merit.residual < best {
             best = merit.residual;
             room.best.copy_from_slice(impulses);

@@ -1,7 +1,8 @@
-//! Closed loops: a parallelogram with friction in all its hinges is a friction pendulum (J2b).
+//! Closed loops: a parallelogram with friction in all its hinges is a friction pendulum (J2b), and a slider needs no mass in a scissor lift.
 
 use crate::exact::{answer, near};
 use crate::mechanisms::*;
+use crate::scene_files::{report, scene_of};
 use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::mechanism::Mechanism;
@@ -72,4 +73,71 @@ fn a_loop_with_friction_limits_and_a_motor_balances_its_energy_and_is_held_in_th
         near(*one, *other, 1e-9);
     }
     assert_eq!(done.summary.events, again.summary.events);
+}
+
+#[test]
+fn a_scissor_lift_whose_slider_has_no_mass_moves_as_one_with_hardly_any() {
+    // A scissor lift of two stages whose foot slides: platform and links fall as with a slider of a microgram.
+    let lift = |slider: &str| {
+        let rod = |name: &str, mass: f64, inertia: f64| {
+            format!(
+                "<link name='{name}'><inertial><origin xyz='0.5 0 0'/><mass value='{mass}'/>\
+                 <inertia ixx='0.01' ixy='0' ixz='0' iyy='{inertia}' iyz='0' izz='{inertia}'/></inertial></link>"
+            )
+        };
+        let hinge = |name: &str, parent: &str, child: &str, x: f64| {
+            format!(
+                "<joint name='{name}' type='continuous'><origin xyz='{x} 0 0'/><parent link='{parent}'/><child link='{child}'/><axis xyz='0 -1 0'/></joint>"
+            )
+        };
+        let slide = |name: &str, parent: &str, child: &str| {
+            format!(
+                "<joint name='{name}' type='prismatic'><parent link='{parent}'/><child link='{child}'/><axis xyz='1 0 0'/>\
+                 <limit lower='0.1' upper='1' effort='0' velocity='9'/></joint>"
+            )
+        };
+        [
+            "<link name='base'/>".to_owned(),
+            rod("a1", 3.3, 0.29),
+            rod("b1", 3.3, 0.29),
+            rod("a2", 3.1, 0.28),
+            rod("b2", 3.1, 0.28),
+            format!("<link name='sl'>{slider}</link>"),
+            "<link name='top'><inertial><origin xyz='0.4 0 0.05'/><mass value='7.7'/>\
+             <inertia ixx='0.4' ixy='0' ixz='0' iyy='0.6' iyz='0' izz='0.9'/></inertial></link>"
+                .to_owned(),
+            "<link name='ts'><inertial><mass value='0.2'/><inertia ixx='0.001' ixy='0' ixz='0' iyy='0.001' iyz='0' izz='0.001'/></inertial></link>"
+                .to_owned(),
+            hinge("ja1", "base", "a1", 0.0),
+            slide("jsl", "base", "sl"),
+            hinge("jb1", "sl", "b1", 0.0),
+            hinge("ja2", "b1", "a2", 1.0),
+            hinge("jb2", "a1", "b2", 1.0),
+            hinge("jt", "b2", "top", 1.0),
+            slide("js", "top", "ts"),
+        ]
+        .concat()
+    };
+    let closing = |name: &str, a: [&str; 2], b: [&str; 2]| {
+        let end = |[link, x]: [&str; 2]| format!("{{ link = \"{link}\", position = [{x}, 0, 0], axis = [0, 1, 0] }}");
+        format!("[[loop]]\nname = \"{name}\"\ntype = \"revolute\"\na = {}\nb = {}\n", end(a), end(b))
+    };
+    let text = format!(
+        "[[robot]]\nurdf = \"robot.urdf\"\npositions = {{ js = 0.852524522060, ja1 = 0.55, jsl = 0.852524522060, jb1 = 2.591592653590, \
+         ja2 = -2.041592653590, jb2 = 2.041592653590, jt = -2.591592653590 }}\n{}{}{}[[joint]]\nname = \"jsl\"\nfriction = 2.1\n",
+        closing("m1", ["a1", "0.5"], ["b1", "0.5"]),
+        closing("m2", ["a2", "0.5"], ["b2", "0.5"]),
+        closing("ro", ["a2", "1"], ["ts", "0"]),
+    );
+    let light = "<inertial><mass value='1e-9'/><inertia ixx='1e-12' ixy='0' ixz='0' iyy='1e-12' iyz='0' izz='1e-12'/></inertial>";
+    let [bare, light] = [("lift_bare", ""), ("lift_light", light)].map(|(folder, slider)| {
+        let end = report(&scene_of(folder, &lift(slider), &text), &[], &[], Some(0.3), 1e-8);
+        end.links.into_iter().find(|(name, _)| name == "top").expect("a link").1.center_of_mass
+    });
+    println!("{bare:?} {light:?}");
+    // A millionth of a gram of the slider beside 20 kg, and twice the tolerance.
+    for (bare, light) in bare.iter().zip(&light) {
+        assert!((bare - light).abs() <= 3e-8, "{bare} {light}");
+    }
+    assert!(bare[2] < 0.7, "it falls: {bare:?}");
 }

@@ -8,11 +8,13 @@ use catena::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::contact_point::ContactPoint;
 use catena::mechanism::motion::event::EventKind;
+use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::scene::{PackagePath, read_scene};
 use catena::session;
 use catena::simulation::{Finished, Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice};
 use nalgebra::Vector3;
+use std::ops::Range;
 use std::path::Path;
 
 /// A motor pushes a slider of 1.5 kg with 3 t N, as sampled every 10 ms; dry friction bears 2.4 N.
@@ -33,20 +35,14 @@ fn a_joint_that_sticks_slips_at_the_tick_whose_effort_friction_cannot_bear_and_a
         assert_eq!(done.events[0].kind, EventKind::Slip);
         let tick = done.events[0].time;
         assert!((tick - 0.80).abs() < 1e-12 || (tick - 0.81).abs() < 1e-12, "{tick}");
-        // From tick to tick under a constant effort.
-        let (mut place, mut rate, period) = (0.0, 0.0, 0.01);
-        for tick in 81..150 {
-            let acceleration = (3.0 * period * f64::from(tick) - 2.4) / 1.5;
-            place += rate * period + 0.5 * acceleration * period * period;
-            rate += acceleration * period;
-        }
+        let [place, rate] = from_tick_to_tick(0.0, 81..150, |time| (3.0 * time - 2.4) / 1.5);
         near(done.state.position[0], place, 1e-13);
         near(done.state.velocity[0], rate, 1e-13);
     }
 }
 
-/// The quadruped of `robots/`, whose motors are sampled every millisecond, after 0.3 s.
-fn standing(steps: StepChoice) -> Finished {
+/// The quadruped of `robots/`, whose motors are sampled every millisecond, and its start.
+fn sampled_quadruped() -> (Model, State) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/quadruped_dropped.toml");
     let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
     let (mut model, start) = Model::from_scene(&scene).expect("a model");
@@ -56,12 +52,24 @@ fn standing(steps: StepChoice) -> Finished {
         // Softer than in the file: there a sampled damper is unstable, and every difference grows.
         motor.law = MotorLaw::Position { kp: 60.0, kd: 0.6 };
     }
-    // Pairs that are far apart are looked at seldom: each step is asked at many instants whether they are.
-    catena::events::check_certificates();
-    let options = SimulationOptions { duration: 0.3, steps, switched_off: &[], interrupt: None };
-    let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
-    simulation.run().expect("it runs");
-    simulation.finish()
+    (model, start)
+}
+
+/// The same after 0.3 s. Pairs that are far apart are looked at seldom: each step is asked at many instants whether they are.
+fn standing(steps: StepChoice) -> Finished {
+    let (model, start) = sampled_quadruped();
+    run(&model.mechanism, &start, 0.3, steps)
+}
+
+/// Place and rate after motions from tick to tick, 10 ms apart, under accelerations that are constant between them, from a place and rest.
+fn from_tick_to_tick(mut place: f64, ticks: Range<i32>, acceleration: impl Fn(f64) -> f64) -> [f64; 2] {
+    let (mut rate, period) = (0.0, 0.01);
+    for tick in ticks {
+        let acceleration = acceleration(period * f64::from(tick));
+        place += rate * period + 0.5 * acceleration * period * period;
+        rate += acceleration * period;
+    }
+    [place, rate]
 }
 
 #[test]
@@ -215,13 +223,7 @@ fn a_ball_whose_pressure_falls_from_tick_to_tick_parts_at_the_first_that_lifts_i
         let all: Vec<_> = done.events.iter().map(|event| event.kind).collect();
         assert_eq!(all, [EventKind::Release], "{steps:?}");
         near(done.events[0].time, 0.74, 1e-12);
-        // From tick to tick under a constant effort.
-        let (mut height, mut rate, period) = (0.1, 0.0, 0.01);
-        for tick in 74..100 {
-            let acceleration = 20.0 * period * f64::from(tick) / 1.5 - GRAVITY;
-            height += rate * period + 0.5 * acceleration * period * period;
-            rate += acceleration * period;
-        }
+        let [height, rate] = from_tick_to_tick(0.1, 74..100, |time| 20.0 * time / 1.5 - GRAVITY);
         near(done.state.position[0], height, 1e-13);
         near(done.state.velocity[0], rate, 1e-13);
     }
@@ -232,14 +234,9 @@ fn legs_that_stand_and_are_told_to_jump_at_a_tick_leave_the_floor_as_in_steps_wh
     // The multipliers of the steps show that the mode lasts up to the tick at 0.25 s, whose efforts are others by far. Coarser tolerances meet a
     // seventh impact, too, of a foot that rebounds by less than they resolve.
     let jumping = |steps: StepChoice| {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/quadruped_dropped.toml");
-        let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
-        let (mut model, start) = Model::from_scene(&scene).expect("a model");
-        let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+        let (mut model, start) = sampled_quadruped();
         for motor in &mut model.mechanism.nonsmooth.motors {
             let rest = motor.target.value(0.0);
-            motor.period = 1e-3;
-            motor.law = MotorLaw::Position { kp: 60.0, kd: 0.6 };
             motor.target =
                 Target::table(&[(0.25, rest), (0.2501, 0.3 * rest)], Interpolation::Linear).expect("a target");
         }

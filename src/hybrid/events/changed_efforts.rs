@@ -30,8 +30,8 @@ impl Eventful {
     }
 
     /// Whether the mode goes on under efforts that have jumped: the forces that hold joints and contacts stay in their sets. A mode that was entered
-    /// at this very instant was decided under the efforts before, and is decided anew.
-    /// `constant` says that the efforts that have jumped are constant until the next jump.
+    /// at this very instant was decided under the efforts before, and is decided anew. `constant` says that the efforts that have jumped are constant
+    /// until the next jump.
     pub(super) fn goes_on_under(&mut self, inputs: Inputs, state: &State, constant: bool) -> bool {
         let held = self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
         if !held && self.mode.contacts.is_empty() {

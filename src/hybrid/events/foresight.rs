@@ -15,19 +15,17 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 
 impl Eventful {
-    /// Looks at the forces of the closed contacts in the step that was made on contacts without moments
-    /// whose forces are unique.
+    /// Looks at the forces of the closed contacts in the step that was made on contacts without moments whose forces are unique.
     pub(super) fn see_forces(&mut self) {
         let contacts = self.mode.contacts.len();
-        let (anchors, plain) = (
-            self.mode.contacts.iter().filter(|closed| self.mode.is_anchored(closed)).count(),
-            self.has_plain_contacts(),
-        );
+        let plain = self.model.whole.loops.is_empty() && self.has_plain_contacts();
+        if contacts == 0 || !plain || !self.trial.holding.is_unique() {
+            return;
+        }
         let piece = self.workspaces.active();
         let reduced = &piece.moving.mechanism;
-        let counted = reduced.loops.len() == anchors && reduced.touches.len() == contacts - anchors;
-        let own = self.model.whole.loops.is_empty() && counted && plain;
-        if contacts == 0 || !own || !self.trial.holding.is_unique() {
+        let anchors = self.mode.contacts.iter().filter(|closed| self.mode.is_anchored(closed)).count();
+        if reduced.loops.len() != anchors || reduced.touches.len() != contacts - anchors {
             return;
         }
         let end = piece.small.time;

@@ -101,9 +101,11 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
     /// Writes the forces (N) on the second ends of loops and contacts at the rows' stages of a solved step of this length (s), stage after stage of each;
     /// whether there are forces in space.
     pub fn closure_forces(&self, step: f64, forces: &mut Vec<[f64; 3]>) -> bool {
+        let in_space = G::WIDTH == TWIST;
         forces.clear();
-        (0..self.coupled.loops).for_each(|closure| self.coupled.closure_forces(closure, step, forces));
-        G::WIDTH == TWIST
+        let closures = if in_space { self.coupled.loops } else { 0 };
+        (0..closures).for_each(|closure| self.coupled.closure_forces(closure, step, forces));
+        in_space
     }
 
     /// One iteration, after the bodies are placed: fills the increments, advances the multipliers; returns the largest increment.

@@ -180,8 +180,9 @@ pub struct Coupled<V: Lanes> {
     /// Contacts of which some may imply others, with the value of ε for them [1/kg]; and the same for every row of such contacts.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
-    /// The mobility of the bodies of tangents that friction holds beside friction that brakes [1/kg], times [`LOOSE`], and zero for other rows: beside a contact that was eliminated before, next
-    /// to nothing is left of the mobility of a row, and a tangent would bear a part of the weight that the other contact carries.
+    /// The mobility of the bodies of tangents that friction holds beside friction that brakes [1/kg], times [`LOOSE`], and zero for other rows. Beside a
+    /// contact that was eliminated before, a row has hardly any mobility left, and a tangent would bear a part of the weight that the other contact
+    /// carries.
     pub(crate) adhering: Vec<f64>,
     /// The same as the scales; a row with hardly any mobility has the largest scale of its closure.
     pub(crate) references: Vec<f64>,

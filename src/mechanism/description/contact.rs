@@ -379,6 +379,12 @@ pub struct TouchJoint {
 }
 
 impl TouchJoint {
+    /// Whether one of its bodies is one of another's.
+    pub fn shares_a_body(&self, other: &TouchJoint) -> bool {
+        let bodies = |joint: &TouchJoint| [joint.a.body, joint.b.body];
+        bodies(self).into_iter().flatten().any(|body| bodies(other).contains(&Some(body)))
+    }
+
     /// Whether it is a rope through more than two points.
     pub fn is_reeved(&self) -> bool {
         !self.reeved.is_empty()

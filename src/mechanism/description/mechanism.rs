@@ -166,9 +166,7 @@ impl Mechanism {
 
     /// Whether friction holds a closed contact while it brakes another one on one of its bodies: the load of that must not be borne by what holds.
     pub fn holds_beside_rubbing(&self, joint: &TouchJoint) -> bool {
-        let bodies = |joint: &TouchJoint| [joint.a.body, joint.b.body].into_iter().flatten();
-        joint.touch.grip == Grip::Rolls
-            && self.rubbing().any(|other| bodies(other).any(|body| bodies(joint).any(|own| own == body)))
+        joint.touch.grip == Grip::Rolls && self.rubbing().any(|other| other.shares_a_body(joint))
     }
 
     /// The motions that friction brakes at closed contacts and whose direction can turn: slips, then turnings across the normal.

@@ -28,7 +28,7 @@ const ERROR: f64 = 0.25;
 pub(crate) struct Foreseen {
     /// Room for the forces at the stages (N).
     forces: Vec<[f64; 3]>,
-    /// What is left of the pressure and of the grip of each contact at the end of the last step (N); empty if it is not known.
+    /// The pressure and the grip that each contact has left at the end of the last step (N); empty if they are not known.
     left: Vec<[f64; 2]>,
     /// When it ended (s).
     ended: f64,
@@ -57,8 +57,8 @@ impl Foreseen {
         self.efforts.extend_from_slice(efforts);
     }
 
-    /// Looks at the forces that a step up to `end` (s) has found: `write` writes those of its closures, stage after stage of each, in the order of `of`, which has for
-    /// each closure the number of its contact, its normal and μ; `None` for μ if the contact slides.
+    /// Looks at the forces that a step up to `end` (s) has found: `write` writes those of its closures, stage after stage of each, in the order of
+    /// `of`, which has for each closure the number of its contact, its normal and μ; `None` for μ if the contact slides.
     pub fn see(
         &mut self,
         count: usize,
@@ -151,7 +151,7 @@ impl Answer {
     }
 }
 
-/// What is left at the end of a step of a function with these values at its stages; −∞ if it is not calm.
+/// The rest, at the end of a step, of a function with these values at its stages; −∞ if it is not calm.
 fn left(values: impl Iterator<Item = f64>) -> f64 {
     let (least, most) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));

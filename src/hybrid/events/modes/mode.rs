@@ -184,10 +184,9 @@ impl Mode {
     /// its bodies. What friction holds must not bear the load of what brakes then, which steps tell apart in the rows of contacts alone
     /// ([`crate::mechanism::structure::ranks::counting`]).
     pub fn is_anchored(&self, closed: &Closed) -> bool {
-        let bodies = |closed: &Closed| [closed.contact.joint.a.body, closed.contact.joint.b.body];
-        let meets =
-            |other: &Closed| bodies(other).into_iter().flatten().any(|body| bodies(closed).contains(&Some(body)));
-        closed.is_corner_that_sticks() && !self.contacts.iter().filter(|other| other.slides.is_some()).any(meets)
+        let slides_beside =
+            |other: &Closed| other.slides.is_some() && other.contact.joint.shares_a_body(&closed.contact.joint);
+        closed.is_corner_that_sticks() && !self.contacts.iter().any(slides_beside)
     }
 }
 

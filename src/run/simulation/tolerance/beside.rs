@@ -92,9 +92,7 @@ impl Beside {
     /// The part of the distance of both runs that is the error of the run beside it, which has this stop and stages, and has made this number of steps.
     pub(crate) fn share(&self, run: &RunIntegrator, stop: f64, stages: StageChoice, steps: usize) -> f64 {
         if self.is_finer {
-            let [own, finer] = [run, &self.run].map(RunIntegrator::smeared);
-            let shares = own.into_iter().zip(finer).filter(|(own, _)| *own > 0.0);
-            return shares.map(|(own, finer)| own / (own - finer).max(own / RATIO)).fold(NEAR_TRUTH, f64::max);
+            return NEAR_TRUTH.max(self.share_of_first_order(run));
         }
         let share = if RATIO * stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
         // The iterations of nine stages leave errors in proportion to the stop; those of five leave next to none beside truncation.
@@ -105,16 +103,19 @@ impl Beside {
         share.max(self.share_of_first_order(run)).max(truncated)
     }
 
-    /// The part of the distance of both runs that is the error of the finer one, as far as steps of first order have made it.
+    /// The part of the distance of both runs that is the error of the run beside it, as far as steps of first order have made it.
     ///
     /// ```text
-    ///     e = C Σ h²,    e′ − e = C (Σ h′² − Σ h²)        over events: the error of each step is in proportion to h² (m)
+    ///     e = C Σ h²,    |e′ − e| = C |Σ h′² − Σ h²|      over events: the error of each step is in proportion to h² (m)
     ///     e = C Σ h                                       over jams, which leave an error of the velocity in proportion to h
     /// ```
-    fn share_of_first_order(&self, finer: &RunIntegrator) -> f64 {
-        let [own, coarser] = [finer, &self.run].map(RunIntegrator::smeared);
-        let shares = own.into_iter().zip(coarser).filter(|(own, _)| *own > 0.0);
-        shares.map(|(own, coarser)| own / (coarser - own).max(own)).fold(0.0, f64::max)
+    fn share_of_first_order(&self, run: &RunIntegrator) -> f64 {
+        let [own, beside] = [run, &self.run].map(RunIntegrator::smeared);
+        let shares = own.into_iter().zip(beside).filter(|(own, _)| *own > 0.0);
+        let apart = |own: f64, beside: f64| {
+            if self.is_finer { (own - beside).max(own / RATIO) } else { (beside - own).max(own) }
+        };
+        shares.map(|(own, beside)| own / apart(own, beside)).fold(0.0, f64::max)
     }
 
     /// The part of the distance of both runs that is the error of the finer one, which has made this number of steps of s stages, as far as truncation
