@@ -1,7 +1,7 @@
 //! Measures the gain of simulating unconnected bodies apart, and the cost of the search for such bodies in scenes without them.
 //!
 //! Each scene is run as a whole and by its islands, in turns, and the median of each is printed: CPU time of the process and
-//! wall time, pilot runs of the tolerance included. On a shared machine the CPU time is the one to look at for one thread, and the ratio
+//! wall time, On a shared machine the CPU time is the one to look at for one thread, and the ratio
 //! of wall times, with two threads, tells as much as the load leaves of it.
 
 use catena::mechanism::description::mechanism::Mechanism;
@@ -10,9 +10,9 @@ use catena::mechanism::motion::state::State;
 use catena::simulation::parallel::islands::Islands;
 use catena::simulation::parallel::partition::Plan;
 use catena::simulation::parallel::threads::Threads;
-use catena::simulation::tolerance::accuracy::calibrate;
 use catena::simulation::{RunOptions, run};
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::length::stage_choice::StageChoice;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
@@ -27,12 +27,13 @@ enum Way {
     Tolerance(f64),
 }
 
-fn integrator(mechanism: &Mechanism, state: &State, duration: f64, way: Way) -> Lobatto {
+fn integrator(mechanism: &Mechanism, way: Way) -> Lobatto {
     match way {
         Way::Fixed(stages, step) => Lobatto::fixed(mechanism, stages, step).expect("a number of stages from 2 to 16"),
         Way::Tolerance(tolerance) => {
-            let found = calibrate(mechanism, state, duration, tolerance, &[], &mut |_, _| true).expect("pilot runs");
-            found.integrator(mechanism, tolerance)
+            // The steps that a run begins with.
+            let stages = StageChoice::of(mechanism, tolerance);
+            Lobatto::adaptive_with_stages(mechanism, tolerance, 1e-2 * tolerance, stages)
         }
     }
 }
@@ -55,12 +56,12 @@ fn once(
         .filter(|plan| !plan.is_whole());
     let ended = match plan {
         None => {
-            let mut whole = integrator(mechanism, &state, duration, way);
+            let mut whole = integrator(mechanism, way);
             run(mechanism, &mut state, &mut whole, &options, &mut []).1
         }
         Some(plan) => {
-            let make = |part: &Mechanism, state: &State| Ok::<_, ()>((integrator(part, state, duration, way), ()));
-            let (mut islands, _) = Islands::new(plan, &state, threads, 1.0, make).expect("integrators");
+            let make = |part: &Mechanism, _: &State| Ok::<_, ()>((integrator(part, way), ()));
+            let (mut islands, _) = Islands::new(plan, &state, threads, make).expect("integrators");
             islands.run(mechanism, &mut state, &options, &mut []).1
         }
     };

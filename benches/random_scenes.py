@@ -186,7 +186,7 @@ def main():
             if report:
                 steps, events = report["steps"], sum(report["events"]["counts"].values())
                 figures = judge(report)
-                row[3:10] = [f"{report['duration']:.4f}", steps, report["method"]["first_order_steps"], events]
+                row[3:10] = [f"{report['duration']:.4f}", steps, report["method"]["crowd"]["steps"], events]
                 row[7:] = [f"{figure:.1e}" for figure in figures[:3]] + [" ".join([wrong, figures[3]]).strip()]
             rows.writerow(row)
             file.flush()

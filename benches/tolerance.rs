@@ -14,8 +14,7 @@ use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::prelude::*;
 use catena::session::Left;
-use catena::simulation::tolerance::accuracy::Calibration;
-use catena::simulation::{SimulationOptions, StepChoice};
+use catena::simulation::{Accuracy, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
 use cpu_time::ThreadTime;
 use std::fmt::Write;
@@ -108,11 +107,11 @@ fn main() {
             let description = model.description();
             let mechanism = &description.mechanism;
             let start = model.loaded().assembled(&[], &[], None).expect("a start").state;
-            let told: Calibration = {
+            let told: Accuracy = {
                 let steps = StepChoice::Tolerance(tolerance);
-                let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
-                let mut run = catena::simulation::Simulation::at_once(mechanism, start.clone(), None, options)
-                    .expect("a simulation");
+                let options = SimulationOptions::new(duration, steps);
+                let mut run =
+                    catena::simulation::Simulation::new(mechanism, start.clone(), options).expect("a simulation");
                 run.run().expect("a run");
                 run.finish().accuracy[0].clone().expect("an accuracy")
             };

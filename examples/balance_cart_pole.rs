@@ -58,8 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mechanism = cart_pole()?;
     let mut start = State::zero(&mechanism);
     start.position[1] = 0.2;
-    let options =
-        SimulationOptions { duration: 10.0, steps: StepChoice::Tolerance(1e-8), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(10.0, StepChoice::Tolerance(1e-8));
     let mut simulation = Simulation::new(&mechanism, start, options)?;
     simulation.run_under(&mut Balance)?;
     let done = simulation.finish();

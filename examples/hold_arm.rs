@@ -28,8 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         })
         .collect();
     let start = State::zero(&model.mechanism);
-    let options =
-        SimulationOptions { duration: 3.0, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(3.0, StepChoice::Tolerance(1e-6));
     let mut simulation = Simulation::new(&model.mechanism, start, options)?;
     simulation.run()?;
     let done = simulation.finish();

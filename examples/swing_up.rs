@@ -70,8 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mechanism = cart_pole()?;
     let mut start = State::zero(&mechanism);
     start.position[1] = 0.1;
-    let options =
-        SimulationOptions { duration: 20.0, steps: StepChoice::Tolerance(1e-8), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(20.0, StepChoice::Tolerance(1e-8));
     let mut simulation = Simulation::new(&mechanism, start, options)?;
     simulation.run_under_continuous(&SwingUp)?;
     let done = simulation.finish();

@@ -9,5 +9,5 @@ pub use crate::model::{CouplingError, CouplingProblem, ModelError};
 pub use crate::output::log::LogError;
 pub use crate::scene::{Element, Problem, SceneError};
 pub use crate::session::{ControllerFailure, Error};
-pub use crate::simulation::{CalibrationError, InputError, RunError, SimulationError};
+pub use crate::simulation::{InputError, RunError, SimulationError};
 pub use crate::stepping::integrator::MethodError;

@@ -6,7 +6,7 @@ The four-bar is a parallelogram that falls through the position in which its rod
 redundant equation everywhere. The answers are those of the IFToMM benchmark problems A02 and A04, recomputed in quadruple
 precision. MuJoCo closes loops by soft `connect` constraints, here as stiff as a step allows (time constant of two steps, impedance
 0.9999), because without that its error does not fall with the step at all. Costs are CPU time of the stepping loop, the least of three
-runs; of ours `solve_cpu_seconds` of the report, pilot runs not included.
+runs; of ours `solve_cpu_seconds` of the report.
 """
 
 from __future__ import annotations

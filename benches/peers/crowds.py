@@ -175,7 +175,7 @@ def main(folder, names, only_write):
             own = f"> {LONGEST}"
         else:
             method, contact = report["method"], report["contact"]
-            own = f"{report['cpu_seconds']:10.3f} {method['first_order_time']:10.2f} {method['first_order_residual']:22.1e}"
+            own = f"{report['cpu_seconds']:10.3f} {method['crowd']['time_share'] * report['duration']:10.2f} {method['crowd']['worst_residual']:22.1e}"
             own += f" {contact['max_penetration']:12.1e}"
         print(f"{name:13} {own}   {spent:8.3f}   {deepest:.1e}", flush=True)
 

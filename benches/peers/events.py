@@ -4,8 +4,8 @@
 
 MuJoCo makes limits and friction losses soft constraints. It runs with its default softness and with stiff settings
 that follow the step (SOFTNESS). The error is the largest difference of a joint angle at the end [rad]. The cost is CPU
-time of the stepping loop, the least of several runs; ours is `solve_cpu_seconds` of the report, without the trial runs
-of a tolerance. Fixed steps have no trial runs.
+time of the stepping loop, the least of several runs; ours is `solve_cpu_seconds` of the report, which
+includes the estimate of a tolerance.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Measured:
     setting: str
     error: float
     cpu_seconds_per_simulated_second: float
-    # Cost of our whole process, also per simulated second: start, reading, trial runs and run.
+    # Cost of our whole process, also per simulated second: start, reading and run.
     process_cpu_seconds: float | str
     steps: int
 

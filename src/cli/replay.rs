@@ -8,7 +8,7 @@ use crate::cli::terminal::printing::{Failure, print};
 use crate::cli::terminal::progress::Progress;
 use anyhow::anyhow;
 use catena::output::log::{Difference, Recorder};
-use catena::session::{DRIVEN, Error, Settled, TOLD};
+use catena::session::{DRIVEN, Error, Settled};
 use catena::simulation::{RunError, Simulation, SimulationOptions};
 use clap::Args;
 use std::io::IsTerminal;
@@ -46,13 +46,11 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let model = &recorded.loaded.model;
     let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let switched_off = &recorded.arguments.input.keep[..];
-    let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let (mut recorder, mut progress);
-    let counted = recorded.loaded.counted.clone();
-    // Earlier versions made trial runs.
-    let told = recorded.simulation.contains_key(TOLD);
-    let make = if told { Simulation::at_once } else { Simulation::from_counted };
-    let mut simulation = make(&model.mechanism, state, counted, run).map_err(Error::from)?;
+    let (interrupt, counted) = (Some(&*interrupted), recorded.loaded.counted.as_ref());
+    let options_of_run =
+        SimulationOptions { switched_off, interrupt, counted, ..SimulationOptions::new(duration, choice) };
+    let mut simulation = Simulation::new(&model.mechanism, state, options_of_run).map_err(Error::from)?;
     let stages = simulation.description().stages as f64;
     recorder = Recorder::compare(log, model, stages, &options).map_err(Failure::run)?;
     if simulation.tells_at_once() {

@@ -204,19 +204,18 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         check_report(page, log, model).map_err(Failure::input)?;
     }
     let mechanism = &model.mechanism;
-    let counted = loaded.counted.clone();
 
     // The run ends after the step it is in.
     let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let shows = !arguments.quiet && std::io::stderr().is_terminal();
     let switched_off = &arguments.input.keep[..];
-    let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
+    let (interrupt, counted) = (Some(&*interrupted), loaded.counted.as_ref());
+    let options = SimulationOptions { switched_off, interrupt, counted, ..SimulationOptions::new(duration, choice) };
     // They outlive the run, which they watch.
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let (since, account) = (state.time, Account::open(model, &state, settled));
-    let made = Simulation::at_once(mechanism, state, counted.clone(), options);
-    let mut simulation = made.map_err(Error::from)?;
+    let mut simulation = Simulation::new(mechanism, state, options).map_err(Error::from)?;
     let mut origin = origin();
     if let Some(from) = &arguments.from {
         origin.driven = Some(format!("it went on from the log {}", from.log.display()));
@@ -224,7 +223,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         let estimated_error = Summary::read(&from.log).ok().and_then(|summary| summary.error_of_samples());
         origin.from_log = Some(FromLog { log: from.log.display().to_string(), time: since, estimated_error });
     }
-    let begun = account.begun(model, counted.as_deref(), &simulation);
+    let begun = account.begun(model, counted.map(AsRef::as_ref), &simulation);
     recorder = match &output {
         Some(path) => {
             let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;

@@ -32,7 +32,7 @@ impl Experiment {
         let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
         let duration = scene.simulation.duration.expect("a duration");
         let steps = StepChoice::Tolerance(scene.simulation.tolerance.expect("a tolerance"));
-        let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+        let options = SimulationOptions::new(duration, steps);
         let simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
         Experiment { model, simulation, duration }
     }

@@ -47,7 +47,7 @@ fn a_box_on_a_belt_slides_until_it_moves_with_the_belt_and_then_rides() {
     let end = run("belt_rides", &text, 1.5);
     let own = link(&end, "box");
     // Four corners hold all freedoms of a box that rides, and none of these is still.
-    assert_eq!((end.method.first_order_steps, end.rejected_by.0.of(Rejected::EnergyJump)), (0, 0));
+    assert_eq!((end.method.crowd.steps, end.rejected.0.of(Rejected::EnergyJump)), (0, 0));
     assert!(end.steps < 20, "{} steps", end.steps);
     near("x", (own.position[0], 0.5 * acceleration * rides * rides + speed * (1.5 - rides)));
     near("z", (own.position[2], 0.05));

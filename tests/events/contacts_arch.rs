@@ -51,8 +51,7 @@ fn after(name: &str, inner: f64) -> (Finished, [f64; 2]) {
     let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options =
-        SimulationOptions { duration: 0.2, steps: StepChoice::Tolerance(1e-3), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(0.2, StepChoice::Tolerance(1e-3));
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("a run to its end");
     let key = simulation.state().position[7 * (count as usize / 2) + 2];

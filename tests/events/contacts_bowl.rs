@@ -13,8 +13,8 @@ fn rolls(tolerance: f64) -> (State, usize) {
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
     let steps = StepChoice::Tolerance(tolerance);
-    let options = SimulationOptions { duration: 3.0, steps, switched_off: &[], interrupt: None };
-    let mut simulation = Simulation::at_once(&model.mechanism, start, None, options).expect("a run");
+    let options = SimulationOptions::new(3.0, steps);
+    let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("to the end");
     let finished = simulation.finish();
     (finished.state, finished.summary.steps)

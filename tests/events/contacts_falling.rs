@@ -35,7 +35,7 @@ fn falling(friction: f64, restitution: f64) -> (Mechanism, State) {
 fn a_stack_in_free_fall_stays_together_in_few_steps_without_events() {
     for (friction, restitution) in [(0.8, 0.0), (0.5, 0.6), (0.0, 0.3)] {
         let (mechanism, start) = falling(friction, restitution);
-        // Given steps first: they have no trial runs, whose steps nobody counts.
+        // Given steps first: nobody counts the steps of the run beside one with a tolerance.
         for steps in [fixed(9, 0.05), StepChoice::Tolerance(1e-6), StepChoice::Tolerance(1e-4)] {
             let finished = run_within(500, &mechanism, &start, 0.5, steps);
             let summary = &finished.summary;

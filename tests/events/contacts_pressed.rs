@@ -25,7 +25,7 @@ fn rests(name: &str, friction: f64, duration: f64, steps: StepChoice) -> (Model,
         true
     });
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, steps);
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("to the end");
     let finished = simulation.finish();

@@ -15,8 +15,7 @@ fn stands(name: &str, times: &[f64]) -> (Vec<Vec<ContactPoint>>, State) {
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
     let duration = times.iter().fold(0.0, |most: f64, &time| most.max(time));
-    let options =
-        SimulationOptions { duration, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, StepChoice::Tolerance(1e-6));
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     let points = times
         .iter()
@@ -56,7 +55,7 @@ fn motors_that_an_impact_throws_beyond_their_bounds_are_there_at_once_whatever_t
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
     let run = |steps: StepChoice| {
-        let options = SimulationOptions { duration: 0.2, steps, switched_off: &[], interrupt: None };
+        let options = SimulationOptions::new(0.2, steps);
         let mut simulation = Simulation::new(&model.mechanism, start.clone(), options).expect("a run");
         simulation.run().expect("to the end");
         simulation.finish()

@@ -19,7 +19,7 @@ fn against_a_wall(speed: f64, spin: f64, steps: f64) -> Result<(f64, f64, Vec<Ev
     let turned = Vector3::y() * std::f64::consts::FRAC_PI_2;
     put(&rod, &mut start, 0, [-Vector3::x(), turned, Vector3::x() * speed, -Vector3::x() * spin]);
     let duration = 1.5 / speed;
-    let options = SimulationOptions { duration, steps: fixed(5, steps), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, fixed(5, steps));
     let mut simulation = Simulation::new(&rod, start, options).map_err(|error| error.to_string())?;
     simulation.run().map_err(|error| error.to_string())?;
     let finished = simulation.finish();

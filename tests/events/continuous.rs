@@ -23,7 +23,7 @@ pub fn run_under(
     steps: StepChoice,
     controller: &dyn ContinuousController,
 ) -> Result<Finished, ControlError> {
-    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, steps);
     let mut simulation = Simulation::new(mechanism, start.clone(), options).unwrap();
     simulation.run_under_continuous(controller)?;
     Ok(simulation.finish())

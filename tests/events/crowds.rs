@@ -21,7 +21,7 @@ fn robots_that_collapse_limp_neither_overlap_the_floor_nor_gain_energy() {
         let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
         let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
         let steps = StepChoice::Tolerance(1e-3);
-        let options = SimulationOptions { duration: 1.0, steps, switched_off: &[], interrupt: None };
+        let options = SimulationOptions::new(1.0, steps);
         let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
         simulation.run().unwrap_or_else(|error| panic!("{name}: {error}"));
         let finished = simulation.finish();
@@ -58,8 +58,7 @@ fn a_wall_of_many_bricks_begins_in_steps_over_events_and_stays_at_rest() {
     let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options =
-        SimulationOptions { duration: 0.02, steps: StepChoice::Tolerance(1e-3), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(0.02, StepChoice::Tolerance(1e-3));
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("it runs");
     let finished = simulation.finish();
@@ -81,8 +80,7 @@ fn run_on_floor(name: &str, bodies: &str, duration: f64) -> (f64, f64, f64, f64)
     let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options =
-        SimulationOptions { duration, steps: StepChoice::Tolerance(1e-3), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, StepChoice::Tolerance(1e-3));
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("it runs");
     let finished = simulation.finish();

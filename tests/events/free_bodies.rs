@@ -74,6 +74,6 @@ fn beyond_the_horizon_steps_over_events_take_over_whatever_the_tolerance() {
     let accuracy = end.accuracy.expect("an accuracy");
     assert!(!accuracy.reached && accuracy.holds_until < 0.75, "{accuracy:?}");
     // The crates tumble for most of the rest; nothing asks for exact events any more.
-    let stepped_over = end.method.first_order_time;
+    let stepped_over = end.method.crowd.time_share * end.duration;
     assert!(stepped_over > 0.4 * (1.5 - accuracy.holds_until), "{stepped_over} s");
 }

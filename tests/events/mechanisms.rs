@@ -90,18 +90,18 @@ pub fn at_rest(mechanism: &Mechanism, positions: &[f64]) -> State {
 /// Runs to a time.
 pub fn run(mechanism: &Mechanism, start: &State, duration: f64, steps: StepChoice) -> Finished {
     catena::events::check_certificates();
-    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, steps);
     let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
     simulation.run().expect("to the end");
     simulation.finish()
 }
 
-/// The same in so many steps at most, those of trial runs with them: a run that does not get on fails, instead of going on for hours.
+/// The same in so many steps at most, those before a restart with them: a run that does not get on fails, instead of going on for hours.
 pub fn run_within(most: usize, mechanism: &Mechanism, start: &State, duration: f64, steps: StepChoice) -> Finished {
     catena::events::check_certificates();
     let stop = AtomicBool::new(false);
     let mut counter = Counter { left: most, stop: &stop };
-    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: Some(&stop) };
+    let options = SimulationOptions { interrupt: Some(&stop), ..SimulationOptions::new(duration, steps) };
     let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
     simulation.observe(&mut counter);
     simulation.run().unwrap_or_else(|error| panic!("not done in {most} steps: {error}"));

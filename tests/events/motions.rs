@@ -373,7 +373,7 @@ fn a_box_rides_on_a_table_that_is_moved_and_slips_on_it_where_its_friction_is_no
         let file = folder.join("scene.toml");
         std::fs::write(&file, text).expect("a scene");
         let end = report(&file, &[], &[], Some(duration), 1e-9);
-        assert_eq!(end.method.first_order_steps, 0, "{formula}");
+        assert_eq!(end.method.crowd.steps, 0, "{formula}");
         end.links.iter().find(|(name, _)| name == "box").expect("a box").1.position[0]
     };
     let near =

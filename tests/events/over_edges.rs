@@ -54,7 +54,7 @@ fn boxes_that_tumble_over_each_other_in_steps_over_events_tell_that_their_end_is
     let [coarse, fine] = [1e-3, 1e-5].map(|tolerance| report(&file, &[], &[], Some(1.5), tolerance));
     let off = apart(&coarse, &fine);
     let told = coarse.accuracy.expect("an accuracy");
-    assert!(coarse.method.first_order_time > 0.3, "the scene shows nothing any more");
+    assert!(coarse.method.crowd.time_share * coarse.duration > 0.3, "the scene shows nothing any more");
     assert!(off > 1e-3 && !told.reached, "{off:e} apart, told {:e}", told.estimated);
     assert!(told.estimated > off / 3.0, "{off:e} apart, told {:e}", told.estimated);
     assert!(told.holds_until < 0.5, "{}", told.holds_until);

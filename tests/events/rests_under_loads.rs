@@ -90,7 +90,7 @@ fn a_box_that_slides_and_stops_again_and_again_under_a_sine_is_where_the_closed_
         let expected = if duration < low { place(duration) } else { after(duration) };
         let off = (end.links[0].1.position[0] - expected).abs();
         assert!(off < 1e-9, "{duration} s: off by {off:e}");
-        assert!(end.accuracy.expect("an accuracy").reached && end.method.first_order_steps == 0, "{duration} s");
+        assert!(end.accuracy.expect("an accuracy").reached && end.method.crowd.steps == 0, "{duration} s");
     }
 }
 
@@ -101,7 +101,7 @@ fn what_lies_without_friction_under_a_changing_weight_is_at_rest_in_steps_of_the
     for shape in [BOX, "{ type = \"sphere\", radius = 0.1 }"] {
         for tolerance in [1e-3, 1e-6, 1e-9] {
             let end = run("lies_without_friction", shape, 0.0, load, 2.0, tolerance);
-            assert_eq!((end.method.first_order_steps, end.events.list.len()), (0, 0), "{tolerance:e}");
+            assert_eq!((end.method.crowd.steps, end.events.list.len()), (0, 0), "{tolerance:e}");
             assert!(end.accuracy.expect("an accuracy").reached && end.steps < 50, "{} steps", end.steps);
             // Roundings of a tenth.
             assert!((end.links[0].1.position[2] - 0.1).abs() < 1e-14, "{}", end.links[0].1.position[2]);

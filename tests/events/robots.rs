@@ -119,8 +119,7 @@ fn run_real_robots(duration: f64) {
                 let target = Target::constant(start.position[mechanism.bodies[body].joint.position_index]);
                 motor(&mut mechanism, body, MotorLaw::Position { kp: 1000.0, kd: 50.0 }, target, f64::INFINITY, 0.0);
             }
-            let options =
-                SimulationOptions { duration, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+            let options = SimulationOptions::new(duration, StepChoice::Tolerance(1e-6));
             let mut simulation = Simulation::new(&mechanism, start.clone(), options).expect("a run");
             simulation.run().unwrap_or_else(|error| panic!("{name}, held {held}: {error}"));
             let done = simulation.finish();

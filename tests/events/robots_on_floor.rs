@@ -62,7 +62,7 @@ fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, [bal
         let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
         assemble(&model.mechanism, &mut start).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let options = SimulationOptions { duration: 1.0, steps, switched_off: &[], interrupt: None };
+        let options = SimulationOptions::new(1.0, steps);
         let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
         simulation.run().unwrap_or_else(|error| panic!("{name}: {error}"));
         let finished = simulation.finish();

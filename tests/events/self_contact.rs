@@ -48,7 +48,7 @@ fn model(name: &str, parts: &[String], scene: &str) -> (Model, State) {
 
 fn run(model: &Model, start: &State, duration: f64, tolerance: f64) -> Finished {
     let steps = StepChoice::Tolerance(tolerance);
-    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(duration, steps);
     let mut simulation = Simulation::new(&model.mechanism, start.clone(), options).expect("a run");
     simulation.step_to(duration).expect("steps");
     simulation.finish()
@@ -161,8 +161,7 @@ fn a_limp_leg_that_falls_on_its_trunk_does_not_enter_it() {
     let floor = "obstacle1";
     // Neighbours are left out.
     assert_eq!(pairs, [("trunk", "shank"), ("trunk", floor), ("thigh", floor), ("shank", floor)]);
-    let options =
-        SimulationOptions { duration: 2.0, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(2.0, StepChoice::Tolerance(1e-6));
     let mut simulation = Simulation::new(mechanism, start, options).expect("a run");
     let mut least = f64::INFINITY;
     for sample in 1..=400 {

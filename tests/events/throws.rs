@@ -86,7 +86,7 @@ impl Observer for Rises {
 fn throw(seed: u64, steps: StepChoice) -> (Finished, Rises) {
     let (mechanism, start) = thrown(seed);
     let mut rises = Rises::default();
-    let options = SimulationOptions { duration: 1.5, steps, switched_off: &[], interrupt: None };
+    let options = SimulationOptions::new(1.5, steps);
     let mut simulation = Simulation::new(&mechanism, start, options).expect("a run");
     simulation.observe(&mut rises);
     simulation.run().unwrap_or_else(|error| panic!("throw {seed}: {error}"));

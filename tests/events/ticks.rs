@@ -119,12 +119,7 @@ fn forces_that_are_known_to_hold_a_box_at_ticks_are_inside_their_cones_where_the
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
     model.mechanism.nonsmooth.motors.iter_mut().for_each(|motor| motor.period = 1e-3);
     let found = [None, Some(1e3)].map(|rate| {
-        let options = SimulationOptions {
-            duration: 0.1,
-            steps: StepChoice::Unestimated(1e-6),
-            switched_off: &[],
-            interrupt: None,
-        };
+        let options = SimulationOptions::new(0.1, StepChoice::Unestimated(1e-6));
         let mut simulation = Simulation::new(&model.mechanism, start.clone(), options).expect("a run");
         let mut cones = Cones::default();
         if let Some(rate) = rate {
@@ -147,9 +142,9 @@ fn forces_that_are_known_to_hold_a_box_at_ticks_are_inside_their_cones_where_the
 fn a_run_without_an_estimate_makes_the_steps_of_one_with_it() {
     let [with, without] = [StepChoice::Tolerance(1e-6), StepChoice::Unestimated(1e-6)].map(|steps| {
         let mechanism = double_pendulum(0.5);
-        let options = SimulationOptions { duration: 1.0, steps, switched_off: &[], interrupt: None };
+        let options = SimulationOptions::new(1.0, steps);
         let start = at_rest(&mechanism, &[0.7, 0.4]);
-        let mut simulation = Simulation::at_once(&mechanism, start, None, options).expect("a run");
+        let mut simulation = Simulation::new(&mechanism, start, options).expect("a run");
         simulation.run().expect("it runs");
         simulation.finish()
     });
@@ -175,8 +170,8 @@ fn shaking(steps: StepChoice, duration: f64) -> Finished {
         });
     }
     let start = model.initial_state(&[], &[], None).expect("a start");
-    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
-    let mut simulation = Simulation::at_once(&mechanism, start, None, options).expect("a run");
+    let options = SimulationOptions::new(duration, steps);
+    let mut simulation = Simulation::new(&mechanism, start, options).expect("a run");
     simulation.run().expect("it runs");
     simulation.finish()
 }

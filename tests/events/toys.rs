@@ -19,7 +19,7 @@ fn runs(name: &str, duration: f64, change: Change, choices: &[StepChoice]) -> Ve
     let mut start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
     change(&mut model, &mut start.velocity);
     let run = |&steps: &StepChoice| {
-        let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: None };
+        let options = SimulationOptions::new(duration, steps);
         let mut simulation = Simulation::new(&model.mechanism, start.clone(), options).expect("a run");
         simulation.run().expect("to the end");
         let finished = simulation.finish();

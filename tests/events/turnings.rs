@@ -173,7 +173,7 @@ fn spins_in_its_place(folder: &str, text: &str, body: &str, [place, spin, speed]
         is.iter().zip(wanted).for_each(|(is, wanted)| near(&format!("{folder}: {name}"), (*is, wanted)));
     }
     // No step ends beside the rest, which would change the energy.
-    assert_eq!((end.rejected_steps, end.method.first_order_steps), (0, 0), "{folder}: {:?}", end.rejected_by);
+    assert_eq!((end.rejected_steps, end.method.crowd.steps), (0, 0), "{folder}: {:?}", end.rejected);
     assert!(end.events.list.is_empty(), "{folder}: {:?}", end.events.list);
 }
 
@@ -231,7 +231,7 @@ fn a_ball_that_a_moved_table_carries_keeps_its_spin_about_the_normal() {
     near("x", (own.position[0], 0.05 * (1.0 - 4.0_f64.cos())));
     near("speed", (own.linear_velocity[0], 0.1 * 4.0_f64.sin()));
     own.angular_velocity.iter().zip([0.0, 0.0, 5.0]).for_each(|(is, wanted)| near("spin", (*is, wanted)));
-    assert_eq!(end.rejected_steps, 0, "{:?}", end.rejected_by);
+    assert_eq!(end.rejected_steps, 0, "{:?}", end.rejected);
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn a_flat_end_that_slides_stands_on_its_points_where_rolling_friction_holds_it_t
     });
     for end in &ends {
         assert!(end.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached), "{:?}", end.accuracy);
-        assert_eq!(end.method.first_order_steps, 0);
+        assert_eq!(end.method.crowd.steps, 0);
     }
     let [held, free] = ends.map(|end| *link(&end, "disc"));
     held.position

@@ -56,7 +56,7 @@ fn rolling() -> f64 {
 fn run(file: &Path, duration: f64) -> Report {
     let end = report(file, &[], &[], Some(duration), 1e-11);
     assert!(end.energy.max_relative_error < 1e-11, "{:?}", end.energy);
-    assert_eq!((end.method.first_order_steps, end.energy.impacts), (0, 0.0));
+    assert_eq!((end.method.crowd.steps, end.energy.impacts), (0, 0.0));
     end
 }
 
@@ -125,7 +125,7 @@ fn a_wheel_on_a_trailing_arm_takes_the_speed_of_its_belt_in_one_stop() {
         let (_, rate) = joint(&end, "spin");
         // The slip is stopped to 1e-7 of the speeds.
         assert!((rate + speed / RADIUS).abs() < 1e-6, "{rate} at {tolerance}");
-        assert_eq!(end.method.first_order_steps, 0, "at {tolerance}");
+        assert_eq!(end.method.crowd.steps, 0, "at {tolerance}");
         let kinds: Vec<&str> = end.events.list.iter().map(|event| event.kind.as_str()).collect();
         assert!(kinds.iter().all(|kind| *kind == "stick") && kinds.len() <= 2, "at {tolerance}: {kinds:?}");
         // Half of the work of the belt turns the wheel.
@@ -165,7 +165,7 @@ fn a_robot_with_a_caster_lands_and_drives_without_steps_of_first_order() {
     );
     let file = scene_of("caster", &urdf, &text);
     let [coarse, fine] = [1e-3, 1e-7].map(|tolerance| report(&file, &[], &[], Some(1.5), tolerance));
-    assert!(coarse.method.first_order_steps < 10, "{}", coarse.method.first_order_steps);
+    assert!(coarse.method.crowd.steps < 10, "{}", coarse.method.crowd.steps);
     let off = apart(&coarse, &fine);
     assert!(off < 1e-3, "{off} m");
 }

@@ -6,26 +6,24 @@ use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::distance::{distance, probes};
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription};
 use catena::mechanism::motion::state::State;
-use catena::simulation::tolerance::accuracy::Calibration;
 use catena::simulation::{
-    Finished, Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice, UnknownAccuracy,
+    Accuracy, Finished, Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice, UnknownAccuracy,
 };
 use catena::stepping::integrator::Lobatto;
 use catena::stepping::length::stage_choice::StageChoice;
 use nalgebra::Vector3;
 
 pub(crate) fn options(duration: f64, tolerance: f64) -> SimulationOptions<'static> {
-    SimulationOptions { duration, steps: StepChoice::Tolerance(tolerance), switched_off: &[], interrupt: None }
+    SimulationOptions::new(duration, StepChoice::Tolerance(tolerance))
 }
 
 fn finished(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Finished {
-    let mut simulation =
-        Simulation::at_once(mechanism, start.clone(), None, options(duration, tolerance)).expect("a simulation");
+    let mut simulation = Simulation::new(mechanism, start.clone(), options(duration, tolerance)).expect("a simulation");
     simulation.run().expect("a run");
     simulation.finish()
 }
 
-pub(crate) fn told(finished: &Finished) -> Calibration {
+pub(crate) fn told(finished: &Finished) -> Accuracy {
     finished.accuracy[0].clone().expect("an accuracy")
 }
 
@@ -62,7 +60,7 @@ fn a_run_that_says_that_its_accuracy_is_reached_is_that_accurate_and_its_estimat
                 "{name} at {tolerance:e}: error {error:.2e} m, estimate {:.2e} m, begun {}",
                 told.estimate, told.begun
             );
-            assert_eq!((told.holds_until, told.pilots), (duration, 0), "{name} at {tolerance:e}");
+            assert_eq!(told.holds_until, duration, "{name} at {tolerance:e}");
             assert!(error <= tolerance, "{name} at {tolerance:e}: {error:e} m");
             // Thirty times is what a report may be off; what is below a thousandth of the accuracy is calm, and may be told to be more.
             assert!(error <= 30.0 * told.estimate + 1e-13, "{name} at {tolerance:e}: {error:e} of {:e}", told.estimate);
@@ -96,10 +94,9 @@ impl Observer for Kept {
 }
 
 /// The samples of a run with a tolerance, and what it says of its accuracy.
-fn sampled(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> (Vec<(f64, Vec<f64>)>, Calibration) {
+fn sampled(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> (Vec<(f64, Vec<f64>)>, Accuracy) {
     let mut kept = Kept::default();
-    let mut simulation =
-        Simulation::at_once(mechanism, start.clone(), None, options(duration, tolerance)).expect("a simulation");
+    let mut simulation = Simulation::new(mechanism, start.clone(), options(duration, tolerance)).expect("a simulation");
     // No sample but the first and the last is at an end of a step.
     simulation.sample_at(997.0);
     simulation.observe(&mut kept);
@@ -227,24 +224,12 @@ fn five_stages_make_steps_in_which_samples_are_within_a_fine_tolerance() {
 }
 
 #[test]
-fn a_run_after_trial_runs_says_how_accurate_its_samples_are_inside_steps() {
-    let model = models::planar_chain(4);
-    let options = options(1.0, 1e-7);
-    let mut simulation = Simulation::new(&model.mechanism, model.state.clone(), options).expect("trial runs");
-    assert!(simulation.calibrations().iter().all(|found| found.as_ref().is_ok_and(|found| found.pilots > 0)));
-    simulation.run().expect("a run");
-    let between = told(&simulation.finish()).between_steps.expect("an estimate");
-    // Of some hundredths of the tolerance to some of them, as of runs that tell their accuracy themselves.
-    assert!(between > 1e-10 && between < 1e-6, "{between:e} m");
-}
-
-#[test]
 fn observers_of_a_run_that_begins_again_see_that_and_then_the_run_that_was_made_with_its_steps_from_the_start() {
     let model = models::chain(6);
     let (mechanism, duration, tolerance) = (&model.mechanism, 12.0, 1e-3);
     let mut kept = Kept::default();
     let mut simulation =
-        Simulation::at_once(mechanism, model.state.clone(), None, options(duration, tolerance)).expect("a simulation");
+        Simulation::new(mechanism, model.state.clone(), options(duration, tolerance)).expect("a simulation");
     simulation.sample_at(10.0);
     simulation.observe(&mut kept);
     simulation.run().expect("a run");
@@ -255,7 +240,7 @@ fn observers_of_a_run_that_begins_again_see_that_and_then_the_run_that_was_made_
     assert_eq!(kept.samples.len(), 121);
     assert!(kept.samples.iter().enumerate().all(|(k, sample)| sample.0 == (k as f64 / 10.0).min(duration)));
     // The run alone, with the steps that it ended with.
-    let mut lobatto = told.integrator(mechanism, tolerance);
+    let mut lobatto = Lobatto::adaptive_with_stages(mechanism, tolerance, told.stop, told.stages);
     let mut state = model.state.clone();
     while state.time < duration {
         lobatto.advance(mechanism, &mut state, duration).expect("a step");
@@ -312,7 +297,7 @@ fn a_run_under_efforts_from_outside_does_not_begin_again_and_says_that_its_accur
     let model = models::double_pendulum();
     let mut kept = Kept::default();
     let mut simulation =
-        Simulation::at_once(&model.mechanism, model.state.clone(), None, options(12.0, 1e-6)).expect("a simulation");
+        Simulation::new(&model.mechanism, model.state.clone(), options(12.0, 1e-6)).expect("a simulation");
     simulation.observe(&mut kept);
     simulation.set_efforts(&[0.1, 0.0]).expect("efforts");
     simulation.run().expect("a run");

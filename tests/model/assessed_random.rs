@@ -10,8 +10,7 @@ use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::motion::distance::{distance, probes, size};
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
-use catena::simulation::tolerance::accuracy::Calibration;
-use catena::simulation::{Simulation, SimulationOptions, StepChoice};
+use catena::simulation::{Accuracy, Simulation, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
@@ -129,7 +128,7 @@ pub fn places_at(
 
 /// The accuracy that a run told, its largest error (m), and the uncertainty of that error (m).
 struct Compared {
-    told: Calibration,
+    told: Accuracy,
     error: f64,
     doubt: f64,
 }
@@ -137,8 +136,8 @@ struct Compared {
 fn compared(motion: &Motion, tolerance: f64) -> Option<Compared> {
     let Motion { mechanism, start, duration, .. } = motion;
     let steps = StepChoice::Tolerance(tolerance);
-    let options = SimulationOptions { duration: *duration, steps, switched_off: &[], interrupt: None };
-    let mut simulation = Simulation::at_once(mechanism, start.clone(), None, options).expect("a simulation");
+    let options = SimulationOptions::new(*duration, steps);
+    let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a simulation");
     simulation.run().ok()?;
     let told = simulation.finish().accuracy[0].clone().ok()?;
     if told.holds_until < *duration {

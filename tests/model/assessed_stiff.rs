@@ -19,7 +19,6 @@ use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::simulation::Simulation;
 use catena::simulation::method::run_integrator::RunIntegrator;
-use catena::simulation::tolerance::accuracy::Calibration;
 use catena::stepping::integrator::Lobatto;
 use catena::stepping::recipe::Steps;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -176,7 +175,7 @@ impl Motion {
 
 /// What a run said of itself, its largest error (m), and the uncertainty of that error (m).
 struct Compared {
-    told: Calibration,
+    told: Accuracy,
     steps: usize,
     error: f64,
     doubt: f64,
@@ -185,7 +184,7 @@ struct Compared {
 fn compared(motion: &Motion, tolerance: f64) -> Option<Compared> {
     let Motion { mechanism, start, duration, .. } = motion;
     let mut simulation =
-        Simulation::at_once(mechanism, start.clone(), None, options(*duration, tolerance)).expect("a simulation");
+        Simulation::new(mechanism, start.clone(), options(*duration, tolerance)).expect("a simulation");
     simulation.run().expect("a run");
     let told = told(&simulation.finish());
     // Repeats the run to get the ends of its steps.

@@ -30,8 +30,7 @@ fn a_run_that_is_interrupted_tells_its_accuracy_up_to_there_and_nothing_if_it_ha
         let flag = AtomicBool::new(false);
         let mut observer = Interrupting(&flag, after);
         let options = SimulationOptions { interrupt: Some(&flag), ..options(10.0, 1e-6) };
-        let mut simulation =
-            Simulation::at_once(&model.mechanism, model.state.clone(), None, options).expect("a simulation");
+        let mut simulation = Simulation::new(&model.mechanism, model.state.clone(), options).expect("a simulation");
         simulation.sample_at(10.0);
         simulation.observe(&mut observer);
         assert!(matches!(simulation.run(), Err(RunError::Interrupted { .. })));
@@ -88,8 +87,7 @@ fn interrupted(
     let flag = AtomicBool::new(false);
     let mut listening = Listening::new(&flag, until);
     let options = SimulationOptions { interrupt: Some(&flag), ..options(duration, 1e-6) };
-    let mut simulation =
-        Simulation::at_once(&model.mechanism, model.state.clone(), None, options).expect("a simulation");
+    let mut simulation = Simulation::new(&model.mechanism, model.state.clone(), options).expect("a simulation");
     simulation.sample_at(20.0);
     simulation.observe(&mut listening);
     assert!(matches!(simulation.run(), Err(RunError::Interrupted { .. })));
@@ -143,8 +141,7 @@ fn parts_that_nothing_connects_tell_together_what_each_tells_and_twice_the_same(
     (start.velocity[0], start.velocity[first + 2]) = (1.0, 3.0);
     let tell = || {
         let mut listening = Listening::new(&flag, |_| false);
-        let mut simulation =
-            Simulation::at_once(&mechanism, start.clone(), None, options(0.3, 1e-6)).expect("a simulation");
+        let mut simulation = Simulation::new(&mechanism, start.clone(), options(0.3, 1e-6)).expect("a simulation");
         simulation.sample_at(20.0);
         simulation.observe(&mut listening);
         simulation.run().expect("a run");

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 const FIXED: StepChoice = StepChoice::Fixed { stages: 5, step: 0.02 };
 
 fn options(duration: f64, steps: StepChoice) -> SimulationOptions<'static> {
-    SimulationOptions { duration, steps, switched_off: &[], interrupt: None }
+    SimulationOptions::new(duration, steps)
 }
 
 /// Keeps all samples.

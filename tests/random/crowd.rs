@@ -107,7 +107,7 @@ fn alone(run: &Run, add: &mut dyn FnMut(&'static str, String)) {
             add(verdict, words.clone());
         }
     }
-    let residual = report.method.first_order_residual;
+    let residual = report.method.crowd.worst_residual;
     if residual > RESIDUAL {
         add("residual", format!("{residual:.1e} of the largest impulse"));
     }

@@ -1,7 +1,7 @@
 //! The number of stages that a tolerance is given.
 
 use crate::closed::four_bars;
-use crate::common::{by_tolerance, run_until};
+use crate::common::{accuracy_of, by_tolerance, run_until};
 use crate::models;
 use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::forces::JointDamper;
@@ -14,7 +14,6 @@ use catena::scene::{PackagePath, read_scene};
 use catena::simulation::parallel::islands::Islands;
 use catena::simulation::parallel::partition::Plan;
 use catena::simulation::parallel::threads::Threads;
-use catena::simulation::tolerance::accuracy::calibrate;
 use catena::stepping::integrator::Lobatto;
 use catena::stepping::length::stage_choice::StageChoice;
 use nalgebra::Vector3;
@@ -125,16 +124,13 @@ fn loops_with_five_stages_end_as_near_as_was_asked() {
     }
 }
 
-/// Pilots of a tolerance of 1 mm part within the first 1.6 seconds of the ring; the finer ones after them are those of 1e-7 m.
+/// Runs of the ring that differ by 1 mm part within its first 1.6 seconds: those that do not have the steps of 1e-7 m.
 #[test]
-fn loops_that_need_finer_pilots_are_run_with_the_stages_of_these() {
+fn loops_that_restart_with_a_finer_stop_have_its_stages() {
     let (ring, start) = scene("ring_100");
-    let calibrated = |duration| calibrate(&ring, &start, duration, 1e-3, &[], &mut |_, _| true).expect("pilots");
-    let (calm, chaotic) = (calibrated(0.2), calibrated(1.6));
-    assert_eq!((calm.pilots, calm.stages), (2, StageChoice::Few));
-    assert!(chaotic.pilots > 2 && chaotic.stages == StageChoice::Many, "{chaotic:?}");
-    let stages = chaotic.integrator(&ring, 1e-3).description().stages;
-    assert_eq!(stages, StageChoice::Many.count());
+    let [calm, chaotic] = [0.2, 1.6].map(|duration| accuracy_of(&ring, &start, duration, 1e-3));
+    assert_eq!((calm.begun, calm.stages), (1, StageChoice::Few));
+    assert!(chaotic.begun > 1 && chaotic.stages == StageChoice::Many, "{chaotic:?}");
 }
 
 /// The leaf springs of the first limit steps with five stages all along; the springs and dampers of the others do not.
@@ -148,8 +144,8 @@ fn loops_whose_steps_stability_limits_are_run_with_nine_stages() {
     ] {
         let (mechanism, start) = scene(name);
         for tolerance in [1e-2, 1e-4, 1e-6] {
-            let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_, _| true).expect("pilots");
-            println!("{name}, {tolerance:e}: {:?}, {} pilots", found.stages, found.pilots);
+            let found = accuracy_of(&mechanism, &start, duration, tolerance);
+            println!("{name}, {tolerance:e}: {:?}, begun {} times", found.stages, found.begun);
             assert_eq!(StageChoice::of(&mechanism, tolerance), StageChoice::Few, "{name}, {tolerance:e}");
             assert_eq!(found.stages, expected, "{name}, {tolerance:e}");
         }
@@ -173,7 +169,7 @@ fn every_island_has_the_stages_of_its_own() {
     state.compensation.extend(chain.state.compensation);
     state.velocity.extend(chain.state.velocity);
     let plan = Plan::new(&mechanism, &state, &[]);
-    let (islands, _) = Islands::new(plan, &state, Threads::WherePaid, 0.0, |part: &Mechanism, start: &State| {
+    let (islands, _) = Islands::new(plan, &state, Threads::WherePaid, |part: &Mechanism, start: &State| {
         Ok::<_, ()>((by_tolerance(part, start, 0.1, 1e-4), ()))
     })
     .expect("integrators");

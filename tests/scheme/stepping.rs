@@ -1,12 +1,12 @@
 //! How steps are strung together: the grid, halving, the last step, and interruptions by the caller.
 
+use crate::common::accuracy_of;
 use crate::models;
 use catena::mechanism::description::joint::JointKind;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::integrator::{Integrator, Rejected, StepError};
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
-use catena::simulation::tolerance::accuracy::calibrate;
 use catena::stepping::integrator::{Lobatto, MethodError};
 use nalgebra::Vector3;
 
@@ -271,34 +271,10 @@ fn dense_output_meets_both_ends_and_is_as_smooth_as_the_motion_inside() {
 }
 
 #[test]
-fn pilots_of_a_calm_motion_with_nine_stages_are_two_and_take_few_more_steps_than_it() {
-    let model = models::double_pendulum();
-    let (mechanism, end) = (&model.mechanism, 1.0);
-    for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {
-        let mut pilot_steps = 0;
-        let mut count = |_: f64, _: &_| {
-            pilot_steps += 1;
-            true
-        };
-        let found = calibrate(mechanism, &model.state, end, tolerance, &[], &mut count).unwrap();
-        let (mut state, mut steps) = (model.state.clone(), 0);
-        let mut lobatto = found.integrator(mechanism, tolerance);
-        while state.time < end {
-            lobatto.advance(mechanism, &mut state, end).unwrap();
-            steps += 1;
-        }
-        println!("{tolerance:e}: {} pilots, {pilot_steps} steps, and {steps}", found.pilots);
-        assert_eq!(found.pilots, 2, "{tolerance:e}");
-        // The coarser one makes those of the run, the finer one some quarter more, and one more wherever the two are compared.
-        assert!(2 * pilot_steps <= 5 * steps, "{tolerance:e}: {pilot_steps} for {steps}");
-    }
-}
-
-#[test]
 fn how_long_an_accuracy_holds_does_not_hang_on_how_long_the_run_is() {
     let model = models::chain(10);
     let held = |duration: f64| {
-        let found = calibrate(&model.mechanism, &model.state, duration, 1e-6, &[], &mut |_, _| true).unwrap();
+        let found = accuracy_of(&model.mechanism, &model.state, duration, 1e-6);
         assert!(found.parted && found.holds_until < duration, "{duration} s: {found:?}");
         found.holds_until
     };

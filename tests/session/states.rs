@@ -213,12 +213,12 @@ fn a_run_that_failed_begins_again_elsewhere() {
 }
 
 #[test]
-fn steps_of_a_program_are_made_without_trial_runs() {
+fn steps_of_a_program_are_made_without_an_estimate() {
     let model = Model::load(robot("quadruped_dropped.toml")).expect("a model");
     let mut simulation = Simulation::new(&model);
     simulation.step_to(0.02).expect("it runs");
     let report = simulation.finish().expect("a report");
-    let why = report.accuracy_unknown.expect("no estimate");
+    let why = report.no_accuracy.expect("no estimate").reason;
     assert!(report.accuracy.is_none() && why.contains("a program makes this run step by step"), "{why}");
 }
 

@@ -34,7 +34,7 @@ const LARGE: f64 = 1e-2;
 /// Increments count as no smaller than their rounding (rad, m), so that a step ends on them only if its stop is coarser.
 const ROUNDED: f64 = 1e-5;
 /// Steps that are iterated further than this (rad, m) begin in double precision: a bound of 1e-9 gains little if motions amplify errors, and makes
-/// the errors of trial runs less like the errors of finer ones (doc/decisions/003-simplified-newton-iteration.md).
+/// the errors of a run less like the errors of finer ones (doc/decisions/003-simplified-newton-iteration.md).
 const FINEST: f64 = 1e-7;
 /// If a moment is below this part of half the sum of a link's own, single precision leaves two digits of a factor or fewer.
 const LIGHTEST: f64 = 1e-5;

@@ -13,11 +13,11 @@ use crate::model::Model;
 use crate::output::log::{Ending, LogError, LogOptions, Outcome, Recorder, Severity};
 use crate::output::report::{
     AccuracyReport, ConstraintReport, ContactsReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport,
-    ModelReport, RejectedReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports,
-    ringing_warning, singular_warning, unsolved_warning,
+    ModelReport, NoAccuracyReport, RejectedReport, Report, SpeedWatch, StepErrorReport, balance_warning,
+    carried_reports, link_reports, ringing_warning, singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
-use crate::session::description::{Origin, TOLD, WENT_ON, description, figures};
+use crate::session::description::{Origin, WENT_ON, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
 use crate::simulation::{Finished, RunError, Simulation};
@@ -52,8 +52,8 @@ pub struct Begun {
 struct Described {
     settled: Settled,
     method: MethodDescription,
-    /// Whether the run itself estimates its error (without trial runs).
-    told: bool,
+    /// Whether the run may restart with finer steps.
+    may_restart: bool,
 }
 
 /// The report and the outcome of a finished run.
@@ -108,19 +108,16 @@ impl Account {
         let tolerance = self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE);
         let warnings = self.far.iter().filter_map(|far| far.warning(tolerance)).collect();
         let model = ModelReport::new(model, &redundancy, simulation.parts());
-        let (method, told) = (simulation.description(), simulation.tells_at_once());
-        Begun { course: Described { settled: self.settled, method, told }, account: self, model, warnings }
+        let (method, may_restart) = (simulation.description(), simulation.tells_at_once());
+        let course = Described { settled: self.settled, method, may_restart };
+        Begun { course, account: self, model, warnings }
     }
 }
 
 impl Described {
     fn in_words(&self, model: &Model, origin: &Origin) -> BTreeMap<String, String> {
         let Settled { duration, rate, choice } = self.settled;
-        let mut described = description(model, duration, rate, choice, self.method.clone(), origin);
-        if self.told {
-            described.insert(TOLD.to_string(), "by the run".to_string());
-        }
-        described
+        description(model, duration, rate, choice, self.method.clone(), origin)
     }
 }
 
@@ -137,7 +134,7 @@ impl Begun {
         options: &LogOptions,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Recorder, Error> {
-        let create = if self.course.told { Recorder::create_for_restarts } else { Recorder::create };
+        let create = if self.course.may_restart { Recorder::create_for_restarts } else { Recorder::create };
         let mut recorder = create(path, model, self.course.in_words(model, origin), options)?;
         recorder.heed(interrupted);
         self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
@@ -150,9 +147,9 @@ impl Begun {
         let Ended { finished, ended, checked, speeds, recorder, output } = run;
         let Settled { duration, choice, .. } = account.settled;
         let mechanism = &model.mechanism;
-        let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(choice, &finished) {
+        let (mut accuracy, no_accuracy) = match AccuracyReport::of(choice, &finished) {
             Ok(accuracy) => (Some(accuracy), None),
-            Err(reason) => (None, Some(reason.to_string())),
+            Err(reason) => (None, Some(NoAccuracyReport::new(choice, &reason))),
         };
         let of_accuracy: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
         if let (Some(accuracy), Some(far)) = (&mut accuracy, &account.far) {
@@ -205,12 +202,12 @@ impl Begun {
             start: account.since,
             // The time reached: less than was requested if the run ended early.
             duration: state.time,
-            method: MethodReport::new(&method),
+            method: MethodReport::new(&method, state.time - account.since),
             model: model_report,
             steps: summary.steps,
             iterations: summary.cost.iterations,
             rejected_steps: summary.cost.rejected.total(),
-            rejected_by: RejectedReport(summary.cost.rejected),
+            rejected: RejectedReport(summary.cost.rejected),
             located_attempts: summary.cost.located,
             kept_factor_iterations: summary.cost.kept,
             exact_newton_steps: summary.exact_steps,
@@ -227,7 +224,7 @@ impl Begun {
             islands: islands.iter().map(IslandReport::new).collect(),
             warnings: model.warning_lines().chain(unreached).chain(of_method).collect(),
             accuracy,
-            accuracy_unknown,
+            no_accuracy,
             step_error,
             from_log,
             log,

@@ -16,9 +16,6 @@ pub(crate) const WENT_ON: &str = "it went on where another run had ended";
 /// The same of a run that a program made step by step.
 pub(crate) const STEPPED: &str = "a program has stepped it";
 
-/// The log entry that says that the run estimated its own error, without trial runs.
-pub const TOLD: &str = "accuracy";
-
 /// Who made a run, and how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Origin {

@@ -1,5 +1,6 @@
 //! A run that owns its model and its observers.
 
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
@@ -17,6 +18,8 @@ pub(crate) struct Held {
     pub model: Model,
     pub kept: Vec<Rule>,
     pub interrupt: Arc<AtomicBool>,
+    /// The ranks of the closures at the start.
+    pub counted: Option<Arc<Counted>>,
     pub watch: MutBorrow<Watch>,
 }
 

@@ -191,7 +191,7 @@ pub enum Error {
         /// The requested duration (s).
         duration: f64,
     },
-    /// The stages, the steps, or the trial runs failed.
+    /// The stages or the steps cannot be.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
     /// The efforts are invalid.
@@ -242,7 +242,6 @@ impl Error {
         match self {
             Error::Beside { problem, .. } | Error::InFile { problem, .. } => problem.is_interruption(),
             Error::Run(RunError::Interrupted { .. }) | Error::Log(LogError::Blocked { .. }) => true,
-            Error::Simulation(SimulationError::Interrupted(_)) => true,
             Error::Run(RunError::Observer(source)) => matches!(source.downcast_ref(), Some(LogError::Blocked { .. })),
             _ => false,
         }

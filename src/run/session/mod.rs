@@ -49,7 +49,7 @@ pub use batch::Batch;
 pub use control::Moment;
 pub use coordinates::{Coordinates, JointPlace};
 #[doc(hidden)]
-pub use description::{DRIVEN, Origin, TOLD};
+pub use description::{DRIVEN, Origin};
 pub use error::{ControllerFailure, Error};
 pub use held_start::Hold;
 #[cfg(feature = "scene")]

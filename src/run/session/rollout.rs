@@ -133,14 +133,18 @@ impl Model {
         let started = self.loaded().settled(start, &Start::default())?;
         rows.beside.warnings = started.warnings.iter().map(ToString::to_string).collect();
         let Settled { duration, choice, .. } = settled;
-        let options = SimulationOptions { duration, steps: choice, switched_off: &[], interrupt };
+        let options = SimulationOptions {
+            interrupt,
+            counted: started.counted.as_ref(),
+            stepped: inputs.is_some(),
+            figures: false,
+            ..SimulationOptions::new(duration, choice)
+        };
         let driven = mechanism_from(description, &started.state);
-        let make = if inputs.is_some() { Simulation::stepped } else { Simulation::at_once };
-        let mut simulation = make(&driven, started.state, started.counted, options)?;
+        let mut simulation = Simulation::new(&driven, started.state, options)?;
         if let Some(rate) = rate {
             simulation.sample_at(rate);
         }
-        simulation.leave_out_figures();
         simulation.observe(&mut rows);
         match inputs {
             None => Ok(simulation.run()?),

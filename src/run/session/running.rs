@@ -104,23 +104,21 @@ impl Running {
             true => (path, options.without("/reactions")),
             false => (path, options),
         });
-        let held = Held { model, kept, interrupt: interrupt.clone(), watch: MutBorrow::new(watch) };
+        let held = Held { model, kept, interrupt: interrupt.clone(), counted, watch: MutBorrow::new(watch) };
         let engine = Engine::try_new(held, |held| {
             let description = held.model.description();
             let options = SimulationOptions {
-                duration,
-                steps: choice,
                 switched_off: &held.kept,
                 interrupt: Some(&held.interrupt),
+                counted: held.counted.as_ref(),
+                // A run cannot restart if a program has seen a part of it.
+                stepped,
+                figures,
+                ..SimulationOptions::new(duration, choice)
             };
             let account = Account::open(description, &state, settled);
-            // A run cannot restart if a program has seen a part of it.
-            let make = if stepped { Simulation::stepped } else { Simulation::at_once };
-            let mut simulation = make(&description.mechanism, state, counted.clone(), options)?;
-            let known = account.begun(description, counted.as_deref(), &simulation);
-            if !figures {
-                simulation.leave_out_figures();
-            }
+            let mut simulation = Simulation::new(&description.mechanism, state, options)?;
+            let known = account.begun(description, held.counted.as_deref(), &simulation);
             fresh = if stepped { simulation.checkpoint() } else { None };
             if let Some(efforts) = efforts {
                 simulation.set_efforts(efforts)?;

@@ -71,7 +71,7 @@ impl Simulation<'_> {
     /// Makes steps to the end of the run under a controller that acts at every instant.
     ///
     /// Limits, dry friction, motors and contacts act as in every run. While everything is held, a release by the controller of less than a fifth of a
-    /// millisecond may be missed. Here a tolerance is the tolerance of single steps, because trial runs are made without the controller.
+    /// millisecond may be missed. Here a tolerance is the tolerance of single steps, because the motion beside a run has no controller.
     ///
     /// ```
     /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -97,7 +97,7 @@ impl Simulation<'_> {
     /// # let mechanism = Mechanism::new("rail", Vector3::zeros(), vec![body])?;
     /// let mut start = State::zero(&mechanism);
     /// start.velocity[0] = 1.0;
-    /// let options = SimulationOptions { duration: 1.0, steps: StepChoice::Fixed { stages: 9, step: 0.25 }, switched_off: &[], interrupt: None };
+    /// let options = SimulationOptions::new(1.0, StepChoice::Fixed { stages: 9, step: 0.25 });
     /// let mut simulation = Simulation::new(&mechanism, start, options)?;
     /// simulation.run_under_continuous(&Brake)?;
     /// assert!((simulation.state().velocity[0] - (-1.0_f64).exp()).abs() < 1e-14);

@@ -81,7 +81,7 @@ impl Simulation<'_> {
     /// # let mechanism = Mechanism::new("rail", Vector3::zeros(), vec![body])?;
     /// let mut start = State::zero(&mechanism);
     /// start.velocity[0] = 1.0;
-    /// let options = SimulationOptions { duration: 1.0, steps: StepChoice::Tolerance(1e-9), switched_off: &[], interrupt: None };
+    /// let options = SimulationOptions::new(1.0, StepChoice::Tolerance(1e-9));
     /// let mut simulation = Simulation::new(&mechanism, start, options)?;
     /// simulation.run_under(&mut Brake)?;
     /// assert!((simulation.state().velocity[0] - 0.99_f64.powi(100)).abs() < 1e-12);

@@ -11,7 +11,7 @@ use crate::simulation::parallel::islands::IslandFigures;
 use crate::simulation::run::{Progress, Simulation};
 use crate::simulation::steps::course::Course;
 use crate::simulation::steps::summary::Summary;
-use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy};
+use crate::simulation::tolerance::accuracy::{Accuracy, UnknownAccuracy};
 
 /// The results of a finished run.
 #[derive(Clone, Debug)]
@@ -30,8 +30,8 @@ pub struct Finished {
     pub joints: Vec<JointStatus>,
     /// The closed contacts at the end, in the order of their pairs.
     pub contacts: Vec<ContactPoint>,
-    /// [`Simulation::calibrations`] at the end.
-    pub accuracy: Vec<Result<Calibration, UnknownAccuracy>>,
+    /// [`Simulation::accuracies`] at the end.
+    pub accuracy: Vec<Result<Accuracy, UnknownAccuracy>>,
     /// [`Simulation::end`].
     pub end: f64,
     /// [`Simulation::parts`].
@@ -74,21 +74,10 @@ impl<'s> Simulation<'s> {
         self.start.is_some()
     }
 
-    /// The accuracy, for the whole or for each island that moves, or the reason why it is unknown. It comes from trial runs before the first step, or
-    /// from the run itself up to its present time.
-    pub fn calibrations(&mut self) -> Vec<Result<Calibration, UnknownAccuracy>> {
+    /// The accuracy up to the present time, for the whole or for each island that moves, or the reason why it is unknown.
+    pub fn accuracies(&mut self) -> Vec<Result<Accuracy, UnknownAccuracy>> {
         let told = self.integrators.told(self.mechanism, &self.state);
-        if !told.is_empty() {
-            return told;
-        }
-        // Trial runs have estimated the ends of steps; their inside is known once the steps are made.
-        let mut calibrations = self.calibrations.clone();
-        for (found, between) in calibrations.iter_mut().zip(self.integrators.between()) {
-            if let Ok(found) = found {
-                found.between_steps = between;
-            }
-        }
-        calibrations
+        if told.is_empty() { self.unknown.clone() } else { told }
     }
 
     /// The figures so far.
@@ -124,7 +113,7 @@ impl<'s> Simulation<'s> {
 
     /// Ends the run and returns its results. Observers are free again.
     pub fn finish(mut self) -> Finished {
-        let accuracy = self.calibrations();
+        let accuracy = self.accuracies();
         let (summary, method) = (self.summary(), self.description());
         let islands = match &self.integrators {
             Integrators::Whole(_) => Vec::new(),

@@ -12,7 +12,7 @@
 //! | efforts and targets that a program sets | `acting` |
 //! | controllers, which set efforts | `controller`, `continuous` |
 //! | the integrator, and how steps are chosen | `method` |
-//! | error estimates for a tolerance, during runs and before | `tolerance` |
+//! | the error of a run, estimated while it goes on | `tolerance` |
 //! | one mechanism, step by step | `steps` |
 //! | islands in parallel | `parallel` |
 
@@ -45,6 +45,5 @@ pub use run::{Simulation, SimulationOptions};
 pub use steps::course::{RunError, RunOptions, run};
 pub use steps::observer::{Counts, Observer, ObserverError, Sample, StepEnd};
 pub use steps::summary::Summary;
-pub use tolerance::accuracy::UnknownAccuracy;
+pub use tolerance::accuracy::{Accuracy, UnknownAccuracy};
 pub use tolerance::accuracy_so_far::AccuracySoFar;
-pub use tolerance::trial_run::CalibrationError;

@@ -11,7 +11,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::state::State;
-use crate::simulation::integrators::{Calibrations, Estimate, Integrators, SimulationError, Wanted};
+use crate::simulation::integrators::{Accuracies, Integrators, SimulationError, Wanted};
 use crate::simulation::known_start::KnownStart;
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::merged::MergedRun;
@@ -20,8 +20,8 @@ use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::course::{Aim, Course, RunError, RunOptions};
 use crate::simulation::steps::observer::Observer;
 use crate::stepping::integrator::MethodError;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// How a run is to be made.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +32,32 @@ pub struct SimulationOptions<'o> {
     pub steps: StepChoice,
     /// Simplification rules that are switched off.
     pub switched_off: &'o [Rule],
-    /// Set from outside to end the run after its current step, or its trial runs.
+    /// Set from outside to end the run after its current step.
     pub interrupt: Option<&'o AtomicBool>,
+    /// The ranks of the closures at the start, where they were counted already.
+    #[doc(hidden)]
+    pub counted: Option<&'o Arc<Counted>>,
+    /// Whether a program makes the run step by step: without an estimate of its error, so that it costs what its steps cost. Each step keeps to its
+    /// share of the tolerance.
+    pub stepped: bool,
+    /// Whether energies, constraint errors and times of steps are computed. The steps are the same without. Unconnected parts have their figures all
+    /// the same.
+    pub figures: bool,
+}
+
+impl SimulationOptions<'_> {
+    /// A run of so many seconds with these steps, all rules, an estimate of its error where there is a tolerance, and figures.
+    pub fn new(duration: f64, steps: StepChoice) -> Self {
+        SimulationOptions {
+            duration,
+            steps,
+            switched_off: &[],
+            interrupt: None,
+            counted: None,
+            stepped: false,
+            figures: true,
+        }
+    }
 }
 
 /// A run: a mechanism, its state, the efforts from outside, the integrators of its islands, the accuracy to expect, and its observers.
@@ -49,8 +73,7 @@ pub struct SimulationOptions<'o> {
 /// let joint = Joint::new("rail", JointKind::Prismatic, Pose::identity(), Pose::identity());
 /// let body = Body { name: "trolley".into(), parent: None, mass: 2.0, inertia: Vector3::repeat(0.1), joint };
 /// let mechanism = Mechanism::new("rail", Vector3::zeros(), vec![body])?;
-/// let options =
-///     SimulationOptions { duration: 2.0, steps: StepChoice::Tolerance(1e-9), switched_off: &[], interrupt: None };
+/// let options = SimulationOptions::new(2.0, StepChoice::Tolerance(1e-9));
 /// let mut simulation = Simulation::new(&mechanism, State::zero(&mechanism), options)?;
 /// simulation.set_efforts(&[3.0])?;
 /// simulation.step_to(1.0)?;
@@ -65,12 +88,13 @@ pub struct Simulation<'s> {
     pub(super) state: State,
     /// The state at the beginning of the run, if it may restart.
     pub(super) start: Option<State>,
-    /// CPU time of trial runs, and of discarded parts of the run (s).
+    /// CPU time of discarded parts of the run (s).
     pub(super) spent: f64,
     pub(super) efforts: Vec<f64>,
     pub(super) integrators: Integrators<'s>,
     pub(super) choice: StepChoice,
-    pub(super) calibrations: Calibrations,
+    /// Why the accuracy is not known before the first step: one entry per integrator.
+    pub(super) unknown: Accuracies,
     /// Islands, and how many of them sleep, before small ones were put together.
     pub(super) parts: (usize, usize),
     pub(super) options: RunOptions<'s>,
@@ -94,88 +118,38 @@ pub(super) enum Progress {
 }
 
 impl<'s> Simulation<'s> {
-    /// Sets up a run from a state, whose loops are closed; makes trial runs where an accuracy is wanted.
+    /// Sets up a run from a state, whose loops are closed. One with a tolerance estimates its accuracy as it goes along, from the first step on:
+    /// [`Simulation::run`] restarts it with finer steps if the accuracy falls short, and observers are told ([`Observer::begin_again`]). Under efforts
+    /// from outside, and up to a time of [`Simulation::step_to`], it goes on without a restart, and the accuracy may fall short.
     ///
     /// # Errors
-    /// [`SimulationError`] for stages and steps that cannot be, and when interrupted.
+    /// [`SimulationError`] for stages and steps that cannot be.
     pub fn new(
         mechanism: &'s Mechanism,
         state: State,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
-        Self::from_counted(mechanism, state, None, options)
-    }
-
-    /// The same without trial runs: the run itself estimates its accuracy as it goes along, from the first step on. [`Simulation::run`] restarts it
-    /// with finer steps if the accuracy falls short. Observers are told ([`Observer::begin_again`]). Under efforts from outside, and up to a time of
-    /// [`Simulation::step_to`], it goes on without a restart, and the accuracy may fall short.
-    ///
-    /// # Errors
-    /// As of [`Simulation::new`].
-    pub fn at_once(
-        mechanism: &'s Mechanism,
-        state: State,
-        counted: Option<Arc<Counted>>,
-        options: SimulationOptions<'s>,
-    ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, Estimate::Itself)
-    }
-
-    /// The same for a program that makes the run step by step: without an estimate of its error, so that it costs what its steps cost. Each step
-    /// keeps to its share of the tolerance.
-    ///
-    /// # Errors
-    /// [`SimulationError`] for stages and steps that cannot be.
-    pub fn stepped(
-        mechanism: &'s Mechanism,
-        state: State,
-        counted: Option<Arc<Counted>>,
-        options: SimulationOptions<'s>,
-    ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, Estimate::Missing)
-    }
-
-    /// The same from a state in which the closures were counted already, if there are any.
-    ///
-    /// # Errors
-    /// As of [`Simulation::new`].
-    pub fn from_counted(
-        mechanism: &'s Mechanism,
-        state: State,
-        counted: Option<Arc<Counted>>,
-        options: SimulationOptions<'s>,
-    ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, Estimate::Trials)
-    }
-
-    fn with(
-        mechanism: &'s Mechanism,
-        state: State,
-        counted: Option<Arc<Counted>>,
-        options: SimulationOptions<'s>,
-        estimate: Estimate,
-    ) -> Result<Self, SimulationError> {
-        let SimulationOptions { duration, steps, switched_off, interrupt } = options;
-        let plan = Plan::from_counted(mechanism, &state, switched_off, counted.as_ref());
+        let SimulationOptions { duration, steps, switched_off, interrupt, counted, stepped, figures } = options;
+        let plan = Plan::from_counted(mechanism, &state, switched_off, counted);
         let parts = (plan.islands.len(), plan.sleeping());
-        let start = (estimate == Estimate::Itself && steps.tolerance().is_some()).then(|| state.clone());
-        let wanted = Wanted { choice: steps, duration, interrupt, counted, estimate, spent: Mutex::default() };
-        let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
+        let start = (!stepped && steps.tolerance().is_some()).then(|| state.clone());
+        let wanted = Wanted { choice: steps, duration, interrupt, counted: counted.cloned(), stepped };
+        let (integrators, unknown) = Integrators::new(mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,
             end: state.time + duration,
             state,
             start,
-            spent: wanted.spent.into_inner().unwrap_or_else(PoisonError::into_inner),
+            spent: 0.0,
             efforts: Vec::new(),
             integrators,
             choice: steps,
-            calibrations,
+            unknown,
             parts,
             options: RunOptions { duration, rate: None, interrupt },
             switched_off,
             observers: Vec::new(),
-            figures: true,
+            figures,
             together: false,
             progress: None,
             known_start: KnownStart::default(),
@@ -191,12 +165,6 @@ impl<'s> Simulation<'s> {
     /// step.
     pub fn sample_at(&mut self, rate: f64) {
         self.options.rate = Some(rate);
-    }
-
-    /// Leaves out the figures: energies, constraint errors and times of steps are not computed. The steps are the same. Call it before the first
-    /// step. Unconnected parts have their figures all the same.
-    pub(crate) fn leave_out_figures(&mut self) {
-        self.figures = false;
     }
 
     /// Makes steps until `time` (s), exactly; not beyond the end of the run.

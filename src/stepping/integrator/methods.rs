@@ -110,7 +110,7 @@ impl Lobatto {
     }
 
     /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
-    /// amplification; `simulation::tolerance::accuracy` finds the one for the motion at hand.
+    /// amplification; `simulation::tolerance::assessed` finds the one for the motion at hand.
     pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Self {
         Self::adaptive_with_stop(mechanism, tolerance, 1e-4 * tolerance)
     }

@@ -15,7 +15,7 @@ pub fn ladder(method: Method, duration: f64, time_scale: f64, quick: bool) -> Ve
     let root = std::f64::consts::SQRT_2;
     // First step in units of the time scale, factor from rung to rung, number of rungs.
     let (first, factor, count) = match (method, quick) {
-        // Without trial runs a tolerance is one of single steps: of calm motions a hundred metres leave a millimetre.
+        // A tolerance is one of single steps here: of calm motions a hundred metres leave a millimetre.
         (Method::LobattoTolerance | Method::LobattoUnestimated, _) => return tolerances(-2, 12, quick),
         (Method::Dop853 | Method::Dop853Regularised, _) => return tolerances(0, 14, quick),
         (Method::Euler, false) => (0.5, 2.0, 22),

@@ -4,14 +4,18 @@ use crate::chart::{Method as ChartMethod, Setting};
 use crate::instant::start::assembly::{AssemblyError, assemble};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::energy_with_forces;
-use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{Integrator, StepError};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::output::report::{AccuracyReport, energy_warning};
-use crate::simulation::CalibrationError;
-use crate::simulation::tolerance::accuracy::calibrate;
+use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::simulation::{
+    Accuracy, Observer, ObserverError, RunError, Sample, Simulation, SimulationOptions, StepChoice, StepEnd,
+};
+use crate::stepping::recipe::Steps;
 use crate::stress::baumgarte::{Baumgarte, BaumgarteError};
 use crate::stress::method::Method;
 use crate::stress::problem::Case;
@@ -35,7 +39,7 @@ pub enum Refused {
     NotApplicable(&'static str),
     /// The start was refused.
     Failed(Failure),
-    /// The trial runs of a tolerance cost too much.
+    /// The steps of a tolerance cost too much.
     TooSlow,
     /// The user asked to stop.
     Interrupted,
@@ -51,8 +55,8 @@ pub struct Runner<'m> {
     foretold: Option<String>,
 }
 
-/// Most cost of the trial runs of a tolerance, as a multiple of the budget of the run.
-const PILOTS: f64 = 2.5;
+/// Most cost of the run that finds the steps of a tolerance, restarts included, as a multiple of the budget of a run.
+const SEARCH: f64 = 2.5;
 
 enum Work<'m> {
     Joint { integrator: Box<dyn Integrator>, state: State, lost: Exchange },
@@ -60,46 +64,33 @@ enum Work<'m> {
 }
 
 impl<'m> Runner<'m> {
-    /// Sets up a method; ours close all loops first and calibrate a tolerance, as `catena simulate` does.
+    /// Sets up a method; ours close all loops first, and find the steps of a tolerance, as `catena simulate` does.
     ///
     /// # Errors
     /// [`Refused`].
     pub fn new(case: &'m Case, method: Method, setting: Setting, interrupt: &AtomicBool) -> Result<Self, Refused> {
-        let mut runner = Self::uncalibrated(&case.mechanism, &case.start, method, setting)?;
+        let mut runner = Self::with_first_steps(&case.mechanism, &case.start, method, setting)?;
         if let (
             Method::Chart(ChartMethod::LobattoTolerance),
             Setting::Tolerance(tolerance),
             Work::Joint { integrator, state, .. },
         ) = (method, setting, &mut runner.work)
+            && let Some(found) = accuracy(case, state, tolerance, runner.unit, interrupt)?
         {
-            let (mut spent, unit) = (0.0, runner.unit);
-            let go_on = &mut |_, outcome: &StepOutcome| {
-                spent += unit * outcome.cost.iterations.max(1) as f64;
-                spent < PILOTS * case.budget && !interrupt.load(Ordering::Relaxed)
-            };
-            match calibrate(&case.mechanism, state, case.duration, tolerance, &[], go_on) {
-                Ok(found) => {
-                    if let Ok(calibrated) = found.run_integrator(&case.mechanism, tolerance, &[]) {
-                        *integrator = Box::new(calibrated);
-                    }
-                    runner.foretold = AccuracyReport::new(tolerance, &found).warning();
-                }
-                Err(CalibrationError::Interrupted) if interrupt.load(Ordering::Relaxed) => {
-                    return Err(Refused::Interrupted);
-                }
-                Err(CalibrationError::Interrupted) => return Err(Refused::TooSlow),
-                // The run will fail where the trial run did.
-                Err(CalibrationError::Step(_) | CalibrationError::Method(_)) => {}
+            let steps = Steps::Chosen { tolerance, stop: found.stop, stages: found.stages };
+            if let Ok(own) = RunIntegrator::new(&case.mechanism, steps, &[]) {
+                *integrator = Box::new(own);
             }
+            runner.foretold = AccuracyReport::new(tolerance, &found).warning();
         }
         Ok(runner)
     }
 
-    /// Sets up a method without trial runs.
+    /// Sets up a method with the steps that a run begins with.
     ///
     /// # Errors
     /// [`Refused`].
-    pub fn uncalibrated(
+    pub fn with_first_steps(
         mechanism: &'m Mechanism,
         start: &State,
         method: Method,
@@ -202,6 +193,55 @@ impl<'m> Runner<'m> {
         let Work::Joint { integrator, .. } = &self.work else { return None };
         let description = integrator.description();
         (description.name == "lobatto").then(|| energy_warning(&description, relative_error)).flatten()
+    }
+}
+
+/// Ends a run that costs too much.
+struct Watch<'w> {
+    /// The time of an iteration, and what is left for them, very roughly (s).
+    unit: f64,
+    left: f64,
+    /// Set by the user.
+    interrupt: &'w AtomicBool,
+    /// Ends the run.
+    ends: &'w AtomicBool,
+}
+
+impl Observer for Watch<'_> {
+    fn sample(&mut self, _: &Sample) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.left -= self.unit * end.outcome.cost.iterations.max(1) as f64;
+        if self.left < 0.0 || self.interrupt.load(Ordering::Relaxed) {
+            self.ends.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// The accuracy of a run of a case from a state with this tolerance (m), restarts included; `None` if it fails, and so will the run.
+fn accuracy(
+    case: &Case,
+    state: &State,
+    tolerance: f64,
+    unit: f64,
+    interrupt: &AtomicBool,
+) -> Result<Option<Accuracy>, Refused> {
+    let ends = AtomicBool::new(false);
+    let mut watch = Watch { unit, left: SEARCH * case.budget, interrupt, ends: &ends };
+    let options = SimulationOptions {
+        switched_off: &[Rule::Islands, Rule::Sleep],
+        interrupt: Some(&ends),
+        ..SimulationOptions::new(case.duration, StepChoice::Tolerance(tolerance))
+    };
+    let Ok(mut simulation) = Simulation::new(&case.mechanism, state.clone(), options) else { return Ok(None) };
+    simulation.observe(&mut watch);
+    match simulation.run() {
+        Ok(()) => Ok(simulation.accuracies().into_iter().next().and_then(Result::ok)),
+        Err(RunError::Interrupted { .. }) if interrupt.load(Ordering::Relaxed) => Err(Refused::Interrupted),
+        Err(RunError::Interrupted { .. }) => Err(Refused::TooSlow),
+        Err(_) => Ok(None),
     }
 }
 

@@ -93,7 +93,7 @@ impl Answer {
             let wanted = FIRST * FACTOR.powi(rung);
             let step = duration / wanted;
             let method = Method::Chart(ChartMethod::Lobatto(9));
-            let Ok(mut runner) = Runner::uncalibrated(mechanism, start, method, Setting::Step(step)) else { break };
+            let Ok(mut runner) = Runner::with_first_steps(mechanism, start, method, Setting::Step(step)) else { break };
             let end = start.time + duration;
             let (mut kinetic, mut steps) = (0.0_f64, 0.0);
             while runner.time() < end {

@@ -152,13 +152,12 @@ impl<'s> Runner<'s> {
         model.check_springs(&state)?;
 
         let (duration, steps) = course(&self.scene.simulation);
-        let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: Some(interrupt) };
+        let interrupt = Some(interrupt);
+        let options =
+            SimulationOptions { interrupt, counted: counted.as_ref(), ..SimulationOptions::new(duration, steps) };
         let mut watch = Watch::new(model, &self.sweep.kept);
         let mechanism = mechanism_from(model, &state);
-        let mut simulation = match Simulation::at_once(&mechanism, state, counted, options) {
-            Err(SimulationError::Interrupted(_)) => return Err(Failed::Interrupted),
-            made => made?,
-        };
+        let mut simulation = Simulation::new(&mechanism, state, options)?;
         if let Some(rate) = self.sweep.kept.rate() {
             simulation.sample_at(rate);
             simulation.observe(&mut watch);

@@ -116,7 +116,7 @@ impl Way {
 fn run_islands(model: &Model, way: Way, options: &RunOptions, threads: usize) -> (State, Summary, Seen) {
     let plan = Plan::new(&model.mechanism, &model.state, &[]);
     let make = |part: &Mechanism, state: &State| Ok::<_, ()>((way.integrator(part, state, options.duration), ()));
-    let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(threads), 1.0, make).expect("integrators");
+    let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(threads), make).expect("integrators");
     let (mut state, mut seen) = (model.state.clone(), Seen::default());
     let (summary, ended) = all.run(&model.mechanism, &mut state, options, &mut [&mut seen]);
     ended.unwrap_or_else(|error| panic!("{error}"));

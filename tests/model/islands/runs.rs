@@ -93,7 +93,7 @@ fn a_run_taken_up_again_goes_on_as_if_it_had_not_stopped() {
     let make = |part: &Mechanism, _: &State| Lobatto::fixed(part, 4, 0.01).map(|lobatto| (lobatto, ()));
     let ends = [vec![1.0], vec![0.25, 0.75]].map(|durations| {
         let plan = Plan::new(&model.mechanism, &model.state, &[]);
-        let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(2), 0.0, make).expect("integrators");
+        let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(2), make).expect("integrators");
         let mut state = model.state.clone();
         for duration in durations {
             let options = RunOptions { duration, rate: None, interrupt: None };
@@ -125,7 +125,7 @@ fn an_interrupted_run_ends_at_a_sample_that_all_islands_have_reached() {
     let flag = AtomicBool::new(false);
     let plan = Plan::new(&model.mechanism, &model.state, &[]);
     let make = |part: &Mechanism, _: &State| Lobatto::fixed(part, 5, 0.01).map(|lobatto| (lobatto, ()));
-    let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(2), 0.0, make).expect("integrators");
+    let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(2), make).expect("integrators");
     let mut state = model.state.clone();
     let mut stopper = Stopper { flag: &flag, at: 0.3, last: 0.0 };
     let options = RunOptions { duration: 1e6, rate: Some(20.0), interrupt: Some(&flag) };
@@ -153,7 +153,7 @@ fn the_first_failure_ends_the_run_there_whatever_the_number_of_threads() {
         .map(|threads| {
             let plan = Plan::new(&model.mechanism, &model.state, &[]);
             let make = |part: &Mechanism, _: &State| Lobatto::fixed(part, 2, 0.02).map(|lobatto| (lobatto, ()));
-            let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(threads), 0.0, make).expect("made");
+            let (mut all, _) = Islands::new(plan, &model.state, Threads::Exactly(threads), make).expect("made");
             let (mut state, mut seen) = (model.state.clone(), Seen::default());
             let options = RunOptions { duration: 20.0, rate: Some(1000.0), interrupt: None };
             let (summary, ended) = all.run(&model.mechanism, &mut state, &options, &mut [&mut seen]);
@@ -189,7 +189,7 @@ fn small_islands_are_run_together_and_move_as_if_they_were_one_mechanism() {
     let group = &grouped.islands[0].0;
     let (mechanism, mut alone) = (group.mechanism.clone(), group.state(&model.state));
     let group = group.clone();
-    let (mut all, _) = Islands::new(grouped, &model.state, Threads::Exactly(2), 0.0, fixed).expect("integrators");
+    let (mut all, _) = Islands::new(grouped, &model.state, Threads::Exactly(2), fixed).expect("integrators");
     let mut state = model.state.clone();
     let options = RunOptions { duration: 1.0, rate: None, interrupt: None };
     all.run(&model.mechanism, &mut state, &options, &mut []).1.expect("a run");
@@ -200,7 +200,7 @@ fn small_islands_are_run_together_and_move_as_if_they_were_one_mechanism() {
     let (mut apart, mut whole) = (model.state.clone(), model.state.clone());
     let options = RunOptions { duration: 0.3, rate: None, interrupt: None };
     let plan = plan().grouped(&model.mechanism, 4);
-    let (mut all, _) = Islands::new(plan, &apart, Threads::Exactly(1), 0.0, fixed).expect("integrators");
+    let (mut all, _) = Islands::new(plan, &apart, Threads::Exactly(1), fixed).expect("integrators");
     all.run(&model.mechanism, &mut apart, &options, &mut []).1.expect("a run");
     let mut lobatto = Lobatto::fixed(&model.mechanism, 5, 0.01).expect("five stages");
     assert_eq!(common::run_until(&model.mechanism, &mut whole, &mut lobatto, 0.3).cost.rejected.total(), 0);

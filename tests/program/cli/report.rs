@@ -15,12 +15,12 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "catena": "", "input": "", "scene": "", "duration": 0,
         "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0,
             "max_frequency_step": null, "digits": 16, "reversible_resets": null,
-            "first_order_steps": 0, "first_order_time": 0, "first_order_asleep": 0, "first_order_residual": 0,
-             "first_order_lift": 0, "few_stage_steps": 0, "contact_solvers": {}},
+            "crowd": {"steps": 0, "time_share": 0, "order": 0, "worst_residual": 0, "asleep_share": 0, "lift": 0},
+            "few_stage_steps": 0, "contact_solvers": {}},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0,
             "islands": 0, "sleeping_islands": 0},
         "steps": 0, "iterations": 0, "kept_factor_iterations": 0, "rejected_steps": 0,
-        "rejected_by": {"not_converged": 0, "turned_too_far": 0, "not_smooth": 0, "energy_jump": 0, "event_at_start": 0,
+        "rejected": {"not_converged": 0, "turned_too_far": 0, "not_smooth": 0, "energy_jump": 0, "event_at_start": 0,
             "force_jump": 0, "slip_turned": 0, "overlap": 0, "unseen": 0, "off_balance": 0},
         "located_attempts": 0, "exact_newton_steps": 0,
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
@@ -41,7 +41,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "joints": {
             "hinge": {"position": 0, "velocity": 0, "reaction_force": [0,0,0], "reaction_torque": [0,0,0],
                 "limit": null, "friction": null, "effort": null}},
-        "accuracy": {"wanted": 0, "estimated": 0, "between_steps": 0, "holds_until": 0, "told_until": 0, "reached": true, "pilots": 0, "begun": 0},
+        "accuracy": {"wanted": 0, "estimated": 0, "between_steps": 0, "holds_until": 0, "told_until": 0, "reached": true, "horizon": null, "begun": 0},
         "warnings": []}"#,
     )
     .expect("JSON");
@@ -120,7 +120,7 @@ fn the_report_counts_the_steps_that_the_exact_newton_method_solved() {
         let report: Value = serde_json::from_slice(&report.stdout).expect("one JSON object");
         let all = if input == loops { report["steps"].as_u64() } else { Some(0) };
         assert_eq!(report["exact_newton_steps"].as_u64(), all, "{input}");
-        let by_reason = report["rejected_by"].as_object().expect("a number for each reason");
+        let by_reason = report["rejected"].as_object().expect("a number for each reason");
         let sum: u64 = by_reason.values().filter_map(Value::as_u64).sum();
         assert_eq!(report["rejected_steps"].as_u64(), Some(sum), "{input}");
         let lines = run(&folder, &arguments);

@@ -81,7 +81,7 @@ fn random_mechanisms(seeds: std::ops::Range<u64>) {
     println!("{judged} of {count} judged; by tolerance at most {worst:.1e} from fixed steps");
     // A singular value between rounding and mechanics is not seen once in a hundred.
     assert!(judged * 100 >= count * 99, "{judged} of {count} are clear");
-    // Without trial runs a tolerance of 1e-9 is that of the steps alone.
+    // A tolerance of 1e-9 is that of the steps alone here.
     assert!(worst < 1e-6, "{worst:e}");
 }
 

@@ -53,7 +53,7 @@ fn motor(mechanism: &mut Mechanism, coordinate: Coordinate, law: MotorLaw, targe
 /// A run in fixed steps: its end, its events, its iterations.
 fn run(mechanism: &Mechanism, start: &State, duration: f64, kept: &[Rule]) -> (State, Vec<Event>, usize) {
     let steps = StepChoice::Fixed { stages: 5, step: 0.01 };
-    let options = SimulationOptions { duration, steps, switched_off: kept, interrupt: None };
+    let options = SimulationOptions { switched_off: kept, ..SimulationOptions::new(duration, steps) };
     let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
     simulation.run().expect("steps");
     let iterations = simulation.summary().cost.iterations;
@@ -209,7 +209,7 @@ fn controllers_at_every_instant_steer_rows_the_same_whichever_joints_are_cut() {
     for joints in [&["pin0"][..], &["pin0", &cut]] {
         let run = |kept: &[Rule], push: f64| {
             let steps = StepChoice::Fixed { stages: 5, step: 0.01 };
-            let options = SimulationOptions { duration: 0.4, steps, switched_off: kept, interrupt: None };
+            let options = SimulationOptions { switched_off: kept, ..SimulationOptions::new(0.4, steps) };
             let mut simulation = Simulation::new(&mechanism, start.clone(), options).expect("a run");
             if push == 0.0 {
                 simulation.run().expect("steps");

@@ -55,7 +55,7 @@ fn end(mechanism: &Mechanism, start: &State, step: f64, duration: f64) -> State 
 /// A run with the tree of the program's choice, or with `kept` rules.
 fn simulated(mechanism: &Mechanism, start: &State, (step, duration): (f64, f64), kept: &[Rule]) -> State {
     let steps = StepChoice::Fixed { stages: 5, step };
-    let options = SimulationOptions { duration, steps, switched_off: kept, interrupt: None };
+    let options = SimulationOptions { switched_off: kept, ..SimulationOptions::new(duration, steps) };
     let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
     simulation.run().expect("steps");
     simulation.state().clone()
@@ -215,7 +215,7 @@ fn samples_inside_steps_and_steps_after_a_pause_are_those_of_the_file() {
     let (mechanism, start) = path(8, 15.0);
     let run = |kept: &[Rule]| {
         let steps = StepChoice::Fixed { stages: 5, step: 0.01 };
-        let options = SimulationOptions { duration: 0.6, steps, switched_off: kept, interrupt: None };
+        let options = SimulationOptions { switched_off: kept, ..SimulationOptions::new(0.6, steps) };
         let mut seen = Seen::default();
         let mut simulation = Simulation::new(&mechanism, start.clone(), options).expect("a run");
         simulation.sample_at(170.0);
@@ -277,7 +277,7 @@ fn whoever_drives_joints_that_are_cut_moves_them_as_on_the_tree_of_the_file() {
     let (mechanism, start) = path(8, 1.0);
     let run = |kept: &[Rule]| {
         let steps = StepChoice::Fixed { stages: 5, step: 0.02 };
-        let options = SimulationOptions { duration: 0.4, steps, switched_off: kept, interrupt: None };
+        let options = SimulationOptions { switched_off: kept, ..SimulationOptions::new(0.4, steps) };
         let mut simulation = Simulation::new(&mechanism, start.clone(), options).expect("a run");
         simulation.step_to(0.2).expect("steps");
         simulation.set_efforts(&vec![0.7; mechanism.velocity_count]).expect("one effort a joint");
@@ -332,7 +332,7 @@ fn limits_are_hit_at_the_same_instants_whichever_joints_are_cut() {
     }
     let run = |kept: &[Rule]| {
         let steps = StepChoice::Fixed { stages: 5, step: 0.01 };
-        let options = SimulationOptions { duration: 0.8, steps, switched_off: kept, interrupt: None };
+        let options = SimulationOptions { switched_off: kept, ..SimulationOptions::new(0.8, steps) };
         let mut simulation = Simulation::new(&mechanism, start.clone(), options).expect("a run");
         simulation.run().expect("steps");
         let finished = simulation.finish();

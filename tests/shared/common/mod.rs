@@ -5,12 +5,12 @@
 pub mod command;
 
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelError, ModelOptions};
 use catena::scene::{PackagePath, Robot, UrdfJointKind, read_urdf};
-use catena::simulation::tolerance::accuracy::calibrate;
-use catena::simulation::{RunOptions, Summary, run};
+use catena::simulation::{Accuracy, RunOptions, Simulation, SimulationOptions, StepChoice, Summary, run};
 use catena::stepping::integrator::Lobatto;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
 use std::collections::HashMap;
@@ -122,11 +122,21 @@ pub fn run_until(mechanism: &Mechanism, state: &mut State, integrator: &mut dyn 
     summary
 }
 
-/// The integrator of `catena simulate --tolerance`: steps chosen with the iteration stop that pilot runs recommend.
+/// The integrator of `catena simulate --tolerance`: the steps with which a run ends that estimates its error as it goes along.
 pub fn by_tolerance(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Lobatto {
-    let found = calibrate(mechanism, start, duration, tolerance, &[], &mut |_, _| true)
-        .unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
-    found.integrator(mechanism, tolerance)
+    let Accuracy { stop, stages, .. } = accuracy_of(mechanism, start, duration, tolerance);
+    Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages)
+}
+
+/// How accurate a run of the whole mechanism says that it was.
+pub fn accuracy_of(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Accuracy {
+    let options = SimulationOptions {
+        switched_off: &Rule::ALL,
+        ..SimulationOptions::new(duration, StepChoice::Tolerance(tolerance))
+    };
+    let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a simulation");
+    simulation.run().unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
+    simulation.accuracies()[0].clone().expect("an accuracy")
 }
 
 /// The models of a robot with a fixed base and, where it can float, with a floating one.

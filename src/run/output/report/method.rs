@@ -4,8 +4,7 @@ use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use crate::output::report::rounding::{FarSpring, is_energy_rounding};
 use crate::output::report::solvers::SolversReport;
-use crate::simulation::tolerance::accuracy::Calibration;
-use crate::simulation::{Finished, StepChoice, Summary, UnknownAccuracy};
+use crate::simulation::{Accuracy, Finished, StepChoice, Summary, UnknownAccuracy};
 use serde::Serialize;
 
 /// The scheme of a run.
@@ -30,20 +29,29 @@ pub struct MethodReport {
     pub digits: u32,
     /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
     pub reversible_resets: Option<usize>,
-    /// Steps of first order where contacts changed faster than steps could follow,
-    pub first_order_steps: usize,
-    /// and the time that they took of the motion (s),
-    pub first_order_time: f64,
-    /// how long bodies slept in them, in the mean over all bodies (s),
-    pub first_order_asleep: f64,
-    /// the largest residual of the law of contact in them, as a part of the largest impulse,
-    pub first_order_residual: f64,
-    /// and the largest overlap that was moved apart in them (m).
-    pub first_order_lift: f64,
+    /// The steps of first order.
+    pub crowd: CrowdReport,
     /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
     pub few_stage_steps: usize,
     /// How often each contact solver has solved a problem of an event.
     pub contact_solvers: SolversReport,
+}
+
+/// The steps of first order, which a run takes where contacts change faster than exact steps could follow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CrowdReport {
+    /// Their number.
+    pub steps: usize,
+    /// The part of the motion's time that they took.
+    pub time_share: f64,
+    /// Their order of convergence.
+    pub order: usize,
+    /// The largest residual of the law of contact in them, as a part of the largest impulse.
+    pub worst_residual: f64,
+    /// The part of the motion's time in which bodies slept, in the mean over all bodies.
+    pub asleep_share: f64,
+    /// The largest overlap that they moved apart (m).
+    pub lift: f64,
 }
 
 /// How near a step came to the limit of linear stability.
@@ -60,9 +68,9 @@ pub struct FrequencyReport {
 }
 
 impl MethodReport {
-    /// The method as an integrator describes itself.
+    /// The method as an integrator describes itself after a motion of this duration (s).
     #[doc(hidden)]
-    pub fn new(description: &MethodDescription) -> Self {
+    pub fn new(description: &MethodDescription, duration: f64) -> Self {
         MethodReport {
             name: description.name.clone(),
             stages: description.stages,
@@ -78,11 +86,7 @@ impl MethodReport {
             }),
             digits: description.digits,
             reversible_resets: description.reversible_resets,
-            first_order_steps: description.first_order_steps,
-            first_order_time: description.first_order_time,
-            first_order_asleep: description.first_order_asleep,
-            first_order_residual: description.first_order_residual,
-            first_order_lift: description.first_order_lift,
+            crowd: CrowdReport::new(description, duration),
             few_stage_steps: description.few_stage_steps,
             contact_solvers: SolversReport(description.contact_solvers),
         }
@@ -106,6 +110,20 @@ impl MethodReport {
             rounded(seen.product),
             rounded(seen.limit)
         ))
+    }
+}
+
+impl CrowdReport {
+    fn new(description: &MethodDescription, duration: f64) -> Self {
+        let share = |time: f64| if time > 0.0 { time / duration } else { 0.0 };
+        CrowdReport {
+            steps: description.first_order_steps,
+            time_share: share(description.first_order_time),
+            order: 1,
+            worst_residual: description.first_order_residual,
+            asleep_share: share(description.first_order_asleep),
+            lift: description.first_order_lift,
+        }
     }
 }
 
@@ -169,7 +187,7 @@ pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -
     (!said.is_empty()).then(|| format!("{}; compare it with a run of another step or tolerance", said.join("; ")))
 }
 
-/// The accuracy to expect of a run, from the run itself or from trial runs before it.
+/// The accuracy to expect of a run, as it estimated it itself.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AccuracyReport {
     /// The accuracy asked for (m).
@@ -185,8 +203,8 @@ pub struct AccuracyReport {
     pub told_until: f64,
     /// Whether the estimated error meets the tolerance up to that instant.
     pub reached: bool,
-    /// Number of trial runs before the run: zero if the run itself tells its accuracy.
-    pub pilots: usize,
+    /// Why the accuracy does not hold to the end, if it does not.
+    pub horizon: Option<Horizon>,
     /// How often the run has begun: once, and again with finer steps where errors grew more than was expected; of several parts the most.
     pub begun: usize,
     /// Whether `told_until` is before the end that was asked for.
@@ -209,6 +227,34 @@ pub struct AccuracyReport {
     unbalanced: Option<f64>,
 }
 
+/// Why an accuracy does not hold to the end of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Horizon {
+    /// Runs that differ by little meet other events.
+    Events,
+    /// The errors of its steps, or roundings, have grown beyond it.
+    Growth,
+}
+
+/// Why the accuracy of a run is not known.
+#[derive(Clone, Debug, Serialize)]
+pub struct NoAccuracyReport {
+    /// The accuracy asked for (m), if one was.
+    pub wanted: Option<f64>,
+    /// Null.
+    estimated: (),
+    /// The reason.
+    pub reason: String,
+}
+
+impl NoAccuracyReport {
+    /// The reason of a run with these steps.
+    pub(crate) fn new(choice: StepChoice, reason: &UnknownAccuracy) -> Self {
+        NoAccuracyReport { wanted: choice.tolerance(), estimated: (), reason: reason.to_string() }
+    }
+}
+
 /// If a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run and of its estimate.
 const FINEST: f64 = 1e-11;
 /// Energy errors over the wanted accuracy (1/m) beyond which the estimate is not believed: steps are kept within one.
@@ -217,17 +263,18 @@ const UNBALANCED: f64 = 10.0;
 const CALM: f64 = 100.0;
 
 impl AccuracyReport {
-    /// The report of one calibration.
-    pub fn new(wanted: f64, found: &Calibration) -> Self {
+    /// The report of one accuracy.
+    pub fn new(wanted: f64, found: &Accuracy) -> Self {
+        let reached = found.holds_until >= found.told_until;
         AccuracyReport {
             wanted,
             estimated: found.estimate,
             between_steps: found.between_steps,
             holds_until: found.holds_until,
             told_until: found.told_until,
-            reached: found.holds_until >= found.told_until,
+            reached,
+            horizon: (!reached).then(|| found.events_differ.map_or(Horizon::Growth, |_| Horizon::Events)),
             is_early: false,
-            pilots: found.pilots,
             begun: found.begun,
             amplifies: found.amplifies,
             parts: found.parted,
@@ -237,7 +284,7 @@ impl AccuracyReport {
         }
     }
 
-    /// The accuracy of a run, from the run itself or from its trial runs.
+    /// The accuracy of a run.
     ///
     /// # Errors
     /// [`UnknownAccuracy`] if the run has no estimate.
@@ -245,7 +292,7 @@ impl AccuracyReport {
     pub fn of(choice: StepChoice, run: &Finished) -> Result<Self, UnknownAccuracy> {
         let wanted = choice.tolerance().ok_or(UnknownAccuracy::NotAsked)?;
         let here = run.end.min(run.state.time);
-        let report = |found: &Calibration| AccuracyReport {
+        let report = |found: &Accuracy| AccuracyReport {
             is_early: found.told_until < run.end,
             ..AccuracyReport::new(wanted, found)
         };
@@ -276,7 +323,7 @@ impl AccuracyReport {
             holds_until: all.iter().map(|one| one.holds_until).fold(told_until, f64::min),
             told_until,
             reached: all.iter().all(|one| one.reached),
-            pilots: all.iter().map(|one| one.pilots).sum(),
+            horizon: all.iter().min_by(|a, b| a.holds_until.total_cmp(&b.holds_until)).and_then(|one| one.horizon),
             begun: all.iter().map(|one| one.begun).max().unwrap_or(1),
             amplifies: all.iter().any(|one| !one.reached && one.amplifies),
             parts: all.iter().any(|one| one.parts),
@@ -290,7 +337,15 @@ impl AccuracyReport {
     /// Sees how the ends of springs are rounded: what that hides cannot be told.
     pub(crate) fn see_rounding(&mut self, far: &FarSpring) {
         self.estimated = self.estimated.max(far.rounding());
-        self.reached &= far.rounding() <= self.wanted;
+        if far.rounding() > self.wanted {
+            self.falls_short();
+        }
+    }
+
+    /// The accuracy does not hold to the end.
+    fn falls_short(&mut self) {
+        self.reached = false;
+        self.horizon.get_or_insert(Horizon::Growth);
     }
 
     /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as is estimated.
@@ -302,7 +357,7 @@ impl AccuracyReport {
         // An energy that is not a number does not balance either.
         let balances = error <= allowed || summary.max_energy_error <= allowed * moved;
         if self.reached && !is_energy_rounding(summary) && !balances {
-            self.reached = false;
+            self.falls_short();
             self.unbalanced = Some(error);
         }
     }
@@ -384,7 +439,7 @@ mod tests {
     #[test]
     fn an_accuracy_finer_than_roundings_is_no_chaos() {
         let warning = |wanted: f64, estimate: f64, parted: bool| {
-            let found = Calibration {
+            let found = Accuracy {
                 stop: 1e-16,
                 stages: StageChoice::Many,
                 estimate,
@@ -394,7 +449,6 @@ mod tests {
                 parted,
                 amplifies: true,
                 events_differ: None,
-                pilots: 0,
                 begun: 1,
             };
             AccuracyReport::new(wanted, &found).warning().expect("a warning")
@@ -413,7 +467,7 @@ mod tests {
             let stop = 1e-15;
             let stages = StageChoice::Many;
             let estimate = amplification * stop;
-            let found = Calibration {
+            let found = Accuracy {
                 stop,
                 stages,
                 estimate,
@@ -423,7 +477,6 @@ mod tests {
                 parted: false,
                 amplifies: true,
                 events_differ: None,
-                pilots: 2,
                 begun: 1,
             };
             AccuracyReport::new(wanted, &found).warning()

@@ -23,7 +23,7 @@ pub(crate) use contact::{pair_count, pair_name, pair_names};
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use from_log::{ERROR_AT_START, FromLog, UNKNOWN};
-pub use method::{AccuracyReport, FrequencyReport, MethodReport};
+pub use method::{AccuracyReport, CrowdReport, FrequencyReport, Horizon, MethodReport, NoAccuracyReport};
 pub(crate) use method::{ringing_warning, singular_warning, unsolved_warning};
 pub use places::joint_reports;
 pub use places::{JointReport, LinkReport, LoopReport, Numbers};
@@ -69,7 +69,7 @@ pub struct Report {
     /// Attempts at steps that were thrown away.
     pub rejected_steps: usize,
     /// The same by reason.
-    pub rejected_by: RejectedReport,
+    pub rejected: RejectedReport,
     /// Attempts at steps with another length, which ends them at an event.
     pub located_attempts: usize,
     /// Accepted steps whose equations needed the exact Newton method: all with closed loops, few without.
@@ -83,11 +83,12 @@ pub struct Report {
     /// The start in a log, if the run goes on from one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_log: Option<FromLog>,
-    /// The accuracy to expect.
-    pub accuracy: Option<AccuracyReport>,
-    /// Why that is not known, where it is not.
+    /// The accuracy to expect,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub accuracy_unknown: Option<String>,
+    pub accuracy: Option<AccuracyReport>,
+    /// or why it is not known, under the same key in JSON.
+    #[serde(rename = "accuracy", skip_serializing_if = "Option::is_none")]
+    pub no_accuracy: Option<NoAccuracyReport>,
     /// The estimated error of fixed steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_error: Option<StepErrorReport>,

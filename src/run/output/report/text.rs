@@ -83,13 +83,12 @@ impl fmt::Display for Report {
             writeln!(out, "  start       {}", from.words())?;
         }
         if let Some(accuracy) = &self.accuracy {
-            let by = match (accuracy.pilots, accuracy.begun) {
-                (0, 1) => "computed along with the run".to_string(),
-                (0, begun) => format!(
-                    "computed along with the run, which restarted {} with finer steps",
-                    if begun == 2 { "once".to_string() } else { format!("{} times", begun - 1) }
-                ),
-                (pilots, _) => format!("from {}", counted(pilots, "trial run", "trial runs")),
+            let by = match accuracy.begun {
+                1 => "computed along with the run".to_string(),
+                2 => "computed along with the run, which restarted once with finer steps".to_string(),
+                begun => {
+                    format!("computed along with the run, which restarted {} times with finer steps", begun - 1)
+                }
             };
             write!(out, "  accuracy    estimated error {:.1e} m (order of magnitude, {by})", accuracy.estimated)?;
             if let Some(between) = accuracy.between_steps.filter(|between| *between > accuracy.estimated) {
@@ -100,8 +99,8 @@ impl fmt::Display for Report {
             }
             writeln!(out)?;
         }
-        if let (Some(reason), true) = (&self.accuracy_unknown, self.method.adaptive) {
-            writeln!(out, "  accuracy    not known: {reason}")?;
+        if let (Some(unknown), true) = (&self.no_accuracy, self.method.adaptive) {
+            writeln!(out, "  accuracy    not known: {}", unknown.reason)?;
         }
         if let Some(StepErrorReport { estimated, by }) = self.step_error {
             let more = if by == "energy" { "; more where the motion amplifies errors" } else { "" };
@@ -120,7 +119,7 @@ impl fmt::Display for Report {
                 share => write!(out, ", {share} % reuse a factorisation)")?,
             }
         }
-        write!(out, ", {} rejected{}", self.rejected_steps, self.rejected_by.words())?;
+        write!(out, ", {} rejected{}", self.rejected_steps, self.rejected.words())?;
         match self.exact_newton_steps {
             0 => writeln!(out)?,
             all if all == self.steps && all > 1 => writeln!(out, ", all {all} by the exact Newton method")?,

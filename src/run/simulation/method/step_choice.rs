@@ -87,7 +87,7 @@ impl StepChoice {
         }
     }
 
-    /// The integrator, without trial runs for the accuracy; `kept` are the rules that are switched off.
+    /// The integrator alone, without an estimate of its error; `kept` are the rules that are switched off.
     ///
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.

@@ -71,39 +71,25 @@ pub(crate) struct KeptIsland {
     awake: Option<RunIntegrator>,
 }
 
-/// An island, whether it sleeps, and the result of making its integrator.
-type Job<'a, N, E> = (IslandRun<'a>, bool, Option<Result<N, E>>);
-
 impl<'a> Islands<'a> {
-    /// Makes the integrators of the awake islands, each with a note for the caller, in the order of these islands. `expected` is the expected time
-    /// (s); it decides whether several threads are used.
+    /// Makes the integrators of the awake islands, each with a note for the caller, in the order of these islands.
     ///
     /// # Errors
     /// The first error of `make`, in the order of the islands.
-    pub fn new<I: Into<Making<'a>>, N: Send, E: Send>(
+    pub fn new<I: Into<Making<'a>>, N, E>(
         plan: Plan,
         state: &State,
         threads: Threads,
-        expected: f64,
-        make: impl Fn(&Mechanism, &State) -> Result<(I, N), E> + Sync,
+        make: impl Fn(&Mechanism, &State) -> Result<(I, N), E>,
     ) -> Result<(Self, Vec<N>), E> {
         let kept = plan.kept;
-        let mut jobs: Vec<Job<'a, N, E>> =
-            plan.islands.into_iter().map(|(island, asleep)| (IslandRun::new(island, state), asleep, None)).collect();
-        spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
-            if *asleep {
-                return;
-            }
-            *note = Some(make(&part.island.mechanism, &part.state).map(|(integrator, note)| {
+        let (mut parts, mut notes) = (Vec::with_capacity(plan.islands.len()), Vec::new());
+        for (island, asleep) in plan.islands {
+            let mut part = IslandRun::new(island, state);
+            if !asleep {
+                let (integrator, note) = make(&part.island.mechanism, &part.state)?;
                 part.awake = Some(integrator.into());
-                note
-            }));
-        });
-        let mut parts = Vec::with_capacity(jobs.len());
-        let mut notes = Vec::new();
-        for (part, _, note) in jobs {
-            if let Some(note) = note {
-                notes.push(note?);
+                notes.push(note);
             }
             parts.push(part);
         }
@@ -216,11 +202,6 @@ impl<'a> Islands<'a> {
                 work(&island.mechanism, state, assessed);
             }
         }
-    }
-
-    /// The error of samples inside the steps of each island that moves, as its integrator alone knows it (m).
-    pub(crate) fn between(&self) -> Vec<Option<f64>> {
-        self.parts.iter().filter_map(|part| part.awake.as_ref()).map(Making::between).collect()
     }
 
     /// The figures of each island.

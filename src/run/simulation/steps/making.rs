@@ -92,14 +92,6 @@ impl<'a> Making<'a> {
         }
     }
 
-    /// The error of samples inside the steps of an integrator alone (m), where it is known; one with an estimate tells it with that.
-    pub(crate) fn between(&self) -> Option<f64> {
-        match self {
-            Making::Alone(alone) => alone.between(),
-            Making::Telling(_) => None,
-        }
-    }
-
     fn inner(&self) -> &dyn Integrator {
         match self {
             Making::Alone(alone) => alone,

@@ -28,7 +28,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
-use crate::simulation::tolerance::accuracy::{Calibration, UnknownAccuracy, may_be_chaotic};
+use crate::simulation::tolerance::accuracy::{Accuracy, UnknownAccuracy, may_be_chaotic};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, OWN_ROUNDINGS};
 use crate::simulation::tolerance::event_order::first_difference;
@@ -346,7 +346,7 @@ impl<'a> Assessed<'a> {
     ///
     /// # Errors
     /// [`UnknownAccuracy`] if external efforts have acted, and before the first step.
-    pub(crate) fn accuracy(&mut self, mechanism: &Mechanism, state: &State) -> Result<Calibration, UnknownAccuracy> {
+    pub(crate) fn accuracy(&mut self, mechanism: &Mechanism, state: &State) -> Result<Accuracy, UnknownAccuracy> {
         if !self.terms.estimate {
             return Err(UnknownAccuracy::NotEstimated);
         }
@@ -364,7 +364,7 @@ impl<'a> Assessed<'a> {
         let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
         // Different events with negligible effect are not reported.
         let differ = if holds_until < time { self.differ.or_else(|| self.difference()) } else { None };
-        Ok(Calibration {
+        Ok(Accuracy {
             stop: self.stop,
             stages: self.stages,
             // Runs that have parted may end at any distance up to the size of the mechanism. No position is more accurate than its rounding.
@@ -379,7 +379,6 @@ impl<'a> Assessed<'a> {
             parted: self.parted,
             amplifies: may_be_chaotic(mechanism),
             events_differ: differ,
-            pilots: 0,
             begun: self.begun,
         })
     }

@@ -1,4 +1,4 @@
-//! The error of a run: estimated before it begins (`accuracy`, `trial_run`) and while it goes on.
+//! The error of a run, estimated while it goes on.
 
 pub mod accuracy;
 pub(crate) mod accuracy_so_far;
@@ -9,4 +9,3 @@ pub(crate) mod forecast;
 pub(crate) mod given_forces;
 pub(crate) mod horizon;
 pub mod terms;
-pub(crate) mod trial_run;
