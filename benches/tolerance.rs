@@ -16,6 +16,7 @@ use catena::prelude::*;
 use catena::session::Left;
 use catena::simulation::{Accuracy, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::step_maker::StepMaker;
 use cpu_time::ThreadTime;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -124,14 +125,14 @@ fn main() {
                     run.finish().expect("a report")
                 });
                 whole = f64::min(whole, time);
-                let mut lobatto = told.integrator(mechanism, tolerance);
+                let mut lobatto = Lobatto::adaptive_with_stages(mechanism, tolerance, told.stop, told.stages);
                 let (time, made) = timed(|| steps(&mut lobatto, description, &start, duration));
                 (alone, count) = (f64::min(alone, time), made);
-                let mut lobatto = told.integrator(mechanism, tolerance);
+                let mut lobatto = Lobatto::adaptive_with_stages(mechanism, tolerance, told.stop, told.stages);
                 lobatto.accompany(mechanism);
                 let (time, _) = timed(|| steps(&mut lobatto, description, &start, duration));
                 carrying = f64::min(carrying, time);
-                let (time, _) = timed(|| told.integrator(mechanism, tolerance));
+                let (time, _) = timed(|| Lobatto::adaptive_with_stages(mechanism, tolerance, told.stop, told.stages));
                 making = f64::min(making, time);
                 spent += whole + alone + carrying;
                 turns += 1;

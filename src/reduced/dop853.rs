@@ -18,11 +18,14 @@
 use crate::dop853_step::{END_SLOPE, ORDER, Work};
 use crate::dop853_table::SOLUTION;
 use crate::ode::{ReducedOde, joint_of_entry};
+use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::ground::guarded::Guarded;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, Rejected, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
+use catena_stepping::integrator::StepPace;
+use catena_stepping::step_maker::{PieceSteps, StepFigures, StepMaker};
 
 /// Factor on the step that the error estimate asks for.
 const SAFETY: f64 = 0.9;
@@ -229,13 +232,20 @@ impl Integrator for Dop853 {
 }
 
 /// The interface of the steps to the location of events.
-impl Dop853 {
-    /// Makes the last step again from its start with another length (s) and without error control; moves `state` to the new end. The inputs are the
-    /// inputs of the step.
-    ///
-    /// # Errors
-    /// [`StepError::NotFinite`].
-    pub fn again(
+impl StepMaker for Dop853 {
+    fn figures(&self) -> StepFigures {
+        StepFigures { between: None, ..StepFigures::NONE }
+    }
+}
+
+/// The first step of every piece is chosen anew.
+impl PieceSteps for Dop853 {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
+    /// Without error control.
+    fn again(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
@@ -253,10 +263,16 @@ impl Dop853 {
         Ok(StepOutcome::new(length, 12, exchange))
     }
 
-    /// The mean square `Σ b_i q̇_i²` of the rate of a scalar coordinate over the last step, by its position [(m/s)² or (rad/s)²].
-    pub fn mean_square_rate(&self, position: usize) -> f64 {
+    /// `Σ b_i q̇_i²`.
+    fn mean_square_rate(&self, coordinate: Coordinate, _rates: &mut Vec<f64>) -> f64 {
         let work = self.work.lock();
         let n = work.start.len();
-        SOLUTION.iter().map(|&(stage, weight)| weight * work.slopes[stage * n + position].powi(2)).sum()
+        SOLUTION.iter().map(|&(stage, weight)| weight * work.slopes[stage * n + coordinate.position].powi(2)).sum()
     }
+
+    fn step_pace(&self, origin: f64) -> StepPace {
+        StepPace::Grid { origin }
+    }
+
+    fn keep_pace(&mut self, _pace: StepPace, _time: f64) {}
 }

@@ -8,16 +8,19 @@ use crate::length::control::Control;
 use crate::length::fixed::FixedSteps;
 use crate::length::reversible::Reversible;
 use crate::length::stepper::Stepper;
+use crate::step_maker::{StepFigures, StepMaker};
 use catena_kernels::{precise_step_for, step_for};
 use catena_lobatto::numbers::lanes::Isa;
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
+use catena_mechanism::motion::distance::{probes, probes_of_bodies};
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{
     ContactSolvers, Cost, Integrator, MethodDescription, StepError, StepOutcome,
 };
 use catena_mechanism::motion::state::State;
+use nalgebra::Vector3;
 
 mod methods;
 
@@ -66,42 +69,45 @@ enum Mode {
 }
 
 impl Lobatto {
-    /// Carries a companion from the next step on, which shows the errors of the steps: for trees, with chosen steps.
-    pub fn accompany(&mut self, mechanism: &Mechanism) {
-        self.stepper.companion = Some(Box::new(Companion::new(mechanism, self.stepper.tableau)));
-    }
-
-    /// Carries it no more.
-    pub fn leave_companion(&mut self) {
-        self.stepper.companion = None;
-    }
-
     /// The companion of the run.
     pub fn companion(&self) -> Option<&Companion> {
         self.stepper.companion.as_deref()
     }
+}
 
-    /// Its bodies after the last step, if there is one and it places them.
-    pub fn companion_bodies(&self) -> Option<&[BodyState]> {
-        self.companion().filter(|companion| companion.has_begun()).and_then(|_| self.stepper.kernel.carried_bodies())
+impl StepMaker for Lobatto {
+    fn figures(&self) -> StepFigures {
+        let (between, held_by_stability) = match &self.mode {
+            Mode::Chosen(control) => (control.between(), control.was_held()),
+            Mode::Fixed(_) | Mode::Reversible(_) => (None, false),
+        };
+        StepFigures { between, ringing: self.stepper.ringing_inside(), held_by_stability }
     }
 
-    /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
-    pub fn was_held_by_stability(&self) -> bool {
-        matches!(&self.mode, Mode::Chosen(control) if control.was_held())
-    }
-
-    /// The error of samples inside the steps so far, besides the error of their ends (m); `None` if it is unknown: given steps.
-    pub fn between(&self) -> Option<f64> {
-        match &self.mode {
-            Mode::Chosen(control) => control.between(),
-            Mode::Fixed(_) | Mode::Reversible(_) => None,
+    /// Chosen steps of trees: the companion has their errors removed.
+    fn accompany(&mut self, mechanism: &Mechanism) -> bool {
+        if mechanism.has_closures() {
+            return false;
         }
+        self.stepper.companion = Some(Box::new(Companion::new(mechanism, self.stepper.tableau)));
+        true
     }
 
-    /// The largest error of samples inside steps that were too long for a damper (m), which the error of their ends does not include.
-    pub fn ringing_inside(&self) -> f64 {
-        self.stepper.ringing_inside()
+    fn leave_companion(&mut self) {
+        self.stepper.companion = None;
+    }
+
+    fn place_companion(&self, state: &mut State) -> bool {
+        let Some(companion) = self.companion() else { return false };
+        state.copy_from(companion.state());
+        true
+    }
+
+    fn companion_probes(&self, mechanism: &Mechanism, _state: &State) -> Option<Vec<Vector3<f64>>> {
+        let companion = self.companion()?;
+        // The kernel has placed its bodies, if it has made a step.
+        let placed = if companion.has_begun() { self.stepper.kernel.carried_bodies() } else { None };
+        Some(placed.map_or_else(|| probes(mechanism, companion.state()), |bodies| probes_of_bodies(mechanism, bodies)))
     }
 }
 

@@ -7,6 +7,7 @@
 //! | monitoring every few steps | [`watching`] |
 //! | instants inside a step: samples, their error, what a controller sees | [`instants`] |
 //! | on another spanning tree than the file's | [`trees`] |
+//! | the one interface of everything that makes steps | [`step_maker`] |
 
 #![deny(unsafe_code)]
 
@@ -19,6 +20,7 @@ pub mod length;
 pub mod recipe;
 /// Steps between given instants.
 pub mod spans;
+pub mod step_maker;
 pub mod trees;
 #[doc(hidden)]
 pub mod watching;

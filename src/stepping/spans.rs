@@ -14,10 +14,11 @@
 //! stages, because spans are made with few stages only where both are below the tolerance.
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
-use crate::length::companion::Companion;
 use crate::length::stage_choice::StageChoice;
 use crate::recipe::{Recipe, Steps};
+use crate::step_maker::{PieceSteps, StepFigures, StepMaker};
 use catena_mechanism::description::body_state::BodyState;
+use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
@@ -70,24 +71,6 @@ impl SpanSteps {
         })
     }
 
-    /// Takes the forces and the state from which the next step goes on, as that step would.
-    ///
-    /// # Errors
-    /// [`StepError`] for forces that the scheme does not know.
-    pub fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> Result<(), StepError> {
-        self.many.meet_before(mechanism, inputs, state)
-    }
-
-    /// Says whether a given instant bounds the next step; the stop of a slip, say, does not.
-    pub fn expect_instant(&mut self, given: bool) {
-        self.given = given;
-    }
-
-    /// Whether three stages made the last step: a span that is short beside the steps of the motion.
-    pub fn is_short_span(&self) -> bool {
-        self.by_few
-    }
-
     /// The scheme that made the last step.
     fn last(&self) -> &Lobatto {
         self.few.as_deref().filter(|_| self.by_few).unwrap_or(&self.many)
@@ -130,12 +113,37 @@ impl SpanSteps {
             }
         }
     }
+}
 
-    /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
-    ///
-    /// # Errors
-    /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
-    pub fn again(
+impl StepMaker for SpanSteps {
+    fn figures(&self) -> StepFigures {
+        let few = self.few.as_ref().map_or(StepFigures::NONE, |few| few.figures());
+        let mut all = self.many.figures();
+        all.see_between(few.between);
+        all.ringing = all.ringing.max(few.ringing);
+        all
+    }
+
+    /// All steps have many stages then.
+    fn accompany(&mut self, mechanism: &Mechanism) -> bool {
+        self.many.accompany(mechanism)
+    }
+
+    fn leave_companion(&mut self) {
+        self.many.leave_companion();
+    }
+
+    fn place_companion(&self, state: &mut State) -> bool {
+        self.many.place_companion(state)
+    }
+}
+
+impl PieceSteps for SpanSteps {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
+    fn again(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
@@ -145,66 +153,41 @@ impl SpanSteps {
         self.last_mut().again(mechanism, inputs, state, length)
     }
 
-    /// Positions and velocities at a time inside the last step (s), as interpolated ([`Lobatto::interpolate`]).
-    pub fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+    fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.last_mut().interpolate(mechanism, time, position, velocity);
     }
 
-    /// The mean square of the rate of a scalar coordinate over the last step [(m/s)² or (rad/s)²]; `rates` is room.
-    pub fn mean_square_rate(&self, freedom: usize, rates: &mut Vec<f64>) -> f64 {
-        self.last().mean_square_rate(freedom, rates)
+    fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
+        self.last().mean_square_rate(coordinate.freedom, rates)
     }
 
-    /// Writes the forces (N) on the second ends of the closures at all stages of the last step but its end, stage after stage of each; whether it solved
-    /// for them ([`Lobatto::closure_forces`]).
-    pub fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
-        self.last().closure_forces(forces)
+    fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) {
+        // An error is told by the step, which meets the state again.
+        let _ = self.many.meet_before(mechanism, inputs, state);
     }
 
-    /// The pace of the steps with many stages, for one who goes on; `origin` is where a grid began (s).
-    pub fn step_pace(&self, origin: f64) -> StepPace {
+    fn step_pace(&self, origin: f64) -> StepPace {
         self.many.step_pace(origin)
     }
 
-    /// Goes on at the pace of another, which made steps of the same motion up to `time` (s).
-    pub fn keep_pace(&mut self, pace: StepPace, time: f64) {
+    fn keep_pace(&mut self, pace: StepPace, time: f64) {
         self.many.keep_pace(pace, time);
     }
 
-    /// A step that is shorter than this (s) and does not converge is given up, now and later, if steps are chosen.
-    pub fn give_up_below(&mut self, length: f64) {
+    fn expect_instant(&mut self, given: bool) {
+        self.given = given;
+    }
+
+    fn is_short_span(&self) -> bool {
+        self.by_few
+    }
+
+    fn closure_forces(&self, forces: &mut Vec<[f64; 3]>) -> bool {
+        self.last().closure_forces(forces)
+    }
+
+    fn give_up_below(&mut self, length: f64) {
         self.many.give_up_below(length);
-    }
-
-    /// Whether stability, and not accuracy, has limited a step.
-    pub fn was_held_by_stability(&self) -> bool {
-        self.many.was_held_by_stability()
-    }
-
-    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
-    pub fn between(&self) -> Option<f64> {
-        let few = self.few.as_ref().map_or(Some(0.0), |few| few.between());
-        Some(self.many.between()?.max(few?))
-    }
-
-    /// The largest error of samples inside steps that were too long for a damper (m).
-    pub fn ringing_inside(&self) -> f64 {
-        self.few.as_ref().map_or(0.0, |few| few.ringing_inside()).max(self.many.ringing_inside())
-    }
-
-    /// Carries a companion from the next step on ([`Lobatto::accompany`]); all steps have many stages then.
-    pub fn accompany(&mut self, mechanism: &Mechanism) {
-        self.many.accompany(mechanism);
-    }
-
-    /// Carries it no more.
-    pub fn leave_companion(&mut self) {
-        self.many.leave_companion();
-    }
-
-    /// The motion beside that of the run.
-    pub fn companion(&self) -> Option<&Companion> {
-        self.many.companion()
     }
 }
 

@@ -11,6 +11,7 @@ use catena::simulation::{
 };
 use catena::stepping::integrator::Lobatto;
 use catena::stepping::length::stage_choice::StageChoice;
+use catena::stepping::step_maker::StepMaker;
 use nalgebra::Vector3;
 
 pub(crate) fn options(duration: f64, tolerance: f64) -> SimulationOptions<'static> {
@@ -219,7 +220,7 @@ fn five_stages_make_steps_in_which_samples_are_within_a_fine_tolerance() {
     }
     println!("{worst:.2e} m");
     assert!(worst <= tolerance, "{worst:e} m");
-    let between = lobatto.between().expect("an estimate");
+    let between = lobatto.figures().between.expect("an estimate");
     assert!(worst <= 1.5 * between && between <= 30.0 * worst, "{between:e} m for {worst:e} m");
 }
 
@@ -259,7 +260,7 @@ fn a_motion_that_no_steps_of_doubles_can_follow_says_until_when_its_accuracy_hol
     assert!(told.holds_until > 1.0 && told.holds_until < 59.0, "{told:?}");
     // Where it is said to hold, it does.
     let until = 0.9 * told.holds_until;
-    let mut lobatto = told.integrator(&model.mechanism, 1e-6);
+    let mut lobatto = Lobatto::adaptive_with_stages(&model.mechanism, 1e-6, told.stop, told.stages);
     let mut state = model.state.clone();
     while state.time < until {
         lobatto.advance(&model.mechanism, &mut state, until).expect("a step");

@@ -144,7 +144,7 @@ fn compared(motion: &Motion, tolerance: f64) -> Option<Compared> {
         return None;
     }
     // Repeats the run to get the ends of its steps.
-    let mut lobatto = told.integrator(mechanism, tolerance);
+    let mut lobatto = Lobatto::adaptive_with_stages(mechanism, tolerance, told.stop, told.stages);
     let mut state = start.clone();
     let mut ends = Vec::new();
     while state.time < *duration {

@@ -9,6 +9,7 @@ use catena::mechanism::motion::distance::{distance, probes};
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::step_maker::StepMaker;
 
 const STEPS: usize = 30;
 

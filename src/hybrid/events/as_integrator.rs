@@ -22,6 +22,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::StepPace;
+use crate::stepping::step_maker::{StepFigures, StepMaker};
 
 /// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;
@@ -33,7 +34,7 @@ impl Eventful {
     /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen, and the loads where nothing moves; no
     /// later than `until`.
     fn resolved_until(&self, time: f64, until: f64) -> f64 {
-        let pace = self.workspaces.active().steps.as_ref().map(|steps| steps.pace(time));
+        let pace = self.workspaces.active().steps.as_ref().map(|steps| steps.step_pace(time));
         let step = match pace {
             Some(StepPace::Step { length, .. }) if length > 0.0 => length,
             Some(StepPace::Step { .. }) | None => until - time,
@@ -220,5 +221,32 @@ impl Integrator for Eventful {
             });
         }
         status
+    }
+}
+
+impl StepMaker for Eventful {
+    fn figures(&self) -> StepFigures {
+        self.workspaces.figures()
+    }
+
+    /// Up to the first event.
+    fn accompany(&mut self, _mechanism: &Mechanism) -> bool {
+        self.workspaces.accompanied = true;
+        true
+    }
+
+    fn leave_companion(&mut self) {
+        self.workspaces.leave_companion();
+    }
+
+    fn place_companion(&self, state: &mut State) -> bool {
+        let Workspaces { pieces, current, accompanied, .. } = &self.workspaces;
+        let Some(piece) = pieces.get(*current).filter(|_| *accompanied) else { return false };
+        let mut small = piece.small.clone();
+        let is_placed = piece.steps.as_ref().is_some_and(|steps| steps.place_companion(&mut small));
+        if is_placed {
+            piece.moving.spread(&self.model.whole, &small, state);
+        }
+        is_placed
     }
 }

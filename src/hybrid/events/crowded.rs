@@ -21,7 +21,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
 use crate::events::parts::crowding::LABOUR_WITHIN;
 use crate::events::parts::model::HybridModel;
-use crate::events::parts::workspaces::{Workspaces, larger};
+use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -109,7 +109,7 @@ impl Eventful {
         if decision(held.unwrap_or(0)) <= (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) {
             return false;
         }
-        self.leave_companion();
+        self.workspaces.leave_companion();
         self.progress.asleep = false;
         self.progress.crowding.enter(state.time);
         self.progress.in_crowd = true;
@@ -257,7 +257,7 @@ impl Eventful {
         // Nothing moves in a step in which all sleep.
         self.tally.smeared[0] += if slept < 1.0 { step * step } else { 0.0 };
         // An impact within the step is at its end for samples inside it.
-        self.workspaces.between = larger(self.workspaces.between, Some(0.25 * step * made.jump + lifted));
+        self.workspaces.earlier.see_between(Some(0.25 * step * made.jump + lifted));
         self.progress.stepped_over = Some(state.clone());
         self.memory.kinetic = self.memory.kinetic.max(made.kinetic);
         self.tally.steps += 1;

@@ -18,7 +18,6 @@ use crate::events::parts::crowding::STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;
-use crate::events::parts::workspaces::larger;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::held::Closures;
 use crate::instant::holding::held::Held;
@@ -68,7 +67,8 @@ impl Eventful {
         let motors = mode.motors.iter().map(|motor| *motor == MotorMode::Unbounded).collect();
         let key = Key { held, places, motors, closures };
         let pace = self.workspaces.pieces.get(self.workspaces.current).and_then(|piece| piece.steps.as_ref());
-        let pace = pace.map_or(StepPace::Grid { origin: self.progress.began }, |steps| steps.pace(self.progress.began));
+        let pace =
+            pace.map_or(StepPace::Grid { origin: self.progress.began }, |steps| steps.step_pace(self.progress.began));
         // The causes of short steps before do not apply to this mode. A failed step has become as short as steps can be; the next step is at least as
         // long as the step of first order that replaces it.
         let least = if self.progress.stepped_over.is_some() { STEP } else { RENEWED };
@@ -87,7 +87,7 @@ impl Eventful {
         piece.used = self.tally.steps;
         piece.small = piece.moving.gather(&self.model.whole, state);
         if let Some(steps) = &mut piece.steps {
-            steps.go_on_at(pace, state.time);
+            steps.keep_pace(pace, state.time);
         }
         self.trial.holding = {
             let Eventful {
@@ -150,8 +150,7 @@ impl Eventful {
                     let of_piece = steps.description();
                     self.workspaces.idle.include_stability(&of_piece);
                     self.workspaces.idle.few_stage_steps += of_piece.few_stage_steps;
-                    self.workspaces.between = larger(self.workspaces.between, steps.between());
-                    self.workspaces.ringing = self.workspaces.ringing.max(steps.ringing_inside());
+                    self.workspaces.earlier.include(&steps.figures());
                 }
                 self.workspaces.pieces[oldest] = piece;
                 oldest

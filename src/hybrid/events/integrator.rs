@@ -9,7 +9,7 @@ use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
 use crate::events::modes::drives::Commands;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
-use crate::events::modes::piece_steps::PieceRecipe;
+use crate::events::modes::piece_recipe::{OtherMethod, PieceRecipe};
 use crate::events::modes::present::Present;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::previous::PreviousStep;
@@ -17,7 +17,7 @@ use crate::events::parts::progress::Progress;
 use crate::events::parts::tally::Tally;
 use crate::events::parts::traced::{Trace, Traced, TracedJump};
 use crate::events::parts::trial::StepTrial;
-use crate::events::parts::workspaces::{Workspaces, larger};
+use crate::events::parts::workspaces::Workspaces;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::Of;
 use crate::instant::holding::held::{Closures, Held};
@@ -73,9 +73,12 @@ impl Eventful {
         Eventful::with(mechanism, PieceRecipe::Lobatto(recipe))
     }
 
-    /// The comparator: the same events, between steps of DOP853 in joint coordinates with this tolerance; for trees.
-    pub fn over_dop853(mechanism: &Mechanism, tolerance: f64) -> Result<Self, MethodError> {
-        Eventful::with(mechanism, PieceRecipe::Dop853(tolerance))
+    /// The same events between the steps of another method with this tolerance (m), for comparison; for trees.
+    ///
+    /// # Errors
+    /// As of [`Eventful::new`].
+    pub fn between_steps_of(method: OtherMethod, mechanism: &Mechanism, tolerance: f64) -> Result<Self, MethodError> {
+        Eventful::with(mechanism, PieceRecipe::Other(method, tolerance))
     }
 
     fn with(mechanism: &Mechanism, recipe: PieceRecipe) -> Result<Self, MethodError> {
@@ -108,47 +111,11 @@ impl Eventful {
         })
     }
 
-    /// Whether stability, and not accuracy, has limited a step.
-    pub fn was_held_by_stability(&self) -> bool {
-        self.workspaces.was_held_by_stability()
-    }
-
-    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
-    pub fn between(&self) -> Option<f64> {
-        self.workspaces.between()
-    }
-
-    /// The largest error of samples inside steps that were too long for a damper, so far (m).
-    pub fn ringing_inside(&self) -> f64 {
-        self.workspaces.ringing_inside()
-    }
-
     /// Records the sampling error of a step of first order. Samples inside it use the end that is nearer in time, so that the error is half the
     /// displacement.
     pub(super) fn see_jump(&mut self, start: &State, end: &State) {
         let moved = distance(&probes(&self.model.whole, start), &probes(&self.model.whole, end));
-        self.workspaces.between = larger(self.workspaces.between, Some(0.5 * moved));
-    }
-
-    /// Carries a companion from the first step on, which shows what errors the steps make, up to the first event.
-    pub fn accompany(&mut self) {
-        self.workspaces.accompanied = true;
-    }
-
-    /// Carries it no more.
-    pub fn leave_companion(&mut self) {
-        self.workspaces.leave_companion();
-    }
-
-    /// Writes the state of the companion after the last step; `false` without a companion.
-    pub fn place_companion(&self, state: &mut State) -> bool {
-        let Some(piece) = self.workspaces.pieces.get(self.workspaces.current).filter(|_| self.workspaces.accompanied)
-        else {
-            return false;
-        };
-        let Some(companion) = piece.steps.as_ref().and_then(|steps| steps.companion()) else { return false };
-        piece.moving.spread(&self.model.whole, companion.state(), state);
-        true
+        self.workspaces.earlier.see_between(Some(0.5 * moved));
     }
 
     /// Lets accumulating impacts leave this part of the height that they may leave, and at least this multiple of the least height: runs with finer
@@ -262,7 +229,7 @@ impl Eventful {
     pub fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched], brief: bool) -> Exchange {
         // Events happen to two motions at two times.
         if self.workspaces.accompanied {
-            self.leave_companion();
+            self.workspaces.leave_companion();
         }
         self.carry_out(inputs, state, Found { triggers, height: self.model.height, anew: false, brief })
     }

@@ -455,7 +455,7 @@ mod tests {
         // As short as a step is when it is given up.
         let piece = &mut eventful.workspaces.pieces[eventful.workspaces.current];
         let pace = StepPace::Step { length: 1e-14, kinetic: 1.0 };
-        piece.steps.as_mut().expect("a body that moves").go_on_at(pace, state.time);
+        piece.steps.as_mut().expect("a body that moves").keep_pace(pace, state.time);
         piece.small.position[2] += 1e-9;
         let short = eventful.step(&mechanism, inputs, &mut state, 1.0).expect("a step").step;
         assert!(short > 0.0 && short < 1e-13, "{short:e}");

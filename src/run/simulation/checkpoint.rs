@@ -14,7 +14,6 @@ use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::parallel::islands::KeptIsland;
 use crate::simulation::parallel::partition::Plan;
 use crate::simulation::run::Simulation;
-use crate::simulation::steps::making::Making;
 
 /// A copy of a run between two steps.
 #[derive(Clone)]
@@ -26,7 +25,7 @@ pub struct Checkpoint {
 
 #[derive(Clone)]
 enum Kept {
-    Whole(Box<RunIntegrator>),
+    Whole(RunIntegrator),
     Islands(Vec<KeptIsland>),
 }
 
@@ -46,8 +45,7 @@ impl Simulation<'_> {
     /// A copy of the run where it is; `None` for a run that estimates its own error, which has a second motion beside it.
     pub fn checkpoint(&self) -> Option<Checkpoint> {
         let integrators = match &self.integrators {
-            Integrators::Whole(Making::Alone(alone)) => Kept::Whole(Box::new(alone.clone())),
-            Integrators::Whole(Making::Telling(_)) => return None,
+            Integrators::Whole(run) => Kept::Whole(run.alone()?.clone()),
             Integrators::Islands { islands, .. } => Kept::Islands(islands.keep()?),
         };
         Some(Checkpoint { state: self.state.clone(), efforts: self.efforts.clone(), integrators })
@@ -57,8 +55,8 @@ impl Simulation<'_> {
     /// then.
     pub fn restore(&mut self, kept: &Checkpoint) -> bool {
         let restored = match (&mut self.integrators, &kept.integrators) {
-            (Integrators::Whole(making), Kept::Whole(alone)) => {
-                *making = Making::Alone((**alone).clone());
+            (Integrators::Whole(run), Kept::Whole(alone)) => {
+                *run = alone.clone().into();
                 true
             }
             (Integrators::Islands { islands, .. }, Kept::Islands(parts)) => islands.restore(parts),
@@ -74,13 +72,13 @@ impl Simulation<'_> {
     /// Goes on from another state, as a new run would from there; `fresh` is a copy from before the first step. The run stays
     /// as it is, and the answer is `false`, if a new run would have other integrators: with closed loops, and if parts of the mechanism rest.
     pub fn place(&mut self, fresh: &Checkpoint, state: &State) -> bool {
-        let (Integrators::Whole(making), Kept::Whole(alone)) = (&mut self.integrators, &fresh.integrators) else {
+        let (Integrators::Whole(run), Kept::Whole(alone)) = (&mut self.integrators, &fresh.integrators) else {
             return false;
         };
         if self.mechanism.has_closures() || !Plan::new(self.mechanism, state, self.switched_off).is_whole() {
             return false;
         }
-        *making = Making::Alone((**alone).clone());
+        *run = alone.clone().into();
         self.begin_at(state);
         self.efforts.clone_from(&fresh.efforts);
         self.known_start.place();

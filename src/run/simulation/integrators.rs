@@ -10,9 +10,8 @@ use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::islands::Islands;
 use crate::simulation::parallel::partition::Plan;
 use crate::simulation::parallel::threads::Threads;
-use crate::simulation::steps::making::Making;
 use crate::simulation::tolerance::accuracy::{Accuracy, UnknownAccuracy};
-use crate::simulation::tolerance::assessed::Assessed;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
 use crate::simulation::tolerance::terms::{Terms, first_stop};
 use crate::stepping::integrator::MethodError;
 use crate::stepping::length::stage_choice::StageChoice;
@@ -38,7 +37,7 @@ pub enum SimulationError {
 
 /// The integrators.
 pub(crate) enum Integrators<'a> {
-    Whole(Making<'a>),
+    Whole(EstimatedRun<'a>),
     Islands {
         islands: Islands<'a>,
         /// The description of the method while all islands sleep.
@@ -95,18 +94,16 @@ impl<'a> Integrators<'a> {
         Ok((Integrators::Islands { islands, idle }, unknown.into_iter().map(Err).collect()))
     }
 
-    /// Calls a function with each integrator that estimates its error, and its state.
-    fn each_telling(
+    /// Calls a function with each integrator, and its state.
+    fn each(
         &mut self,
         mechanism: &Mechanism,
         state: &State,
-        mut work: impl FnMut(&Mechanism, &State, &mut Assessed),
+        mut work: impl FnMut(&Mechanism, &State, &mut EstimatedRun),
     ) {
         match self {
-            Integrators::Whole(integrator) => {
-                integrator.telling().into_iter().for_each(|assessed| work(mechanism, state, assessed));
-            }
-            Integrators::Islands { islands, .. } => islands.each_telling(work),
+            Integrators::Whole(run) => work(mechanism, state, run),
+            Integrators::Islands { islands, .. } => islands.each(work),
         }
     }
 
@@ -116,9 +113,9 @@ impl<'a> Integrators<'a> {
     /// [`MethodError`] for invalid steps.
     pub fn begin_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
         let mut prepared = Ok(());
-        self.each_telling(mechanism, state, |mechanism, _, assessed| {
+        self.each(mechanism, state, |mechanism, _, run| {
             if prepared.is_ok() {
-                prepared = assessed.begin_again(mechanism);
+                prepared = run.begin_again(mechanism);
             }
         });
         prepared
@@ -126,13 +123,13 @@ impl<'a> Integrators<'a> {
 
     /// Forbids restarts from now on, whatever the errors.
     pub fn settle(&mut self, mechanism: &Mechanism, state: &State) {
-        self.each_telling(mechanism, state, |_, _, assessed| assessed.settle());
+        self.each(mechanism, state, |_, _, run| run.settle());
     }
 
-    /// The run's own error estimates up to a state: one entry per integrator.
+    /// The run's own error estimates up to a state: one entry per integrator that makes one.
     pub fn told(&mut self, mechanism: &Mechanism, state: &State) -> Accuracies {
         let mut all = Vec::new();
-        self.each_telling(mechanism, state, |mechanism, state, assessed| all.push(assessed.accuracy(mechanism, state)));
+        self.each(mechanism, state, |mechanism, state, run| all.extend(run.accuracy(mechanism, state)));
         all
     }
 
@@ -153,7 +150,7 @@ impl<'a> Wanted<'a> {
         state: &State,
         kept: &[Rule],
         counted: Option<Arc<Counted>>,
-    ) -> Result<(Making<'a>, UnknownAccuracy), SimulationError> {
+    ) -> Result<(EstimatedRun<'a>, UnknownAccuracy), SimulationError> {
         // Events hold joints, which changes the mechanism.
         let counts = mechanism.has_closures() && mechanism.nonsmooth.is_empty();
         let counted = counted.or_else(|| counts.then(|| Arc::new(Counted::at(mechanism, state))));
@@ -169,7 +166,6 @@ impl<'a> Wanted<'a> {
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));
         let (start, end) = (state.time, state.time + self.duration);
         let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted, interrupt: self.interrupt, estimate };
-        let assessed = Assessed::new(mechanism, terms)?;
-        Ok((Making::Telling(Box::new(assessed)), UnknownAccuracy::NotYet))
+        Ok((EstimatedRun::new(mechanism, terms)?, UnknownAccuracy::NotYet))
     }
 }

@@ -13,7 +13,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
-use crate::simulation::steps::making::Making;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
 
 /// The start of the last run, and the integrator that has begun from one.
 #[derive(Default)]
@@ -62,11 +62,11 @@ impl KnownStart {
     }
 
     /// Begins the run from its start, if its next step is the first one.
-    pub fn begin(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, making: &mut Making) {
+    pub fn begin(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, run: &mut EstimatedRun) {
         if !std::mem::take(&mut self.first) || inputs.feedback.is_some() {
             return;
         }
-        let Making::Alone(integrator) = making else { return };
+        let Some(integrator) = run.alone_mut() else { return };
         if let Some(begun) = self.begun.as_ref().filter(|begun| begun.given.is(state, inputs.efforts)) {
             integrator.clone_from(&begun.integrator);
             state.copy_from(&begun.state);

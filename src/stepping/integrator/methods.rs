@@ -110,7 +110,7 @@ impl Lobatto {
     }
 
     /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
-    /// amplification; `simulation::tolerance::assessed` finds the one for the motion at hand.
+    /// amplification; `simulation::tolerance::error_estimate` finds the one for the motion at hand.
     pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Self {
         Self::adaptive_with_stop(mechanism, tolerance, 1e-4 * tolerance)
     }
@@ -152,11 +152,9 @@ impl Lobatto {
         }
     }
 
-    /// The same from a state in which the closures were counted already.
-    #[must_use]
-    pub fn counted(mut self, counted: Option<Arc<Counted>>) -> Self {
+    /// Takes the ranks of the closures in the state that the first step begins from.
+    pub fn take_counted(&mut self, counted: Option<Arc<Counted>>) {
         self.stepper.counted = counted;
-        self
     }
 
     /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates, without

@@ -10,7 +10,7 @@
 //! Closed loops have five where their tolerance is not fine: all stages are coupled there, and an iteration with nine costs twice as much. Nine
 //! stages make steps so long that Newton's method limits them, not the accuracy. One or two four-bars, which pass singular positions, need much
 //! shorter steps with five, and keep nine; and so do springs and dampers so stiff that the stability of the scheme limits the step, which nine stages
-//! extend to twice the length: a run sees that in its first steps (`simulation::tolerance::assessed`).
+//! extend to twice the length: a run sees that in its first steps (`simulation::tolerance::error_estimate`).
 //!
 //! The table has the time with nine stages over the time with five, at the same tolerance (m), least and most of the scenes of each kind:
 //!

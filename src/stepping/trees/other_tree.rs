@@ -14,6 +14,7 @@
 
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::recipe::Recipe;
+use crate::step_maker::{PieceSteps, StepFigures, StepMaker};
 use crate::trees::driven_elsewhere::Driven;
 use crate::trees::turns::Turns;
 use catena_lobatto::plan::spanning::spanning_tree;
@@ -126,67 +127,6 @@ impl OnOtherTree {
         }))
     }
 
-    /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
-    pub fn was_held_by_stability(&self) -> bool {
-        self.active().was_held_by_stability()
-    }
-
-    /// The error of samples inside the steps so far, as [`Lobatto::between`] says.
-    pub fn between(&self) -> Option<f64> {
-        let on_file = self.on_file.as_ref().map_or(Some(0.0), Lobatto::between)?;
-        Some(self.inside.lobatto.between()?.max(self.earlier?).max(on_file))
-    }
-
-    /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
-    ///
-    /// # Errors
-    /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
-    pub fn again(
-        &mut self,
-        mechanism: &Mechanism,
-        inputs: Inputs,
-        state: &mut State,
-        length: f64,
-    ) -> Result<StepOutcome, StepError> {
-        if let Some(on_file) = &mut self.on_file {
-            return on_file.again(mechanism, inputs, state, length);
-        }
-        state.copy_from(&self.origin);
-        self.left = None;
-        self.turns.begin(&self.origin);
-        let Inside { other, lobatto, state: own, .. } = &mut self.inside;
-        let again = |inputs: Inputs| lobatto.again(&other.mechanism, inputs, own, length);
-        let outcome = self.driven.within(mechanism, other, &self.turns, inputs, again)?;
-        self.hand_out(mechanism, state);
-        Ok(outcome)
-    }
-
-    /// The weighted mean of the squares of a scalar joint coordinate's rate over the last step [(m/s)² or (rad/s)²]; `rates` is room. Zero for a
-    /// joint that is cut, because it has no forces.
-    pub fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
-        let freedom = match (&self.on_file, self.inside.other.joint(coordinate.body)) {
-            (Some(_), _) => coordinate.freedom,
-            (None, Found::Carries { body, .. }) => self.inside.other.mechanism.bodies[body].joint.velocity_index,
-            (None, Found::Closes(_)) => return 0.0,
-        };
-        self.active().mean_square_rate(freedom, rates)
-    }
-
-    /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
-    pub fn step_pace(&self, origin: f64) -> StepPace {
-        self.active().step_pace(origin)
-    }
-
-    /// Goes on at the pace of another, which made steps of the same motion up to `time` (s).
-    pub fn keep_pace(&mut self, pace: StepPace, time: f64) {
-        self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
-    }
-
-    /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.
-    pub fn give_up_below(&mut self, length: f64) {
-        self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).give_up_below(length);
-    }
-
     /// Writes where a step from the origin has ended in the coordinates of the file.
     fn hand_out(&mut self, mechanism: &Mechanism, state: &mut State) {
         let OnOtherTree { inside, turns, left, .. } = self;
@@ -241,11 +181,71 @@ impl OnOtherTree {
 
     /// Goes on with the same mechanism written in another way.
     fn hang(&mut self, mechanism: &Mechanism, other: OtherTree) {
-        self.earlier = self.between();
+        self.earlier = self.figures().between;
         let lobatto = self.make(&other.mechanism);
         self.turns = Turns::new(mechanism, other.computed());
         self.driven = Driven::new(&other);
         self.inside = Inside::new(other, lobatto);
+    }
+}
+
+impl StepMaker for OnOtherTree {
+    /// In a scene with closed loops a run beside this one has steps of its own, and rings, too.
+    fn figures(&self) -> StepFigures {
+        let on_file = self.on_file.as_ref().map_or(Some(0.0), |on_file| on_file.figures().between);
+        let mut all = StepFigures { ringing: 0.0, ..self.active().figures() };
+        all.between = self.inside.lobatto.figures().between;
+        all.see_between(self.earlier);
+        all.see_between(on_file);
+        all
+    }
+}
+
+impl PieceSteps for OnOtherTree {
+    fn duplicate(&self) -> Box<dyn PieceSteps> {
+        Box::new(self.clone())
+    }
+
+    fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if let Some(on_file) = &mut self.on_file {
+            return on_file.again(mechanism, inputs, state, length);
+        }
+        state.copy_from(&self.origin);
+        self.left = None;
+        self.turns.begin(&self.origin);
+        let Inside { other, lobatto, state: own, .. } = &mut self.inside;
+        let again = |inputs: Inputs| lobatto.again(&other.mechanism, inputs, own, length);
+        let outcome = self.driven.within(mechanism, other, &self.turns, inputs, again)?;
+        self.hand_out(mechanism, state);
+        Ok(outcome)
+    }
+
+    /// Zero for a joint that is cut, because it has no forces.
+    fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
+        let freedom = match (&self.on_file, self.inside.other.joint(coordinate.body)) {
+            (Some(_), _) => coordinate.freedom,
+            (None, Found::Carries { body, .. }) => self.inside.other.mechanism.bodies[body].joint.velocity_index,
+            (None, Found::Closes(_)) => return 0.0,
+        };
+        self.active().mean_square_rate(freedom, rates)
+    }
+
+    fn step_pace(&self, origin: f64) -> StepPace {
+        self.active().step_pace(origin)
+    }
+
+    fn keep_pace(&mut self, pace: StepPace, time: f64) {
+        self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
+    }
+
+    fn give_up_below(&mut self, length: f64) {
+        self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).give_up_below(length);
     }
 }
 

@@ -11,9 +11,10 @@ use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Dop853, Euler, Rk4};
 use crate::simulation::StepChoice;
-use crate::simulation::tolerance::assessed::Assessed;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::Lobatto;
+use crate::stepping::step_maker::PieceSteps;
 use std::fmt;
 
 /// A way of integrating, as a curve of the chart.
@@ -151,7 +152,7 @@ impl Method {
         start: &State,
         duration: f64,
         setting: Setting,
-    ) -> Option<Assessed<'static>> {
+    ) -> Option<EstimatedRun<'static>> {
         let Setting::Tolerance(tolerance) = setting else { return None };
         let estimate = match self {
             Method::LobattoTolerance => true,
@@ -167,19 +168,22 @@ impl Method {
             interrupt: None,
             estimate,
         };
-        Assessed::new(mechanism, terms).ok()
+        EstimatedRun::new(mechanism, terms).ok()
     }
 
     /// The same for a mechanism with limits, dry friction, motors or contacts.
     fn with_events(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
-        let ours = |steps: StepChoice| Some(Box::new(steps.integrator(mechanism, &[]).ok()?) as Box<dyn Integrator>);
+        let ours = |steps: StepChoice| Some(steps.integrator(mechanism, &[]).ok()?.into_integrator());
         match (self, setting) {
             (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
             (Method::LobattoTolerance | Method::LobattoUnestimated, Setting::Tolerance(tolerance)) => {
                 ours(StepChoice::Tolerance(tolerance))
             }
             (Method::Dop853, Setting::Tolerance(tolerance)) if !mechanism.has_closures() => {
-                Some(Box::new(Eventful::over_dop853(mechanism, tolerance).ok()?))
+                let make = |mechanism: &Mechanism, tolerance: f64| -> Box<dyn PieceSteps> {
+                    Box::new(Dop853::new(mechanism, tolerance))
+                };
+                Some(Box::new(Eventful::between_steps_of(make, mechanism, tolerance).ok()?))
             }
             _ => self.regularised(mechanism, start, setting),
         }

@@ -79,7 +79,7 @@ impl<'m> Runner<'m> {
         {
             let steps = Steps::Chosen { tolerance, stop: found.stop, stages: found.stages };
             if let Ok(own) = RunIntegrator::new(&case.mechanism, steps, &[]) {
-                *integrator = Box::new(own);
+                *integrator = own.into_integrator();
             }
             runner.foretold = AccuracyReport::new(tolerance, &found).warning();
         }

@@ -12,7 +12,6 @@
 //! q̇_k²` and of the effort `h Σ b_k e_k q̇_k`, with the rates of the scheme.
 
 use crate::events::modes::mode::{Mode, MotorMode};
-use crate::events::modes::piece_steps::PieceSteps;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::held::Held;
 use crate::mechanism::description::closure::Coordinate;
@@ -21,6 +20,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use crate::mechanism::motion::inputs::ChangingEfforts;
 use crate::mechanism::motion::state::State;
+use crate::stepping::step_maker::PieceSteps;
 
 /// How far the steps know of the targets that were given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

@@ -6,7 +6,7 @@ pub(crate) mod instants;
 pub(crate) mod mode;
 pub(crate) mod narrowed;
 pub(crate) mod piece;
-pub(crate) mod piece_steps;
+pub(crate) mod piece_recipe;
 pub(crate) mod placed;
 pub(crate) mod present;
 pub(crate) mod tolerances;

@@ -6,13 +6,14 @@
 use crate::events::modes::drives::Drives;
 use crate::events::modes::instants::Instants;
 use crate::events::modes::narrowed::{Narrowed, Room};
-use crate::events::modes::piece_steps::{PieceRecipe, PieceSteps};
+use crate::events::modes::piece_recipe::PieceRecipe;
 use crate::instant::holding::held::Closures;
 use crate::instant::holding::held::Held;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::stepping::step_maker::PieceSteps;
 use std::sync::Arc;
 
 /// The reduced mechanism of a mode, and its steps.
@@ -112,7 +113,7 @@ impl Piece {
         let Piece { small, small_start, steps, .. } = self;
         small.copy_from(small_start);
         if let (Some(steps), Some(_)) = (steps, recipe.tolerance()) {
-            steps.go_on_at(steps.pace(since), since);
+            steps.keep_pace(steps.step_pace(since), since);
         }
     }
 

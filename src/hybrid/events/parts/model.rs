@@ -3,7 +3,7 @@
 //! Invariants: `elements` and `touching` are those of `whole`; only a run that hands over another mechanism changes them, between two steps.
 
 use crate::events::finding::extremes::next_extreme;
-use crate::events::modes::piece_steps::PieceRecipe;
+use crate::events::modes::piece_recipe::PieceRecipe;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::mechanism::Mechanism;

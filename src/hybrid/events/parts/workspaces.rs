@@ -1,7 +1,7 @@
 //! The workspaces of the modes that a run has met, and of steps over many impacts: they hold no truth, and can be made anew at any time.
 //!
-//! Invariants: `current` and `last` are numbers of `pieces` as soon as a mode was entered; `between` and `ringing` are figures of pieces that were
-//! given up, to which those that are kept add their own.
+//! Invariants: `current` and `last` are numbers of `pieces` as soon as a mode was entered; `earlier` are the figures of pieces that were given up,
+//! to which those that are kept add their own.
 
 use crate::events::crowd::step::Crowd;
 use crate::events::forces::holding::Rooms;
@@ -10,11 +10,7 @@ use crate::instant::dynamics::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::integrator::MethodDescription;
-
-/// The larger of two errors, if both are known.
-pub(crate) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
-    Some(one?.max(other?))
-}
+use crate::stepping::step_maker::StepFigures;
 
 /// The workspaces of a run.
 #[derive(Clone)]
@@ -34,10 +30,8 @@ pub(crate) struct Workspaces {
     pub idle: MethodDescription,
     /// Whether a companion goes along until the first event.
     pub accompanied: bool,
-    /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
-    pub between: Option<f64>,
-    /// The part of it in steps that were too long for a damper (m).
-    pub ringing: f64,
+    /// Of the steps of modes that are not kept any more, and of steps of first order.
+    pub earlier: StepFigures,
 }
 
 impl Workspaces {
@@ -51,8 +45,7 @@ impl Workspaces {
             crowd: Crowd::new(mechanism).map(Shared::new),
             idle,
             accompanied: false,
-            between: Some(0.0),
-            ringing: 0.0,
+            earlier: StepFigures::NONE,
         }
     }
 
@@ -74,21 +67,11 @@ impl Workspaces {
         &mut self.pieces[self.current]
     }
 
-    /// Whether stability, and not accuracy, has limited a step.
-    pub fn was_held_by_stability(&self) -> bool {
-        self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).any(|steps| steps.was_held_by_stability())
-    }
-
-    /// The error of samples inside the steps so far, beside the error of their ends (m); `None` if it is not known.
-    pub fn between(&self) -> Option<f64> {
-        let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
-        pieces.map(|steps| steps.between()).fold(self.between, larger)
-    }
-
-    /// The largest error of samples inside steps that were too long for a damper, so far (m).
-    pub fn ringing_inside(&self) -> f64 {
-        let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
-        pieces.map(|steps| steps.ringing_inside()).fold(self.ringing, f64::max)
+    /// What all steps so far tell of their errors.
+    pub fn figures(&self) -> StepFigures {
+        let mut all = self.earlier;
+        self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).for_each(|steps| all.include(&steps.figures()));
+        all
     }
 
     /// Lets the companion go.

@@ -2,5 +2,6 @@
 
 pub(crate) mod narrowed_inputs;
 pub mod run_integrator;
+pub mod run_steps;
 pub(crate) mod step_choice;
 pub(crate) mod without_locked;

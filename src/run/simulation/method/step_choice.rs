@@ -93,7 +93,7 @@ impl StepChoice {
     /// [`MethodError`] for stages and steps that cannot be.
     pub fn integrator(self, mechanism: &Mechanism, kept: &[Rule]) -> Result<RunIntegrator, MethodError> {
         let smooth = mechanism.nonsmooth.is_empty();
-        let alone = |lobatto: Lobatto| Ok(RunIntegrator::Smooth(Box::new(lobatto.keeping(mechanism, kept))));
+        let alone = |lobatto: Lobatto| Ok(RunIntegrator::from(lobatto.keeping(mechanism, kept)));
         match self {
             StepChoice::Fixed { stages, step } => RunIntegrator::new(mechanism, Steps::Fixed { stages, step }, kept),
             StepChoice::Reversible { .. } if !smooth => Err(MethodError::NotReversible),

@@ -5,6 +5,7 @@
 //!     State ─ gather ─▶ own State ── step ──▶ own State ─ spread ─▶ State
 //! ```
 
+use crate::events::Eventful;
 use crate::instant::holding::locked::Locked;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -13,12 +14,13 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::narrowed_inputs::NarrowedInputs;
+use crate::simulation::method::run_steps::RunSteps;
+use crate::stepping::step_maker::{StepFigures, StepMaker};
 
 /// An integrator of the joints that are not locked.
-#[derive(Clone)]
-pub(crate) struct WithoutLocked<I> {
+pub(crate) struct WithoutLocked {
     locked: Locked,
-    pub inside: I,
+    inside: Box<dyn RunSteps>,
     /// The mechanism of the last step, with its locked joints.
     whole: Mechanism,
     own: State,
@@ -28,9 +30,9 @@ pub(crate) struct WithoutLocked<I> {
     velocity: Vec<f64>,
 }
 
-impl<I: Integrator> WithoutLocked<I> {
+impl WithoutLocked {
     /// Steps of `inside`, which was made for the mechanism of [`Locked::mechanism`].
-    pub fn new(whole: &Mechanism, locked: Locked, inside: I) -> Self {
+    pub fn new(whole: &Mechanism, locked: Locked, inside: Box<dyn RunSteps>) -> Self {
         let own = State::zero(locked.mechanism());
         WithoutLocked {
             inputs: NarrowedInputs::new(whole, locked.held()),
@@ -43,30 +45,14 @@ impl<I: Integrator> WithoutLocked<I> {
         }
     }
 
-    /// The mechanism of the joints that are not locked.
-    pub fn mechanism(&self) -> &Mechanism {
-        self.locked.mechanism()
-    }
-
     /// The number of a motor of the whole among those of the joints that are not locked; `None` if its joint is locked.
-    pub fn motor(&self, motor: usize) -> Option<usize> {
+    fn motor(&self, motor: usize) -> Option<usize> {
         let moves = |at: &usize| !self.locked.held().is_held[self.whole.nonsmooth.motors[*at].coordinate.body];
         (motor < self.whole.nonsmooth.motors.len() && moves(&motor)).then(|| (0..motor).filter(moves).count())
     }
-
-    /// Changes a state of the whole by a change of the state of the joints that are not locked; `false` if there was no change.
-    pub fn change(&self, state: &mut State, change: impl FnOnce(&mut State) -> bool) -> bool {
-        let mut asked = self.own.clone();
-        self.locked.gather(&self.whole, state, &mut asked);
-        let changed = change(&mut asked);
-        if changed {
-            self.locked.spread(&self.whole, &asked, state);
-        }
-        changed
-    }
 }
 
-impl<I: Integrator> Integrator for WithoutLocked<I> {
+impl Integrator for WithoutLocked {
     fn step(
         &mut self,
         mechanism: &Mechanism,
@@ -131,5 +117,58 @@ impl<I: Integrator> Integrator for WithoutLocked<I> {
         let mut asked = self.own.clone();
         self.locked.gather(mechanism, state, &mut asked);
         self.inside.contacts(self.locked.mechanism(), &asked, out);
+    }
+}
+
+impl StepMaker for WithoutLocked {
+    fn figures(&self) -> StepFigures {
+        self.inside.figures()
+    }
+
+    fn accompany(&mut self, mechanism: &Mechanism) -> bool {
+        !mechanism.has_closures() && self.inside.accompany(self.locked.mechanism())
+    }
+
+    fn leave_companion(&mut self) {
+        self.inside.leave_companion();
+    }
+
+    fn place_companion(&self, state: &mut State) -> bool {
+        let mut own = self.own.clone();
+        self.locked.gather(&self.whole, state, &mut own);
+        let is_placed = self.inside.place_companion(&mut own);
+        if is_placed {
+            self.locked.spread(&self.whole, &own, state);
+        }
+        is_placed
+    }
+}
+
+impl RunSteps for WithoutLocked {
+    fn duplicate(&self) -> Box<dyn RunSteps> {
+        let WithoutLocked { locked, inside, whole, own, inputs, position, velocity } = self;
+        Box::new(WithoutLocked {
+            locked: locked.clone(),
+            inside: inside.duplicate(),
+            whole: whole.clone(),
+            own: own.clone(),
+            inputs: inputs.clone(),
+            position: position.clone(),
+            velocity: velocity.clone(),
+        })
+    }
+
+    fn events(&self) -> Option<&Eventful> {
+        self.inside.events()
+    }
+
+    fn events_mut(&mut self) -> Option<&mut Eventful> {
+        self.inside.events_mut()
+    }
+
+    fn aim(&mut self, motor: usize, value: f64) {
+        if let Some(own) = self.motor(motor) {
+            self.inside.aim(own, value);
+        }
     }
 }

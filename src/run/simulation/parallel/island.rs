@@ -9,9 +9,9 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
 use crate::simulation::parallel::between::Knot;
 use crate::simulation::steps::course::{Aim, Course, RunError, RunOptions};
-use crate::simulation::steps::making::Making;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, StepEnd};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
 use std::collections::VecDeque;
 
 /// An island and its run.
@@ -21,7 +21,7 @@ pub(crate) struct IslandRun<'a> {
     /// External efforts on its joints [N m or N]: empty, or one per degree of freedom.
     pub(crate) efforts: Vec<f64>,
     /// `None` if it sleeps.
-    pub(crate) awake: Option<Making<'a>>,
+    pub(crate) awake: Option<EstimatedRun<'a>>,
     pub(crate) course: Option<Course>,
     /// Samples and steps that have not been taken over yet.
     pub(crate) shown: Shown,

@@ -28,10 +28,9 @@ use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
 use crate::simulation::parallel::threads::{Threads, spread};
 use crate::simulation::steps::course::{Aim, RunError, RunOptions};
-use crate::simulation::steps::making::Making;
 use crate::simulation::steps::observer::Observer;
 use crate::simulation::steps::summary::Summary;
-use crate::simulation::tolerance::assessed::Assessed;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
 use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
@@ -76,7 +75,7 @@ impl<'a> Islands<'a> {
     ///
     /// # Errors
     /// The first error of `make`, in the order of the islands.
-    pub fn new<I: Into<Making<'a>>, N, E>(
+    pub fn new<I: Into<EstimatedRun<'a>>, N, E>(
         plan: Plan,
         state: &State,
         threads: Threads,
@@ -106,8 +105,8 @@ impl<'a> Islands<'a> {
                     let motors = &part.island.mechanism.nonsmooth.motors;
                     let motor = motors.iter().position(|motor| motor.coordinate.freedom == own);
                     // An island with a motor never sleeps.
-                    if let (Some(motor), Some(making)) = (motor, &mut part.awake) {
-                        making.aim(motor, value);
+                    if let (Some(motor), Some(run)) = (motor, &mut part.awake) {
+                        run.aim(motor, value);
                     }
                 }
                 local += piece.velocities.len();
@@ -120,8 +119,7 @@ impl<'a> Islands<'a> {
         let kept = self.parts.iter().map(|part| {
             let awake = match &part.awake {
                 None => None,
-                Some(Making::Alone(alone)) => Some(alone.clone()),
-                Some(Making::Telling(_)) => return None,
+                Some(run) => Some(run.alone()?.clone()),
             };
             Some(KeptIsland { state: part.state.clone(), awake })
         });
@@ -136,7 +134,7 @@ impl<'a> Islands<'a> {
         }
         for (part, kept) in self.parts.iter_mut().zip(kept) {
             part.state.copy_from(&kept.state);
-            part.awake = kept.awake.clone().map(Making::Alone);
+            part.awake = kept.awake.clone().map(EstimatedRun::from);
             part.course = None;
         }
         true
@@ -195,11 +193,11 @@ impl<'a> Islands<'a> {
         out.sort_by_key(|point| point.pair);
     }
 
-    /// Calls a function with each island that estimates its error, and its state.
-    pub(crate) fn each_telling(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
+    /// Calls a function with each island that moves, and its state.
+    pub(crate) fn each(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut EstimatedRun)) {
         for IslandRun { island, state, awake, .. } in &mut self.parts {
-            if let Some(assessed) = awake.as_mut().and_then(Making::telling) {
-                work(&island.mechanism, state, assessed);
+            if let Some(run) = awake {
+                work(&island.mechanism, state, run);
             }
         }
     }

@@ -11,7 +11,6 @@ use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::steps::clock::Clock;
-use crate::simulation::steps::making::Tells;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks_at_contacts, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
 use crate::simulation::steps::undefined::{beyond, undefined};
@@ -28,6 +27,26 @@ pub struct RunOptions<'o> {
     /// A flag that ends the run after the current step when it is set.
     pub interrupt: Option<&'o AtomicBool>,
 }
+
+/// An integrator that may tell its accuracy during a run.
+pub(crate) trait Tells {
+    /// The accuracy so far, if it is known.
+    fn so_far(&self) -> Option<AccuracySoFar> {
+        None
+    }
+
+    /// A bound of the overlap of shapes in the steps so far (m), where it is known.
+    fn overlap(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
+    fn holds_all(&self, _state: &State) -> bool {
+        false
+    }
+}
+
+impl Tells for dyn Integrator + '_ {}
 
 /// How a run ended.
 #[derive(Debug, thiserror::Error)]

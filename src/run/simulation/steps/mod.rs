@@ -2,7 +2,6 @@
 
 pub(crate) mod clock;
 pub(crate) mod course;
-pub mod making;
 pub(crate) mod observer;
 pub(crate) mod summary;
 pub(crate) mod undefined;

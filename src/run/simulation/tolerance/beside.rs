@@ -3,7 +3,6 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
-use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::forecast::{FINEST, ROUNDED};

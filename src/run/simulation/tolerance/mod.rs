@@ -2,8 +2,9 @@
 
 pub mod accuracy;
 pub(crate) mod accuracy_so_far;
-pub mod assessed;
 pub(crate) mod beside;
+pub mod error_estimate;
+pub mod estimated_run;
 pub(crate) mod event_order;
 pub(crate) mod forecast;
 pub(crate) mod given_forces;

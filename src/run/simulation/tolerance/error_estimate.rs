@@ -1,4 +1,4 @@
-//! A run that estimates its own error, and restarts with finer steps if the error becomes too large.
+//! The estimate of a run's error while it goes on, and the restart with finer steps if the error becomes too large.
 //!
 //! ```text
 //!     run, with a stop ε = E/100 at first ──step──▶ its next state x
@@ -19,13 +19,11 @@
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
 //! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]).
 
-use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::distance::{distance, probes, probes_of_bodies, size};
-use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::accuracy::{Accuracy, UnknownAccuracy, may_be_chaotic};
@@ -66,12 +64,11 @@ enum By {
     Nothing,
 }
 
-/// An integrator that estimates its own error.
-pub struct Assessed<'a> {
+/// The estimate of the error of a run, whose integrator each of its functions is handed.
+pub struct ErrorEstimate<'a> {
     terms: Terms<'a>,
     stop: f64,
     stages: StageChoice,
-    run: RunIntegrator,
     by: By,
     forecast: Forecast,
     /// How many times the run was begun.
@@ -105,20 +102,19 @@ pub struct Assessed<'a> {
     given: GivenForces,
 }
 
-impl<'a> Assessed<'a> {
-    /// An integrator with these settings.
+impl<'a> ErrorEstimate<'a> {
+    /// The estimate of a run with these settings, and the integrator of that.
     ///
     /// # Errors
     /// [`MethodError`] for invalid steps.
-    pub fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<Self, MethodError> {
+    pub fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<(Self, RunIntegrator), MethodError> {
         let stop = terms.first_stop(mechanism);
         let stages = StageChoice::of(mechanism, terms.tolerance);
-        let run = terms.run(mechanism, stop, stages)?;
+        let mut run = terms.run(mechanism, stop, stages)?;
         let wanted = wanted(mechanism, &terms, stop);
-        let mut assessed = Assessed {
+        let mut estimate = ErrorEstimate {
             stop,
             stages,
-            run,
             by: By::Nothing,
             forecast: Forecast::new(wanted),
             begun: 1,
@@ -140,16 +136,17 @@ impl<'a> Assessed<'a> {
             given: GivenForces::default(),
             terms,
         };
-        assessed.accompany(mechanism);
-        Ok(assessed)
+        estimate.accompany(mechanism, &mut run);
+        Ok((estimate, run))
     }
 
-    /// Gives a motor a target from now on, which the companion does not have.
-    pub(crate) fn aim(&mut self, motor: usize, value: f64) {
-        self.driven = true;
-        self.by = By::Nothing;
-        self.run.leave_companion();
-        self.run.aim(motor, value);
+    /// Efforts or targets from outside act from now on, which the motion beside the run does not have.
+    pub(crate) fn drive(&mut self, run: &mut RunIntegrator) {
+        if !self.driven {
+            self.driven = true;
+            self.by = By::Nothing;
+            run.leave_companion();
+        }
     }
 
     /// Forbids restarts, whatever the error.
@@ -157,28 +154,28 @@ impl<'a> Assessed<'a> {
         self.may_begin_again = false;
     }
 
-    /// Prepares the next beginning: finer if this island caused the restart, and otherwise as before.
+    /// Prepares the next beginning, and returns its integrator: finer if this island caused the restart, and otherwise as before.
     ///
     /// # Errors
     /// [`MethodError`] for invalid steps.
-    pub fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
+    pub fn begin_again(&mut self, mechanism: &Mechanism, before: &RunIntegrator) -> Result<RunIntegrator, MethodError> {
         self.begun += usize::from(self.next.is_some());
-        self.horizon.begin_again(self.difference().map(|differ| (differ, self.stop)));
+        self.horizon.begin_again(self.difference(before).map(|differ| (differ, self.stop)));
         (self.stop, self.stages) = self.next.take().unwrap_or((self.stop, self.stages));
-        self.run = self.terms.run(mechanism, self.stop, self.stages)?;
+        let mut run = self.terms.run(mechanism, self.stop, self.stages)?;
         self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
         (self.steps, self.looked, self.parted, self.asked) = (0, 0, false, false);
         (self.largest, self.so_far) = (0.0, None);
         self.events.clear();
         self.differ = None;
         self.given = GivenForces::default();
-        self.accompany(mechanism);
-        Ok(())
+        self.accompany(mechanism, &mut run);
+        Ok(run)
     }
 
     /// Starts a carried companion if it can estimate the error; a separate one starts with the first step.
-    fn accompany(&mut self, mechanism: &Mechanism) {
-        let carried = self.terms.estimate && self.run.accompany(mechanism);
+    fn accompany(&mut self, mechanism: &Mechanism, run: &mut RunIntegrator) {
+        let carried = self.terms.estimate && run.accompany(mechanism);
         self.by = if carried { By::Carried } else { By::Nothing };
     }
 
@@ -207,20 +204,10 @@ impl<'a> Assessed<'a> {
         self.so_far
     }
 
-    /// A bound of the overlap of shapes in the steps so far (m).
-    pub(crate) fn overlap(&self) -> f64 {
-        self.run.overlap()
-    }
-
-    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
-    pub(crate) fn holds_all(&self, state: &State) -> bool {
-        self.run.holds_all(state)
-    }
-
     /// The present error (m), or `None` if the run was interrupted before it was known; infinite if it cannot be estimated any more.
-    fn error(&mut self, mechanism: &Mechanism, state: &State) -> Option<f64> {
+    fn error(&mut self, mechanism: &Mechanism, state: &State, run: &RunIntegrator) -> Option<f64> {
         let carried = match self.by {
-            By::Carried => self.run.companion_probes(mechanism, state),
+            By::Carried => run.companion_probes(mechanism, state),
             _ => None,
         };
         if matches!(self.by, By::Carried) && carried.is_none() {
@@ -235,11 +222,11 @@ impl<'a> Assessed<'a> {
                     Err(Behind::Failed) => return Some(f64::INFINITY),
                     Err(Behind::Interrupted) => return None,
                 }
-                let share = beside.share(&self.run, self.stop, self.stages, self.steps);
+                let share = beside.share(run, self.stop, self.stages, self.steps);
                 (probes(mechanism, &beside.state), share)
             }
         };
-        let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
+        let placed = run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
         self.horizon.see(state.time, apart.min(PARTED * self.size));
         // NaN counts as parted.
@@ -247,22 +234,22 @@ impl<'a> Assessed<'a> {
     }
 
     /// Estimates the error, and decides whether the run continues.
-    fn look(&mut self, mechanism: &Mechanism, state: &State) {
+    fn look(&mut self, mechanism: &Mechanism, state: &State, run: &mut RunIntegrator) {
         if self.parted || matches!(self.by, By::Nothing) {
             return;
         }
-        let Some(error) = self.error(mechanism, state) else { return };
+        let Some(error) = self.error(mechanism, state, run) else { return };
         let mut error = error.max(self.largest);
         // Samples inside steps that are too long for a damper may be off where the ends are right.
-        let ringing = self.run.ringing_inside();
+        let ringing = run.figures().ringing;
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
-        let restarts = self.finer_stop(state, error, ringing);
-        if restarts.is_none() && error + self.doubt(state) > wanted {
-            error = self.second_opinion(mechanism, state, error);
+        let restarts = self.finer_stop(state, error, ringing, run);
+        if restarts.is_none() && error + self.doubt(state, run) > wanted {
+            error = self.second_opinion(mechanism, state, error, run);
         }
         // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
         let estimate =
-            error.max(ringing) + self.run.error_of_impacts() + self.doubt(state) + self.given.error(state.time);
+            error.max(ringing) + run.error_of_impacts() + self.doubt(state, run) + self.given.error(state.time);
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
         self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
@@ -273,13 +260,14 @@ impl<'a> Assessed<'a> {
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
         } else if error.is_infinite() {
             self.parted = true;
-            self.differ = self.difference();
+            self.differ = self.difference(run);
             self.by = By::Nothing;
-            self.run.leave_companion();
+            run.leave_companion();
         }
         let finer = self.may_begin_again && self.stop > FINEST;
-        if self.next.is_none() && estimate > wanted && !finer && self.differ.or_else(|| self.difference()).is_some() {
-            self.run.pass_horizon();
+        if self.next.is_none() && estimate > wanted && !finer && self.differ.or_else(|| self.difference(run)).is_some()
+        {
+            run.pass_horizon();
             if let By::Beside(beside) = &mut self.by {
                 beside.run.pass_horizon();
             }
@@ -287,32 +275,32 @@ impl<'a> Assessed<'a> {
     }
 
     /// The stop with which the run restarts, if it is too coarse for its error (m) and for that of ringing (m), and may restart.
-    fn finer_stop(&mut self, state: &State, error: f64, ringing: f64) -> Option<f64> {
+    fn finer_stop(&mut self, state: &State, error: f64, ringing: f64, run: &RunIntegrator) -> Option<f64> {
         if !self.may_begin_again || self.stop <= FINEST {
             return None;
         }
         let predicted = self.forecast.too_coarse(state.time, self.steps, error, ringing)?;
-        self.gains_by_finer_steps(state).then(|| self.forecast.finer(predicted, self.begun > 1))
+        self.gains_by_finer_steps(state, run).then(|| self.forecast.finer(predicted, self.begun > 1))
     }
 
     /// The distance by which the order of blows can have moved bodies or joints up to a state (m or rad): a finer run leaves out less, and shows it.
-    fn doubt(&self, state: &State) -> f64 {
+    fn doubt(&self, state: &State, run: &RunIntegrator) -> f64 {
         match &self.by {
             By::Beside(beside) if beside.is_finer() => 0.0,
-            _ => self.run.doubt_of_blows(state.time),
+            _ => run.doubt_of_blows(state.time),
         }
     }
 
     /// The error of the run (m), whose coarser companion is this far off (m), as a finer one tells it: it stays beside the run if it is nearer, or refutes a
     /// doubt.
-    fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64) -> f64 {
+    fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64, run: &RunIntegrator) -> f64 {
         let (By::Beside(_), Some(origin), false) = (&self.by, &self.origin, self.asked) else { return error };
         self.asked = true;
         let finer = Beside::finer(mechanism, &self.terms, self.stop, self.stages, origin);
         let Some(finer) = finer else { return error };
-        let off = error + self.doubt(state);
+        let off = error + self.doubt(state, run);
         let coarser = std::mem::replace(&mut self.by, By::Beside(Box::new(finer)));
-        match self.error(mechanism, state) {
+        match self.error(mechanism, state, run) {
             Some(told) if told < off => told,
             _ => {
                 self.by = coarser;
@@ -323,20 +311,20 @@ impl<'a> Assessed<'a> {
 
     /// Whether finer steps may carry the run on to a state, as far as is known; it does not restart any more if they do not. Steps over events have the
     /// length that the tolerance gives them, whatever the stop: where they are an eighth of the run so far, a finer stop has nothing to make better.
-    fn gains_by_finer_steps(&mut self, state: &State) -> bool {
-        if self.run.description().first_order_time >= STEPPED_OVER * (state.time - self.terms.start) {
+    fn gains_by_finer_steps(&mut self, state: &State, run: &RunIntegrator) -> bool {
+        if run.description().first_order_time >= STEPPED_OVER * (state.time - self.terms.start) {
             self.may_begin_again = false;
             return false;
         }
-        let Some(differ) = self.difference() else { return true };
+        let Some(differ) = self.difference(run) else { return true };
         self.may_begin_again = self.horizon.is_worth(differ, self.stop, self.terms.end - self.terms.start);
         self.may_begin_again
     }
 
     /// When the run and its separate companion first meet different events (s). A companion that alone steps over events does not say which it met.
-    fn difference(&self) -> Option<f64> {
+    fn difference(&self, run: &RunIntegrator) -> Option<f64> {
         let By::Beside(beside) = &self.by else { return None };
-        if beside.hides_events(&self.run) {
+        if beside.hides_events(run) {
             return None;
         }
         first_difference(&self.events, &beside.events)
@@ -346,7 +334,12 @@ impl<'a> Assessed<'a> {
     ///
     /// # Errors
     /// [`UnknownAccuracy`] if external efforts have acted, and before the first step.
-    pub(crate) fn accuracy(&mut self, mechanism: &Mechanism, state: &State) -> Result<Accuracy, UnknownAccuracy> {
+    pub(crate) fn accuracy(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        run: &mut RunIntegrator,
+    ) -> Result<Accuracy, UnknownAccuracy> {
         if !self.terms.estimate {
             return Err(UnknownAccuracy::NotEstimated);
         }
@@ -358,12 +351,12 @@ impl<'a> Assessed<'a> {
         }
         if self.so_far.is_none_or(|so_far| so_far.time < state.time) {
             self.settle();
-            self.look(mechanism, state);
+            self.look(mechanism, state, run);
         }
         // If the separate run was interrupted before this time, the last estimate is kept.
         let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
         // Different events with negligible effect are not reported.
-        let differ = if holds_until < time { self.differ.or_else(|| self.difference()) } else { None };
+        let differ = if holds_until < time { self.differ.or_else(|| self.difference(run)) } else { None };
         Ok(Accuracy {
             stop: self.stop,
             stages: self.stages,
@@ -373,7 +366,7 @@ impl<'a> Assessed<'a> {
             } else {
                 self.so_far.map_or(0.0, |so_far| so_far.estimate).max(f64::EPSILON * self.size)
             },
-            between_steps: self.run.between(),
+            between_steps: run.figures().between,
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
             told_until: if self.parted { state.time } else { time },
             parted: self.parted,
@@ -382,32 +375,37 @@ impl<'a> Assessed<'a> {
             begun: self.begun,
         })
     }
-}
 
-fn wanted(mechanism: &Mechanism, terms: &Terms, stop: f64) -> Wanted {
-    let grows = mechanism.velocity_count > 1;
-    let events = !mechanism.nonsmooth.is_empty();
-    Wanted { accuracy: terms.tolerance, stop, start: terms.start, end: terms.end, grows, events }
-}
+    /// Whether the steps so far were too coarse: the run restarts.
+    pub(crate) fn begins_again(&self) -> bool {
+        self.next.is_some()
+    }
 
-impl Integrator for Assessed<'_> {
-    fn step(
+    /// Sees events of the run.
+    pub(crate) fn see_events(&mut self, events: &[Event]) {
+        self.events.extend_from_slice(events);
+    }
+
+    /// Makes a step of the run, and estimates the error now and then.
+    ///
+    /// # Errors
+    /// [`StepError`] of a step that cannot be made, where finer steps would not help.
+    pub(crate) fn step(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
         state: &mut State,
         until: f64,
+        run: &mut RunIntegrator,
     ) -> Result<StepOutcome, StepError> {
         if self.steps == 0 {
             self.begin(mechanism, state);
         }
-        if !inputs.is_none() && !self.driven {
-            self.driven = true;
-            self.by = By::Nothing;
-            self.run.leave_companion();
+        if !inputs.is_none() {
+            self.drive(run);
         }
         let from = state.time;
-        let outcome = match self.run.step(mechanism, inputs, state, until) {
+        let outcome = match run.step(mechanism, inputs, state, until) {
             // Steps that fail with a coarse stop may succeed with a finer one.
             Err(_) if self.may_begin_again && self.begun == 1 => {
                 self.next = Some(((self.stop * AFTER_FAILURE).max(FINEST), self.stages));
@@ -421,45 +419,18 @@ impl Integrator for Assessed<'_> {
         }
         let Terms { start, end, .. } = self.terms;
         let early = state.time - start <= EARLY * (end - start);
-        if self.may_begin_again && early && self.run.was_held_by_stability() && self.stages == StageChoice::Few {
+        let is_early = self.may_begin_again && early && self.stages == StageChoice::Few;
+        if is_early && run.figures().held_by_stability {
             self.next = Some((self.stop, StageChoice::Many));
         } else if state.time >= end || (state.time >= self.due && self.steps >= self.looked + STRIDE) {
-            self.look(mechanism, state);
+            self.look(mechanism, state, run);
         }
         Ok(outcome)
     }
+}
 
-    fn begins_again(&self) -> bool {
-        self.next.is_some()
-    }
-
-    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        self.run.dense(mechanism, time, position, velocity);
-    }
-
-    fn bodies(&self) -> Option<&[BodyState]> {
-        self.run.bodies()
-    }
-
-    fn take_abandoned(&mut self) -> Cost {
-        self.run.take_abandoned()
-    }
-
-    fn description(&self) -> MethodDescription {
-        self.run.description()
-    }
-
-    fn take_events(&mut self, events: &mut Vec<Event>) {
-        let before = events.len();
-        self.run.take_events(events);
-        self.events.extend_from_slice(&events[before..]);
-    }
-
-    fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
-        self.run.joint_status(mechanism, state, body)
-    }
-
-    fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
-        self.run.contacts(mechanism, state, out);
-    }
+fn wanted(mechanism: &Mechanism, terms: &Terms, stop: f64) -> Wanted {
+    let grows = mechanism.velocity_count > 1;
+    let events = !mechanism.nonsmooth.is_empty();
+    Wanted { accuracy: terms.tolerance, stop, start: terms.start, end: terms.end, grows, events }
 }
