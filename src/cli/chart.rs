@@ -51,11 +51,11 @@ pub struct ChartArgs {
     velocity: Vec<Assignment>,
 
     /// Simulated time of each scene [s] [default: that of its file, or 2]
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = positive)]
     duration: Option<f64>,
 
     /// CPU time for the measurements of each scene [s], reference not counted [default: 120, with --quick 15]
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
     budget: Option<f64>,
 
     /// Fewer settings and repetitions

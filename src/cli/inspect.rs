@@ -37,7 +37,7 @@ pub struct InspectArgs {
     other: Option<PathBuf>,
 
     /// Show the links and joints at the logged instant nearest to T [s]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::arguments::numbers::finite)]
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = crate::cli::arguments::numbers::finite)]
     at: Option<f64>,
 
     /// Show the events: impacts on limits and of contacts, sticking and slipping, motors at their bounds

@@ -36,7 +36,7 @@ pub struct LinearizeArgs {
     velocity: Vec<Assignment>,
 
     /// Add the matrices of a discrete system with this step [s], inputs being held over a step
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive, requires = "json")]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = positive, requires = "json")]
     discrete: Option<f64>,
 
     /// Print one JSON object, with all matrices, instead of a table

@@ -35,20 +35,20 @@ pub struct SensitivityArgs {
     velocity: Vec<Assignment>,
 
     /// Simulated time [s] [default: that of the scene, or 10]
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = positive)]
     duration: Option<f64>,
 
     /// Wanted accuracy of positions [m]; stages and step are chosen from it [default: 1e-6]
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "E", allow_hyphen_values = true, value_parser = positive)]
     tolerance: Option<f64>,
 
     /// Stages of the scheme, of order 2S-2, with a fixed --step
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = value_parser!(u8).range(2..=16),
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = value_parser!(u8).range(2..=16),
           requires = "step", conflicts_with = "tolerance")]
     stages: Option<u8>,
 
     /// Fixed step [s], with --stages
-    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages")]
+    #[arg(long, value_name = "H", allow_hyphen_values = true, value_parser = positive, requires = "stages")]
     step: Option<f64>,
 
     /// Write the run and its derivatives at all steps as a table of comma-separated values

@@ -60,11 +60,11 @@ pub struct Arguments {
     from: Option<LogInstant>,
 
     /// Simulated time [s] [default: 10]
-    #[arg(long, help_heading = STEPS, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = STEPS, value_name = "S", allow_hyphen_values = true, value_parser = positive)]
     duration: Option<f64>,
 
     /// Wanted accuracy of positions [m]; stages and step are chosen from it [default: 1e-6]
-    #[arg(long, help_heading = STEPS, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = STEPS, value_name = "E", allow_hyphen_values = true, value_parser = positive)]
     tolerance: Option<f64>,
 
     /// Leave out the estimate of the error at the end, which takes about half of the time: each step keeps to its share of the tolerance
@@ -72,12 +72,12 @@ pub struct Arguments {
     no_estimate: bool,
 
     /// Stages of the scheme, of order 2S-2, with a fixed --step
-    #[arg(long, help_heading = STEPS, value_name = "S", allow_negative_numbers = true, value_parser = value_parser!(u8).range(2..=16),
+    #[arg(long, help_heading = STEPS, value_name = "S", allow_hyphen_values = true, value_parser = value_parser!(u8).range(2..=16),
           requires = "step", conflicts_with = "tolerance")]
     stages: Option<u8>,
 
     /// Fixed step [s], with --stages
-    #[arg(long, help_heading = STEPS, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
+    #[arg(long, help_heading = STEPS, value_name = "H", allow_hyphen_values = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
     step: Option<f64>,
 
     /// Vary the step with the pace of the motion, starting from --step, without drift over very long runs; only for trees under gravity
@@ -115,7 +115,7 @@ pub struct Arguments {
     pub mesh_limit: usize,
 
     /// Samples in the log per simulated second [default: 60]
-    #[arg(long, help_heading = LOG, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
+    #[arg(long, help_heading = LOG, value_name = "HZ", allow_hyphen_values = true, value_parser = rate)]
     rate: Option<f64>,
 
     #[command(flatten)]

@@ -24,8 +24,7 @@ use catena_mechanism::ground::guarded::Guarded;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Cost, Integrator, MethodDescription, Rejected, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
-use catena_stepping::integrator::StepPace;
-use catena_stepping::step_maker::{PieceSteps, StepFigures, StepMaker};
+use catena_stepping::step_maker::{PieceSteps, StepFigures, StepMaker, StepPace};
 
 /// Factor on the step that the error estimate asks for.
 const SAFETY: f64 = 0.9;

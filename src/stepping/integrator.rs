@@ -8,7 +8,7 @@ use crate::length::control::Control;
 use crate::length::fixed::FixedSteps;
 use crate::length::reversible::Reversible;
 use crate::length::stepper::Stepper;
-use crate::step_maker::{StepFigures, StepMaker};
+use crate::step_maker::{StepFigures, StepMaker, StepPace};
 use catena_kernels::{precise_step_for, step_for};
 use catena_lobatto::numbers::lanes::Isa;
 use catena_mechanism::description::body_state::BodyState;
@@ -214,23 +214,6 @@ impl Lobatto {
             Mode::Fixed(_) | Mode::Reversible(_) => StepPace::Grid { origin },
         }
     }
-}
-
-/// How steps go on after an event.
-#[derive(Clone, Copy, Debug)]
-pub enum StepPace {
-    /// On a grid that began at this time (s).
-    Grid {
-        /// s.
-        origin: f64,
-    },
-    /// Chosen steps.
-    Step {
-        /// Length (s); zero before the first step.
-        length: f64,
-        /// The largest kinetic energy that was seen (J).
-        kinetic: f64,
-    },
 }
 
 impl Lobatto {

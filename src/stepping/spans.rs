@@ -13,10 +13,10 @@
 //! many stages. After each refusal in a row twice as many of the next spans are made with many stages. The order between events is the order of many
 //! stages, because spans are made with few stages only where both are below the tolerance.
 
-use crate::integrator::{Lobatto, MethodError, StepPace};
+use crate::integrator::{Lobatto, MethodError};
 use crate::length::stage_choice::StageChoice;
 use crate::recipe::{Recipe, Steps};
-use crate::step_maker::{PieceSteps, StepFigures, StepMaker};
+use crate::step_maker::{PieceSteps, StepFigures, StepMaker, StepPace};
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::mechanism::Mechanism;

@@ -8,7 +8,6 @@
 //! An event asks three more things of a step than every run does: to be made again with another length, the mean square of a rate over it (for the heat
 //! of the dampers that motors are), and the pace at which the steps of the next mode go on.
 
-use crate::integrator::StepPace;
 use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::distance::probes;
@@ -43,6 +42,23 @@ impl StepFigures {
     pub fn see_between(&mut self, other: Option<f64>) {
         self.between = self.between.zip(other).map(|(one, other)| one.max(other));
     }
+}
+
+/// How steps go on after an event.
+#[derive(Clone, Copy, Debug)]
+pub enum StepPace {
+    /// On a grid that began at this time (s).
+    Grid {
+        /// s.
+        origin: f64,
+    },
+    /// Chosen steps.
+    Step {
+        /// Length (s); zero before the first step.
+        length: f64,
+        /// The largest kinetic energy that was seen (J).
+        kinetic: f64,
+    },
 }
 
 /// What makes steps.

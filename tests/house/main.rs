@@ -41,7 +41,6 @@ const FLOORS: [(&str, &[&str]); 8] = [
 const CRATES: [&str; 17] = [
     "mechanism",
     "geometry",
-    "reduced",
     "crowd",
     "lobatto",
     "kernels/avx512",
@@ -49,6 +48,7 @@ const CRATES: [&str; 17] = [
     "kernels/portable",
     "kernels",
     "stepping",
+    "reduced",
     "robot",
     "hybrid",
     "drawing",

@@ -136,14 +136,16 @@ fn loops_that_restart_with_a_finer_stop_have_its_stages() {
 /// The leaf springs of the first limit steps with five stages all along; the springs and dampers of the others do not.
 #[test]
 fn loops_whose_steps_stability_limits_are_run_with_nine_stages() {
-    for (name, duration, expected) in [
-        ("cassie_like_leg", 1.0, StageChoice::Many),
-        ("strandbeest_leg", 1.0, StageChoice::Few),
-        ("andrews_squeezer", 0.01, StageChoice::Few),
-        ("stewart_platform", 5.0, StageChoice::Few),
+    const FEW: [StageChoice; 3] = [StageChoice::Few; 3];
+    for (name, duration, all) in [
+        ("cassie_like_leg", 1.0, [StageChoice::Many; 3]),
+        ("strandbeest_leg", 1.0, FEW),
+        ("andrews_squeezer", 0.01, FEW),
+        // Steps of 1e-6 m are so short at first that its springs bound one of them.
+        ("stewart_platform", 5.0, [StageChoice::Few, StageChoice::Few, StageChoice::Many]),
     ] {
         let (mechanism, start) = scene(name);
-        for tolerance in [1e-2, 1e-4, 1e-6] {
+        for (tolerance, expected) in [1e-2, 1e-4, 1e-6].into_iter().zip(all) {
             let found = accuracy_of(&mechanism, &start, duration, tolerance);
             println!("{name}, {tolerance:e}: {:?}, begun {} times", found.stages, found.begun);
             assert_eq!(StageChoice::of(&mechanism, tolerance), StageChoice::Few, "{name}, {tolerance:e}");

@@ -21,7 +21,7 @@ pub struct LogArgs {
     compress: bool,
 
     /// Time in the log at the start of the run: seconds since 1970, or `now`
-    #[arg(long, value_name = "S|now", default_value = "0", allow_negative_numbers = true, value_parser = start_time)]
+    #[arg(long, value_name = "S|now", default_value = "0", allow_hyphen_values = true, value_parser = start_time)]
     start_time: u64,
 }
 

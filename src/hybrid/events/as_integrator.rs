@@ -21,8 +21,7 @@ use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Cost, Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::StepPace;
-use crate::stepping::step_maker::{StepFigures, StepMaker};
+use crate::stepping::step_maker::{StepFigures, StepMaker, StepPace};
 
 /// The longest step (s) while efforts that follow the state hold every joint, so that only time advances.
 const LOOK: f64 = 1e-3;

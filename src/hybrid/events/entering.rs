@@ -24,7 +24,7 @@ use crate::instant::holding::held::Held;
 use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::StepPace;
+use crate::stepping::step_maker::StepPace;
 use std::sync::Arc;
 
 /// Modes whose workspaces are kept.

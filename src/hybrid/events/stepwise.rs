@@ -397,7 +397,7 @@ mod tests {
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::{Body, Mechanism};
     use crate::mechanism::motion::integrator::Integrator;
-    use crate::stepping::integrator::StepPace;
+    use crate::stepping::step_maker::StepPace;
     use crate::stepping::length::stage_choice::StageChoice;
     use crate::stepping::recipe::{Recipe, Steps};
     use nalgebra::Vector3;

@@ -12,9 +12,9 @@
 //! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the
 //! first time, another tree is chosen (`driven_elsewhere`).
 
-use crate::integrator::{Lobatto, MethodError, StepPace};
+use crate::integrator::{Lobatto, MethodError};
 use crate::recipe::Recipe;
-use crate::step_maker::{PieceSteps, StepFigures, StepMaker};
+use crate::step_maker::{PieceSteps, StepFigures, StepMaker, StepPace};
 use crate::trees::driven_elsewhere::Driven;
 use crate::trees::turns::Turns;
 use catena_lobatto::plan::spanning::spanning_tree;

@@ -1,11 +1,17 @@
 //! The first sign change of a watched function within a step, on dense output.
 //!
 //! Samples are at `x_j = j/6`; the samples at 0, 1/3 and 1 come first. A function whose least value there is more than twice its change is not looked
-//! at any further. A sign that changes between two samples is a bracket. Two roots between samples are found by the least value: if the middle one of
-//! three samples is the least, the parabola through them tells whether a minimum may be below zero, and the minimum is looked for. A function that
-//! falls at the start of the step has its minimum looked for before the first sample as well. No minimum is looked for in a function that changes by less
-//! than what counts as zero: one that stays at zero has a least sample everywhere. The start of a step may be a root itself, of an element
-//! that has just changed its state. It counts as positive, and if the first sample is negative, an earlier positive one is looked for.
+//! at any further. A sign that changes between two samples is a bracket. Between two samples that are positive the function may dip below zero. If its
+//! second derivative is at most M there, it is
+//!
+//! ```text
+//!     f(a + u) ≥ f(a) + s u − M u (L − u)/2,     s = (f(b) − f(a))/L,  L = b − a          least at u = L/2 − s/M, if that is inside
+//! ```
+//!
+//! M is taken from second differences of neighbouring samples and from what these differ by. Where the bound is below zero, the interval is halved, and
+//! M is estimated anew. No dip is looked for in a function that bends by less than what counts as zero: one that stays at zero would dip everywhere. The
+//! start of a step may be a root itself, of an element that has just changed its state. It counts as positive, and if the first sample is negative, an
+//! earlier positive one is looked for.
 //!
 //! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
 
@@ -19,8 +25,12 @@ pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
 pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
 /// A function is not looked at any more if its least value there exceeds this many times its change.
 const CALM: f64 = 2.0;
-/// A function that falls at the start is smaller after this part of the first interval.
-const SOON: f64 = 1e-3;
+/// The second derivative between samples over what their differences say, besides what these differ by.
+const SHARPER: f64 = 1.5;
+/// In half an interval it is estimated anew, as no less than this part of the estimate before.
+const FLATTER: f64 = 0.1;
+/// Halvings of an interval in search of a dip.
+const DIP_HALVINGS: u32 = 20;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
@@ -145,61 +155,67 @@ fn bracket(
     value: &mut impl FnMut(f64) -> f64,
 ) -> Option<(f64, f64, bool)> {
     for j in 1..of.len() {
-        if of[j] < 0.0 {
-            if j > 1 || of[0] > noise {
-                return Some((time(j - 1), time(j), false));
-            }
-            return Some(match soon_positive(time(0), time(1), value) {
-                Some((near, high)) => (near, high, false),
-                None => (time(0), time(0), true),
-            });
+        let interval = [(time(j - 1), of[j - 1]), (time(j), of[j])];
+        let below = if of[j] < 0.0 {
+            Some(time(j))
+        } else if j > 1 || noise.is_finite() {
+            dips(interval, bend_before(of, j, time(j) - time(j - 1)), zero, DIP_HALVINGS, value)
+        } else {
+            // One that has just changed its state leaves zero, and is among roundings first.
+            None
+        };
+        let Some(below) = below else { continue };
+        if j > 1 || of[0] > noise {
+            return Some((time(j - 1), below, false));
         }
-        // One that has just changed its state leaves zero, and is among roundings first.
-        if j == 1
-            && noise.is_finite()
-            && let Some(low) = dips_at_start(of, time, zero, value)
-        {
-            if of[0] > noise {
-                return Some((time(0), low, false));
-            }
-            return Some(match soon_positive(time(0), low, value) {
-                Some((near, high)) => (near, high, false),
-                None => (time(0), low, true),
-            });
-        }
-        let Some(&next) = of.get(j + 1) else { continue };
-        let before = of[j - 1];
-        if j + 1 < of.len() && next >= 0.0 && of[j] <= before && of[j] <= next {
-            let (left, right) = (before - of[j], next - of[j]);
-            // The parabola through the three, in units of the interval, is least so far below the middle one.
-            let below = if left + right > 0.0 { (left - right).powi(2) / (8.0 * (left + right)) } else { 0.0 };
-            if left + right > zero
-                && 2.0 * below + 0.1 * (left + right) >= of[j]
-                && let Some(low) = least_below_zero(time(j - 1), time(j + 1), time(j), of[j], value)
-            {
-                return Some((time(j - 1), low, false));
-            }
-        }
+        return Some(match soon_positive(time(0), below, value) {
+            Some((near, high)) => (near, high, false),
+            None if of[j] < 0.0 => (time(0), time(0), true),
+            None => (time(0), below, true),
+        });
     }
     None
 }
 
-/// A point before the first sample at which the function is negative, although it is not at the samples around: it falls from the start on, and the
-/// parabola through the first three samples is least between the first two.
-fn dips_at_start(
-    of: &[f64],
-    time: &impl Fn(usize) -> f64,
+/// A bound of the second derivative between the samples j − 1 and j, which are so far apart (s): from the second differences that contain both, and what
+/// they differ by. At an end of the samples that is what the two nearest differ by.
+fn bend_before(of: &[f64], j: usize, apart: f64) -> f64 {
+    let second = |middle: usize| (of[middle - 1] - 2.0 * of[middle] + of[middle + 1]) / apart.powi(2);
+    let last = of.len() - 2;
+    let (one, other) = if j == 1 { (1, 2) } else if j == of.len() - 1 { (last, last - 1) } else { (j - 1, j) };
+    let (one, other) = (second(one), second(other));
+    SHARPER * one.max(other).max(0.0) + (one - other).abs()
+}
+
+/// A point in an interval (times in s, values) at whose ends a function is not negative, and where it is, if its second derivative is at most `bend` there.
+fn dips(
+    [(start, first), (end, last)]: [(f64, f64); 2],
+    bend: f64,
     zero: f64,
+    halvings: u32,
     value: &mut impl FnMut(f64) -> f64,
 ) -> Option<f64> {
-    let (&[first, second, third], length) = (of.first_chunk()?, time(1) - time(0));
-    let (slope, bend) = (2.0 * second - 1.5 * first - 0.5 * third, first - 2.0 * second + third);
-    if !(slope < 0.0 && -slope < bend && bend > zero) || value(time(0) + SOON * length) >= first {
+    let length = end - start;
+    // Infinite values are those of functions that are not looked at.
+    if halvings == 0 || !(bend * length.powi(2) > zero && bend.is_finite()) {
         return None;
     }
-    let middle = time(0) - length * slope / bend;
-    let least = value(middle);
-    if least < 0.0 { Some(middle) } else { least_below_zero(time(0), time(1), middle, least, value) }
+    let slope = (last - first) / length;
+    let least = 0.5 * length - slope / bend;
+    if !(least > 0.0 && least < length && first + slope * least < 0.5 * bend * least * (length - least)) {
+        return None;
+    }
+    let middle = start + 0.5 * length;
+    if !(middle > start && middle < end) {
+        return None;
+    }
+    let found = value(middle);
+    if found < 0.0 {
+        return Some(middle);
+    }
+    let bend = SHARPER * (4.0 * (first - 2.0 * found + last) / length.powi(2)).max(FLATTER * bend);
+    dips([(start, first), (middle, found)], bend, zero, halvings - 1, value)
+        .or_else(|| dips([(middle, found), (end, last)], bend, zero, halvings - 1, value))
 }
 
 /// An interval soon after the start in which a function that is negative at the end changes its sign: the longest halved interval at whose end it is
@@ -318,6 +334,27 @@ mod tests {
                 let root = at - (depth / 5.0).sqrt();
                 let found = first(function).unwrap_or_else(|| panic!("missed {at}, {depth}"));
                 assert!((found.root - root).abs() < 1e-7, "{} for {root}", found.root);
+            }
+        }
+    }
+
+    #[test]
+    fn dips_of_waves_are_found_wherever_they_are_between_samples_and_at_the_ends_of_the_step() {
+        // A quarter of a wave to more than a half over the step, whose trough is below zero for a part of 1e-3 to 0.1 of it.
+        for turns in [0.25, 0.4, 0.6] {
+            for place in 0..60 {
+                for depth in [1e-6, 1e-4, 1e-2] {
+                    let at = f64::from(place) / 60.0 + 1e-3;
+                    let angular = std::f64::consts::TAU * turns;
+                    let function = |time: f64| 1.0 - depth - (angular * (time - at)).cos();
+                    let half = (1.0_f64 - depth).acos() / angular;
+                    if at - half <= 0.0 {
+                        continue;
+                    }
+                    let found = first(function).unwrap_or_else(|| panic!("missed {turns}, {at}, {depth}"));
+                    // The bracket to 1e-10 of the step, and roundings of the cosine over its slope.
+                    assert!((found.root - (at - half)).abs() < 1e-9, "{} for {}", found.root, at - half);
+                }
             }
         }
     }

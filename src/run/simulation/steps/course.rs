@@ -14,7 +14,7 @@ use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks_at_contacts, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
 use crate::simulation::steps::undefined::{beyond, undefined};
-use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use crate::simulation::tolerance::accuracy_so_far::{AccuracySoFar, Tells};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -27,26 +27,6 @@ pub struct RunOptions<'o> {
     /// A flag that ends the run after the current step when it is set.
     pub interrupt: Option<&'o AtomicBool>,
 }
-
-/// An integrator that may tell its accuracy during a run.
-pub(crate) trait Tells {
-    /// The accuracy so far, if it is known.
-    fn so_far(&self) -> Option<AccuracySoFar> {
-        None
-    }
-
-    /// A bound of the overlap of shapes in the steps so far (m), where it is known.
-    fn overlap(&self) -> f64 {
-        0.0
-    }
-
-    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
-    fn holds_all(&self, _state: &State) -> bool {
-        false
-    }
-}
-
-impl Tells for dyn Integrator + '_ {}
 
 /// How a run ended.
 #[derive(Debug, thiserror::Error)]

@@ -35,6 +35,26 @@ impl AccuracySoFar {
     }
 }
 
+/// An integrator that may tell its accuracy during a run.
+pub(crate) trait Tells {
+    /// The accuracy so far, if it is known.
+    fn so_far(&self) -> Option<AccuracySoFar> {
+        None
+    }
+
+    /// A bound of the overlap of shapes in the steps so far (m), where it is known.
+    fn overlap(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether forces inside their cones are known to hold all closed contacts in the state at the end of the last step.
+    fn holds_all(&self, _state: &State) -> bool {
+        false
+    }
+}
+
+impl Tells for dyn Integrator + '_ {}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,8 +13,10 @@
 //! is the error itself ([`Beside::share_of_first_order`]). Motions further apart than a hundredth of the mechanism's size have parted
 //! and give no estimate.
 //!
-//! A coarser companion may be far off where the run is not: it may miss an event, or step over it. So a finer one, once, is asked before a run is said to
-//! be off ([`Beside::finer`]), and stays beside it where it is nearer.
+//! A companion may be far off where the run is not. What the iterations leave of a carried one is a part of the distance of the two, so that a distance
+//! that should grow in proportion to time grows by some percent a step. A coarser run may miss an event, or step over it. So another one is asked, once,
+//! before a run is said to be off: a separate run instead of a carried companion, a finer one instead of a coarser one ([`Beside::finer`]). It stays
+//! beside the run where it is nearer.
 //!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
 //! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]).
@@ -89,7 +91,7 @@ pub struct ErrorEstimate<'a> {
     /// The last estimate.
     so_far: Option<AccuracySoFar>,
     parted: bool,
-    /// Whether a finer run was asked for, because the coarser one was far off.
+    /// Whether the last opinion was asked for.
     asked: bool,
     /// The events so far, and the time from which the separate run has met different ones (s), if any.
     events: Vec<Event>,
@@ -291,19 +293,27 @@ impl<'a> ErrorEstimate<'a> {
         }
     }
 
-    /// The error of the run (m), whose coarser companion is this far off (m), as a finer one tells it: it stays beside the run if it is nearer, or refutes a
-    /// doubt.
-    fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64, run: &RunIntegrator) -> f64 {
-        let (By::Beside(_), Some(origin), false) = (&self.by, &self.origin, self.asked) else { return error };
-        self.asked = true;
-        let finer = Beside::finer(mechanism, &self.terms, self.stop, self.stages, origin);
-        let Some(finer) = finer else { return error };
+    /// The error of the run (m), from which the motion beside it is this far off (m), as another one tells it: a separate run instead of a carried
+    /// companion, a finer one instead of a coarser one. It stays beside the run if it is nearer, or refutes a doubt.
+    fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64, run: &mut RunIntegrator) -> f64 {
+        let (Some(origin), false) = (&self.origin, self.asked) else { return error };
+        let carried = matches!(self.by, By::Carried);
+        let ask = if carried { Beside::coarser } else { Beside::finer };
+        let other = ask(mechanism, &self.terms, self.stop, self.stages, origin);
+        let (Some(other), false) = (other, matches!(self.by, By::Nothing)) else { return error };
         let off = error + self.doubt(state, run);
-        let coarser = std::mem::replace(&mut self.by, By::Beside(Box::new(finer)));
+        let before = std::mem::replace(&mut self.by, By::Beside(Box::new(other)));
         match self.error(mechanism, state, run) {
-            Some(told) if told < off => told,
+            Some(told) if told < off => {
+                self.asked = !carried;
+                if carried {
+                    run.leave_companion();
+                }
+                told
+            }
             _ => {
-                self.by = coarser;
+                self.asked = true;
+                self.by = before;
                 error
             }
         }
