@@ -97,11 +97,11 @@ fn loads_over_time_and_drag_act_in_a_loop_as_in_the_tree_that_moves_alike() {
     let loads = "[[load]]\njoint = \"a\"\neffort = 2\nfactor = [[0.2, 0], [0.5, 3], [0.9, -1]]\ninterpolation = \"linear\"\nuntil = 1.2\n\
                  [[load]]\nlink = \"coupler\"\nposition = [0.2, 0, 0.1]\nforce = [3, 0, 1]\nwave = { amplitude = 1, frequency = 9 }\n\
                  [[load]]\nlink = \"arm\"\nforce = [1, 0, 2]\nframe = \"link\"\nfactor = { formula = \"a*exp(-t/c)\", a = 2, c = 0.4 }\n";
-    let [looped, tree] = both("loads", 0.7, 0.7, loads);
+    let [looped, tree] = both("loads", 0.7, loads);
     near("work", (looped.energy.work, tree.energy.work));
     assert!(looped.energy.work.abs() > 0.1, "the loads work: {} J", looped.energy.work);
     let drag = "[[drag]]\nlink = \"coupler\"\nposition = [0.1, 0, 0]\nlinear = 0.8\nquadratic = 0.5\n[[drag]]\nlink = \"arm\"\nangular = 0.02\n";
-    let [looped, tree] = both("drag", 0.7, 0.7, drag);
+    let [looped, tree] = both("drag", 0.7, drag);
     near("heat", (looped.energy.dissipated, tree.energy.dissipated));
     assert!(looped.energy.dissipated > 0.5, "drag brakes: {} J", looped.energy.dissipated);
 }
@@ -110,18 +110,18 @@ fn loads_over_time_and_drag_act_in_a_loop_as_in_the_tree_that_moves_alike() {
 fn a_rope_on_a_loop_and_a_winch_pull_as_on_the_tree_that_moves_alike() {
     let rope = "[[rope]]\nname = \"rope\"\npoints = [{ link = \"world\", position = [-0.5, 0, 0.1] }, { link = \"coupler\", position = [0.2, 0, 0] }]\n\
                 length = 0.9\nrestitution = 0.4\n";
-    let [looped, tree] = both("rope", 0.7, 0.7, rope);
+    let [looped, tree] = both("rope", 0.7, rope);
     near("blows", (looped.energy.impacts, tree.energy.impacts));
     assert!(looped.energy.impacts > 0.01, "it goes taut: {} J", looped.energy.impacts);
     let winch = "[[rope]]\nname = \"winch\"\npoints = [{ link = \"world\", position = [0.5, 0, 0.3] }, { link = \"coupler\", position = [0.2, 0, 0] }]\n\
                  length = { formula = \"l - v*t\", l = 0.95, v = 0.1 }\nlongest = 2\n";
-    let [looped, tree] = both("winch", 0.7, 0.7, winch);
+    let [looped, tree] = both("winch", 0.7, winch);
     near("blows of the winch", (looped.energy.impacts, tree.energy.impacts));
 }
 
 #[test]
 fn a_relation_of_two_joints_in_a_loop_and_a_rotor_are_those_of_the_tree_that_moves_alike() {
-    both("coupling", 0.7, 0.7, "[[coupling]]\nname = \"gear\"\njoints = { a = 2.0, arm = -1.0 }\noffset = 1.1\n");
+    both("coupling", 0.7, "[[coupling]]\nname = \"gear\"\njoints = { a = 2.0, arm = -1.0 }\noffset = 1.1\n");
     both(
         "rotor",
         0.7,
