@@ -159,7 +159,7 @@ fn derivatives_refuse_what_they_do_not_know_in_one_line() {
     ] {
         let model = Model::load(parallelogram(&format!("underivable_{name}"), false, more)).expect("a model");
         let keys = ["link.arm.mass"];
-        let error = Simulation::new(&model).duration(0.1).sensitivity(&keys).err().expect(name).to_string();
+        let error = Simulation::new(&model).duration(0.1).sensitivity(&keys).expect_err(name).to_string();
         assert!(error.contains(said) && error.lines().count() == 1, "{name}: {error}");
     }
 }
