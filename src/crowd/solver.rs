@@ -1,25 +1,27 @@
-//! The solver of an island: Newton's method, then interior points from several depths in the cones, then convex problems; each finished by Newton's
-//! method.
+//! The solver of an island: Newton's method, then proximal points, then interior points from several depths in the cones, then convex problems; the last two
+//! finished by Newton's method.
 //!
 //! Blocks that exert no impulse and do not close are left out, until the others make them close.
 
+use crate::centred::proximal_points;
 use crate::convex::rounds;
 use crate::interior::interior;
 use crate::newton::{Workspace, newton};
 use crate::problem::{Block, Problem};
 use nalgebra::Vector3;
 
-/// The residual at which an island counts as solved, and the one at which no more than one interior point is tried.
+/// The residual at which an island counts as solved, and the one at which no interior points are tried.
 pub const TOLERANCE: f64 = 5e-9;
-const ENOUGH: f64 = 1e-4;
+const ENOUGH: f64 = 1e-6;
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
 /// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
 const NEARLY: f64 = 1e-5;
 /// Blocks are added this often at most.
 const WIDENED: usize = 10;
-/// The most iterations of Newton's method, and of those that finish another one.
+/// The most iterations of Newton's method, of the same after blocks were added to a solution that had stalled, and of those that finish another one.
 const NEWTON: f64 = 80.0;
+const AGAIN: f64 = 20.0;
 const FINISH: f64 = 40.0;
 /// How far inside the cones interior points start, in units of the largest bias. Each is one more chance.
 const DEPTHS: [f64; 3] = [10.0, 1e3, 0.1];
@@ -41,12 +43,14 @@ pub fn solve(
             impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
         })
         .collect();
-    let (mut residual, mut within) = (0.0, tolerance.max(COARSE));
+    let (mut residual, mut within, mut stalled) = (0.0, tolerance.max(COARSE), false);
     for _ in 0..WIDENED {
         problem.blocks.clear();
         problem.blocks.extend(part.iter().map(|&number| all[number]));
         let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
-        residual = newton(problem, &mut own, v, [within, NEWTON], room);
+        let most = if stalled { AGAIN } else { NEWTON };
+        residual = newton(problem, &mut own, v, [within, most], room);
+        stalled = residual > within;
         let mut more = called(problem, &all, &part, v);
         if hard && more.is_empty() && within <= tolerance && residual > tolerance && !own.is_empty() {
             residual = harder(problem, &mut own, residual, v, tolerance, room);
@@ -82,9 +86,10 @@ fn harder(
     tolerance: f64,
     room: &mut Workspace,
 ) -> f64 {
+    residual = proximal_points(problem, impulses, residual, v, tolerance, room);
     let (enough, mut best) = (ENOUGH.max(tolerance), impulses.to_vec());
-    for (number, depth) in DEPTHS.into_iter().enumerate() {
-        if number > 0 && residual <= enough {
+    for depth in DEPTHS {
+        if residual <= enough {
             break;
         }
         let mut near = impulses.to_vec();

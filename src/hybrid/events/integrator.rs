@@ -92,6 +92,7 @@ impl Eventful {
             motors: vec![MotorMode::Unbounded; elements.motors.len()],
             contacts: Vec::new(),
             idle: Vec::new(),
+            unpressed: Vec::new(),
         };
         let state = State::zero(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());

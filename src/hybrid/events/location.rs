@@ -109,6 +109,7 @@ impl Eventful {
                 Watched::Margin => self.trial.fresh_joints.contains(&true) || self.trial.fresh_pairs.any(),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.trial.fresh_motors[motor],
                 Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.trial.fresh_pairs.holds(pair),
+                Watched::Returns(unpressed) => self.trial.fresh_pairs.holds(self.mode.unpressed[unpressed].pair),
                 Watched::Presses(contact)
                 | Watched::Grips(contact)
                 | Watched::Slips(contact)

@@ -82,6 +82,7 @@ impl Contacts {
         // Nothing happens in the others, which have no contacts.
         let mut asked: BTreeSet<usize> = before.contacts.iter().map(|closed| closed.contact.pair).collect();
         asked.extend(&before.idle);
+        asked.extend(before.unpressed.iter().map(|contact| contact.pair));
         asked.extend(found.triggers.iter().filter_map(|trigger| match trigger {
             Watched::Approach(pair) => Some(*pair),
             _ => None,
@@ -95,6 +96,7 @@ impl Contacts {
             let happens = |trigger: &Watched| match *trigger {
                 Watched::Approach(of) => of == pair,
                 Watched::Feature(contact) => before.contacts[contact].contact.pair == pair,
+                Watched::Returns(unpressed) => before.unpressed[unpressed].pair == pair,
                 // A flat end is looked at without the points that its load has needed before.
                 Watched::Margin => closed().any(|(_, closed)| closed.contact.flat_end().is_some()),
                 _ => false,

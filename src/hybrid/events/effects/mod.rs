@@ -18,3 +18,4 @@ mod seizing;
 pub(crate) mod shared_pressures;
 pub(crate) mod transition;
 mod turnings;
+pub(crate) mod unpressed;

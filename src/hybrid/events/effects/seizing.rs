@@ -131,7 +131,13 @@ mod tests {
                 response: &mut response,
                 solvers: &mut solvers,
             };
-            let before = Mode { joints: Vec::new(), motors: Vec::new(), contacts: Vec::new(), idle: Vec::new() };
+            let before = Mode {
+                joints: Vec::new(),
+                motors: Vec::new(),
+                contacts: Vec::new(),
+                idle: Vec::new(),
+                unpressed: Vec::new(),
+            };
             let found = Found { triggers: &[Watched::Approach(0)], height: 0.0, anew: true, brief: false };
             let mut contacts = Contacts::gather(&scene, &before, &state, &found, 2.0);
             contacts.come_to_rest(&mut scene, &mut state, &Yielding::default());

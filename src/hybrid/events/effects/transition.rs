@@ -22,6 +22,7 @@ use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, 
 use crate::events::effects::omitted_flights::speed_in_doubt;
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::effects::seizing::Seized;
+use crate::events::effects::unpressed::unpressed;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
@@ -134,6 +135,9 @@ pub(crate) fn transit(
     let mut unsolved = true;
     for _ in 0..CALMING {
         done.lost += contacts.come_to_rest(scene, state, &yielding);
+        if contacts.join_touching(scene, state) {
+            done.lost += contacts.come_to_rest(scene, state, &yielding);
+        }
         let known = efforts(mode, state);
         let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
         for round in 0..COMPLETING {
@@ -171,6 +175,7 @@ pub(crate) fn transit(
         mode.contacts = contacts.keep_closed();
     }
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
+    mode.unpressed = unpressed(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
     done.meetings = meetings;
@@ -312,6 +317,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             // The modes of contacts are found again, from the places of the bodies.
             Watched::Approach(_)
             | Watched::Presses(_)
+            | Watched::Returns(_)
             | Watched::Grips(_)
             | Watched::Slips(_)
             | Watched::SlipsTogether(_)

@@ -56,6 +56,7 @@ mod tests {
             motors: Vec::new(),
             contacts: Vec::new(),
             idle: Vec::new(),
+            unpressed: Vec::new(),
         };
         let state =
             |time, velocity| State { time, position: vec![0.5], velocity: vec![velocity], compensation: vec![0.0] };

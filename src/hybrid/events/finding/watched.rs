@@ -10,6 +10,7 @@
 //! | what a motor at its bound has too much | `± u − bound` | it comes back |
 //! | distance of a pair; where it is closed, least gap of its other features | φ | impact |
 //! | pressure of a closed contact | `λ_N` | it parts |
+//! | what keeps a contact from pressing again that the closed ones keep at its place | `−λ'` | it presses |
 //! | what a contact that sticks can still bear | `μ λ_N − |λ_T|` | it slides |
 //! | slip of a contact along its direction where the step starts | `u_T · t₀` | friction decides anew |
 //! | what rolling or spinning friction that holds can still bear | `(ρ λ_N − |τ|)/L`, L the arm of the pair | it turns |
@@ -51,6 +52,8 @@ pub enum Watched {
     Approach(usize),
     /// The pressure of a closed contact.
     Presses(usize),
+    /// What keeps a contact without pressure from pressing again, by its number among these in the mode.
+    Returns(usize),
     /// Remaining friction of a contact that sticks.
     Grips(usize),
     /// The slip of a closed contact that slides.
@@ -132,6 +135,7 @@ impl Watched {
                 }
             }
         }
+        all.extend((0..mode.unpressed.len()).map(Watched::Returns));
         // The slips of one pair stop together, up to the unknown part of their forces; one of them stops alone if the bodies turn about it.
         let slides = |pair: &usize| touching.pairs[*pair].friction > 0.0 && slide(*pair) > 0;
         if !unique {
@@ -231,6 +235,7 @@ impl Watched {
                 touching.beside(&closed, within, bodies) + of.within(COPLANAR)
             }
             Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_pressures(),
+            Watched::Returns(index) => -holding.of_unpressed(index),
             Watched::Grips(index) => {
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
                 holding.rounding_of_contacts() - outside_cone(friction, holding.of_contact(index))
@@ -278,7 +283,7 @@ impl Watched {
             Watched::Motor(index, _) | Watched::Excess(index) => elements.motors[index].max_effort.max(1e-3),
             Watched::Approach(pair) => size(pair),
             Watched::Feature(contact) => size(mode.contacts[contact].contact.pair),
-            Watched::Presses(_) | Watched::Grips(_) | Watched::Resists(..) => 1.0,
+            Watched::Presses(_) | Watched::Returns(_) | Watched::Grips(_) | Watched::Resists(..) => 1.0,
             Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Turns(..) => 1.0,
         }
     }
@@ -296,7 +301,7 @@ impl Watched {
     pub(crate) fn rounding(self, holding: &Holding) -> f64 {
         match self {
             Watched::Bears(index, _) => holding.rounding(index),
-            Watched::Presses(_) => holding.rounding_of_pressures(),
+            Watched::Presses(_) | Watched::Returns(_) => holding.rounding_of_pressures(),
             Watched::Grips(_) | Watched::Resists(..) => holding.rounding_of_contacts(),
             _ => 0.0,
         }
@@ -309,7 +314,10 @@ impl Watched {
 
     /// Whether it is what one held joint or contact can still bear.
     pub fn is_force(self) -> bool {
-        matches!(self, Watched::Bears(..) | Watched::Presses(_) | Watched::Grips(_) | Watched::Resists(..))
+        matches!(
+            self,
+            Watched::Bears(..) | Watched::Presses(_) | Watched::Returns(_) | Watched::Grips(_) | Watched::Resists(..)
+        )
     }
 
     /// Whether it is a slip or a turning that friction brakes at a contact.

@@ -12,6 +12,7 @@
 
 use crate::events::forces::closed_forces::{ClosedForces, Closing, Load, are_unique, closed_forces};
 use crate::events::forces::foreseen::Foreseen;
+use crate::events::forces::returning::shares;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
@@ -21,9 +22,10 @@ use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::mechanism::ground::shared::Shared;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, reactions_under};
+use nalgebra::DVector;
 use std::sync::Arc;
 
 /// Roundings of an effort, relative to the terms that cancel in it.
@@ -55,6 +57,8 @@ pub(crate) struct Holding {
     moments: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     weights: Vec<f64>,
+    /// λ' of the contacts without pressure that the closed ones keep at their places (N).
+    returning: Vec<f64>,
     /// m, and whether it belongs to the state and efforts of the forces.
     margin: f64,
     margin_known: bool,
@@ -171,6 +175,7 @@ impl Holding {
             contact_size: 0.0,
             moments: vec![[0.0; 3]; mode.contacts.len()],
             weights: Vec::new(),
+            returning: vec![f64::NEG_INFINITY; mode.unpressed.len()],
             margin,
             margin_known: false,
             known: None,
@@ -209,6 +214,11 @@ impl Holding {
     /// Moments of a closed contact: of rolling friction about both tangents, and of spinning friction [N m].
     pub fn moments_of(&self, contact: usize) -> [f64; 3] {
         self.moments[contact]
+    }
+
+    /// The pressure that a contact without pressure would have by the law of equal springs, beyond the roundings of pressures (N).
+    pub fn of_unpressed(&self, unpressed: usize) -> f64 {
+        self.returning[unpressed] - SHARED_ROUNDING * self.contact_size
     }
 
     /// Whether a contact carries only roundings of its weights.
@@ -256,7 +266,7 @@ impl Holding {
             none => *none = Some((state.clone(), efforts.to_vec())),
         }
         self.margin_known = false;
-        let Present { whole, elements, moving, .. } = *at;
+        let Present { whole, elements, moving, mode, .. } = *at;
         let Holding { joints, efforts: found, sizes, how, .. } = self;
         match how {
             How::Nothing => {}
@@ -288,6 +298,17 @@ impl Holding {
                 }
                 (self.contacts, self.weights, self.contact_size) = (contacts, weights, size);
                 self.moments = moments;
+                if !mode.unpressed.is_empty() {
+                    let bodies = body_states(whole, state);
+                    let closed = mode.contacts.iter().map(|closed| &closed.contact.joint);
+                    let open = mode.unpressed.iter().map(|contact| &contact.joint);
+                    let shares = shares(whole, response, state, &bodies, closed, open);
+                    let pressures = self.contacts.iter().map(|[pressure, ..]| *pressure);
+                    let pressed = |share: &DVector<f64>| share.iter().zip(pressures.clone()).map(|(c, p)| c * p).sum();
+                    let each = shares.iter().map(|share| share.as_ref().map_or(f64::NEG_INFINITY, pressed));
+                    self.returning.clear();
+                    self.returning.extend(each);
+                }
                 *last = Some(Box::new(load));
             }
         }

@@ -4,3 +4,4 @@ pub(crate) mod closed_forces;
 pub(crate) mod foreseen;
 pub(crate) mod holding;
 pub(crate) mod reporting;
+pub(crate) mod returning;

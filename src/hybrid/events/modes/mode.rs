@@ -72,6 +72,9 @@ pub struct Mode {
     pub contacts: Vec<Closed>,
     /// Pairs that touch without pressing, because others keep their gaps at zero ([`crate::events::effects::immobile`]).
     pub idle: Vec<usize>,
+    /// Contacts without pressure whose gaps the closed ones keep at zero, while friction follows the pressures of these
+    /// ([`crate::events::forces::returning`]).
+    pub unpressed: Vec<Contact>,
 }
 
 impl Mode {
@@ -148,11 +151,12 @@ impl Mode {
 impl Mode {
     /// Takes the modes of another. Allocates only for more contacts.
     pub fn copy_from(&mut self, other: &Mode) {
-        let Mode { joints, motors, contacts, idle } = other;
+        let Mode { joints, motors, contacts, idle, unpressed } = other;
         self.joints.clone_from(joints);
         self.motors.clone_from(motors);
         self.contacts.clone_from(contacts);
         self.idle.clone_from(idle);
+        self.unpressed.clone_from(unpressed);
     }
 
     /// Whether another differs in the directions of slips at most.

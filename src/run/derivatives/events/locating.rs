@@ -282,6 +282,7 @@ impl Walk<'_> {
             Watched::Approach(pair) => self.names("meets", contact.map_or(pair, |contact| contact.pair)),
             Watched::SlipsTogether(pair) => self.names("stops on", pair),
             Watched::Presses(index) => self.names("parts from", pair_of(index)),
+            Watched::Returns(index) => self.names("presses again on", mode.unpressed[index].pair),
             Watched::Grips(index) => self.names("begins to slide on", pair_of(index)),
             Watched::Slips(index) => self.names("stops on", pair_of(index)),
             Watched::Resists(index, _) => self.names("begins to roll or spin on", pair_of(index)),

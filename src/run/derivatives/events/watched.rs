@@ -70,7 +70,9 @@ impl Sight<'_> {
             Watched::Grips(contact) => self.grip(contact)?,
             Watched::Slips(contact) => self.slip_along(contact)?,
             Watched::SlipsTogether(pair) => self.slip_of_pair(pair)?,
-            Watched::Margin | Watched::Resists(..) | Watched::Turns(..) | Watched::Feature(_) => return None,
+            Watched::Margin | Watched::Returns(_) | Watched::Resists(..) | Watched::Turns(..) | Watched::Feature(_) => {
+                return None;
+            }
         })
     }
 

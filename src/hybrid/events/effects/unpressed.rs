@@ -1,0 +1,70 @@
+//! Contacts of an event that touch only once others have come to rest, and contacts that touch without pressure between closed ones.
+//!
+//! ```text
+//!     joins:      φ ≤ 1e-11 of its size and γ ≤ rest, after the gaps and rates of the other contacts have become zero
+//!     unpressed:  a candidate that is open, its gap implied by closed contacts, while friction follows their pressures
+//! ```
+//!
+//! A box whose corners clatter lands on three of them within one instant. The fourth is then at zero by the places of the others, although it was
+//! further away when contacts were looked for. It bears its share of the load as the others do.
+
+use crate::events::effects::contacts::Contacts;
+use crate::events::effects::decision::{Candidate, Scene};
+use crate::events::forces::returning::shares;
+use crate::events::modes::mode::{Closed, Mode};
+use crate::instant::holding::touching::{Contact, TOUCHED};
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use std::collections::BTreeSet;
+
+impl Contacts {
+    /// Adds contacts of pairs at rest that touch now and do not move; false if there are none. Flat ends choose their points in other ways.
+    pub fn join_touching(&mut self, scene: &Scene, state: &State) -> bool {
+        let flat: BTreeSet<usize> =
+            self.all.iter().filter(|contact| contact.flat_end().is_some()).map(|contact| contact.pair).collect();
+        let pairs = self.candidates.iter().map(|candidate| candidate.contact.pair);
+        let pairs: BTreeSet<usize> = pairs.filter(|pair| !flat.contains(pair)).collect();
+        let bodies = body_states(scene.whole, state);
+        let before = self.all.len();
+        for pair in pairs {
+            let of = &scene.touching.pairs[pair];
+            if of.has_one_place() {
+                continue;
+            }
+            for (contact, _) in scene.touching.near(pair, &bodies, of.within(TOUCHED)) {
+                let known = |other: &Contact| other.pair == pair && other.features == contact.features;
+                let rate = touch_motion(&contact.joint, &bodies).rate;
+                if contact.flat_end().is_none() && rate.abs() <= self.rest && !self.all.iter().any(known) {
+                    self.known.push(None);
+                    self.all.push(contact);
+                }
+            }
+        }
+        self.all.len() > before
+    }
+}
+
+/// The candidates that are open in a mode although closed contacts keep their gaps at zero, if friction slides and so follows the pressures.
+pub(crate) fn unpressed(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[Candidate]) -> Vec<Contact> {
+    let Scene { whole, touching, response, .. } = scene;
+    let rubs = |pair: usize| touching.pairs[pair].friction > 0.0;
+    let slides = |closed: &Closed| closed.slides.is_some() && rubs(closed.contact.pair);
+    let closed = |contact: &Contact| mode.contacts.iter().any(|closed| closed.contact == *contact);
+    let open = candidates.iter().map(|candidate| &candidate.contact).filter(|contact| {
+        let beside = |closed: &Closed| slides(closed) && closed.contact.joint.shares_a_body(&contact.joint);
+        rubs(contact.pair)
+            && contact.flat_end().is_none()
+            && !contact.joint.is_reeved()
+            && !closed(contact)
+            && mode.contacts.iter().any(beside)
+    });
+    let open: Vec<&Contact> = open.collect();
+    if open.is_empty() {
+        return Vec::new();
+    }
+    let bodies = body_states(whole, state);
+    let held = mode.contacts.iter().map(|closed| &closed.contact.joint);
+    let shares = shares(whole, response, state, &bodies, held, open.iter().map(|contact| &contact.joint));
+    open.into_iter().zip(shares).filter(|(_, share)| share.is_some()).map(|(contact, _)| contact.clone()).collect()
+}
