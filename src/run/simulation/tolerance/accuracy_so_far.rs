@@ -1,5 +1,8 @@
 //! The accuracy of a run up to the present step.
 
+use crate::mechanism::motion::integrator::Integrator;
+use crate::mechanism::motion::state::State;
+
 /// The accuracy of a run up to an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AccuracySoFar {
