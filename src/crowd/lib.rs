@@ -3,11 +3,12 @@
 //! - [`trees`]: mass matrices in joint rates;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
 //! - [`laws`], [`problem`]: the equations;
-//! - `elimination`, `block_factors`, [`newton`], `interior` (with [`jordan`]), `convex`, [`solver`]: the solvers and their order, and `stall`, which ends them.
+//! - `elimination`, `block_factors`, [`newton`], `centred`, `interior` (with [`jordan`]), `convex`, [`solver`]: the solvers and their order, and `stall`, which ends them.
 
 #![deny(unsafe_code)]
 
 mod block_factors;
+mod centred;
 mod convex;
 mod elimination;
 mod interior;

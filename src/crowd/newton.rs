@@ -10,13 +10,15 @@
 //! turn. Because `M̃ dv = Σ H_kᵀ dr_k`, rates and impulses change by the same part of it. If five halvings do not help, ε is ten times as large, up to five
 //! times, because redundant contacts pull against each other; then the full step is taken once. The best impulses of all iterations are the answer.
 //!
+//! A centred problem (`centred.rs`) has u' in the place of u, an ε of its own, and a ρ that is larger by a factor.
+//!
 //! Source: P. Alart, A. Curnier (1991), as in `laws.rs`; A. M. Castro, F. N. Permenter, X. Han, An unconstrained convex formulation of compliant
 //! contact, IEEE Transactions on Robotics 39 (2023) for the sparsity; L. Grippo, F. Lampariello, S. Lucidi, A nonmonotone line search technique for
 //! Newton's method, SIAM Journal on Numerical Analysis 23 (1986).
 
 use crate::block_factors::Factors;
 use crate::laws::Response;
-use crate::problem::Problem;
+use crate::problem::{Merit, Problem};
 use crate::stall::Stall;
 use nalgebra::Vector3;
 
@@ -35,6 +37,14 @@ const FIRM: usize = 5;
 const UNSUCCESSFUL: usize = 1;
 const GROWS: f64 = 100.0;
 
+/// A problem that is centred: ε, f and r₀.
+#[derive(Clone)]
+pub(crate) struct Centre {
+    pub proximal: f64,
+    pub stiffer: f64,
+    pub impulses: Vec<Vector3<f64>>,
+}
+
 /// Room for the iterations of any island, and their count.
 #[derive(Clone, Default)]
 pub struct Workspace {
@@ -49,6 +59,21 @@ pub struct Workspace {
     trial: [Vec<Vector3<f64>>; 2],
     best: Vec<Vector3<f64>>,
     merits: Vec<f64>,
+    /// The centre of a centred problem.
+    pub(crate) centre: Option<Centre>,
+}
+
+impl Workspace {
+    /// Takes the rates u, or u', of impulses.
+    fn see(&mut self, problem: &Problem, v: &[f64], impulses: &[Vector3<f64>]) -> Merit {
+        problem.rates(v, impulses, &mut self.rates);
+        let Some(centre) = &self.centre else { return problem.merit(impulses, &self.rates) };
+        let parts = impulses.iter().zip(&centre.impulses).zip(&problem.blocks);
+        for (rate, ((impulse, middle), block)) in self.rates.iter_mut().zip(parts) {
+            *rate += (impulse - middle) * (centre.proximal / block.rho);
+        }
+        problem.merit_with(impulses, &self.rates, centre.stiffer)
+    }
 }
 
 /// Iterates on impulses and rates until the residual is below `tolerance`, with a largest number of iterations; returns the residual at the end.
@@ -60,8 +85,7 @@ pub fn newton(
     room: &mut Workspace,
 ) -> f64 {
     problem.velocity(impulses, v);
-    problem.rates(v, impulses, &mut room.rates);
-    let mut merit = problem.merit(impulses, &room.rates);
+    let mut merit = room.see(problem, v, impulses);
     let mut best = merit.residual;
     room.best.clear();
     room.best.extend_from_slice(impulses);
@@ -73,8 +97,9 @@ pub fn newton(
         if merit.residual <= tolerance || stall.lasts(STALLED) {
             break;
         }
-        direction(problem, impulses, firm * merit.residual, room);
-        let Workspace { rates, turned, changes, trial: [trial, moved], merits, .. } = room;
+        direction(problem, impulses, [firm, merit.residual], room);
+        let Workspace { rates, turned, changes, trial: [trial, moved], merits, centre, .. } = room;
+        let stiffer = centre.as_ref().map_or(1.0, |centre| centre.stiffer);
         let largest = merits.iter().rev().take(LAST).fold(0.0_f64, |largest, merit| largest.max(*merit));
         let (mut part, mut falls) = (1.0, false);
         let mut found = merit;
@@ -87,7 +112,7 @@ pub fn newton(
             };
             along(impulses, changes, trial);
             along(rates, turned, moved);
-            found = problem.merit(trial, moved);
+            found = problem.merit_with(trial, moved, stiffer);
             falls = found.value.is_finite() && found.value < FALLS * largest;
             if falls {
                 break;
@@ -106,8 +131,7 @@ pub fn newton(
         unsuccessful = if falls { 0 } else { unsuccessful + 1 };
         impulses.copy_from_slice(trial);
         problem.velocity(impulses, v);
-        problem.rates(v, impulses, &mut room.rates);
-        merit = problem.merit(impulses, &room.rates);
+        merit = room.see(problem, v, impulses);
         room.merits.push(merit.value);
         stall.see(merit.residual);
         if merit.residual < best {
@@ -131,23 +155,29 @@ pub fn newton(
     }
     if pulled {
         problem.velocity(impulses, v);
-        problem.rates(v, impulses, &mut room.rates);
-        best = problem.merit(impulses, &room.rates).residual;
+        best = room.see(problem, v, impulses).residual;
     }
     best
 }
 
 /// The changes of rates and impulses of a whole step.
-fn direction(problem: &Problem, impulses: &[Vector3<f64>], residual: f64, room: &mut Workspace) {
-    let Workspace { factors, direction, rates, turned, changes, responses, iterations, .. } = room;
+fn direction(problem: &Problem, impulses: &[Vector3<f64>], [firm, residual]: [f64; 2], room: &mut Workspace) {
+    let Workspace { factors, direction, rates, turned, changes, responses, iterations, centre, .. } = room;
     *iterations += 1;
     direction.clear();
     direction.resize(problem.free.len(), 0.0);
     responses.clear();
     problem.begin_matrix(factors);
-    let proximal = residual.clamp(PROXIMAL[0], PROXIMAL[1]);
+    let (proximal, stiffer, compliance) = match centre {
+        None => ((firm * residual).clamp(PROXIMAL[0], PROXIMAL[1]), 1.0, 0.0),
+        Some(Centre { proximal, stiffer, .. }) => {
+            let (proximal, stiffer) = (*proximal, *stiffer);
+            let more = if firm > 1.0 { (firm * residual).min(PROXIMAL[1]) } else { 0.0 };
+            (stiffer * proximal.max(more), stiffer, proximal)
+        }
+    };
     for (number, (block, (impulse, rate))) in problem.blocks.iter().zip(impulses.iter().zip(&*rates)).enumerate() {
-        let response = block.law.respond(impulse, rate, [block.rho, block.compliance, proximal]);
+        let response = block.law.respond(impulse, rate, [stiffer * block.rho, block.compliance, proximal]);
         if response.shift != Vector3::zeros() {
             problem.spread(number, &-response.shift, direction);
         }
@@ -169,6 +199,9 @@ fn direction(problem: &Problem, impulses: &[Vector3<f64>], residual: f64, room: 
             }
         }
         turn.x += block.compliance * change.x;
+        if compliance > 0.0 {
+            turn += change * (compliance / block.rho);
+        }
         turned.push(turn);
         changes.push(change);
     }

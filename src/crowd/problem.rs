@@ -212,10 +212,20 @@ impl<'p> Problem<'p> {
 
     /// How well impulses and the rates u that they make solve the problem.
     pub fn merit(&self, impulses: &[Vector3<f64>], rates: &[Vector3<f64>]) -> Merit {
+        self.merit_with(impulses, rates, 1.0)
+    }
+
+    /// The same, with the value for a ρ that is larger by a factor.
+    pub(crate) fn merit_with(&self, impulses: &[Vector3<f64>], rates: &[Vector3<f64>], stiffer: f64) -> Merit {
         let (mut value, mut largest, mut scale) = (0.0, 0.0_f64, 0.0_f64);
         for ((block, impulse), rate) in self.blocks.iter().zip(impulses).zip(rates) {
             let defect = block.law.defect(impulse, rate, block.rho).norm_squared();
-            value += defect / block.rho;
+            value += if stiffer == 1.0 {
+                defect / block.rho
+            } else {
+                let rho = stiffer * block.rho;
+                block.law.defect(impulse, rate, rho).norm_squared() / rho
+            };
             largest = if defect.is_nan() { f64::NAN } else { largest.max(defect) };
             scale = scale.max(impulse.norm_squared());
         }

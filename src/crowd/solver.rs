@@ -1,17 +1,18 @@
-//! The solver of an island: Newton's method, then interior points from several depths in the cones, then convex problems; each finished by Newton's
-//! method.
+//! The solver of an island: Newton's method, then proximal points, then interior points from several depths in the cones, then convex problems; the last two
+//! finished by Newton's method.
 //!
 //! Blocks that exert no impulse and do not close are left out, until the others make them close.
 
+use crate::centred::proximal_points;
 use crate::convex::rounds;
 use crate::interior::interior;
 use crate::newton::{Workspace, newton};
 use crate::problem::{Block, Problem};
 use nalgebra::Vector3;
 
-/// The residual at which an island counts as solved, and the one at which no more than one interior point is tried.
+/// The residual at which an island counts as solved, and the one at which no interior points are tried.
 pub const TOLERANCE: f64 = 5e-9;
-const ENOUGH: f64 = 1e-4;
+const ENOUGH: f64 = 1e-6;
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
 /// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
@@ -82,9 +83,10 @@ fn harder(
     tolerance: f64,
     room: &mut Workspace,
 ) -> f64 {
+    residual = proximal_points(problem, impulses, residual, v, tolerance, room);
     let (enough, mut best) = (ENOUGH.max(tolerance), impulses.to_vec());
-    for (number, depth) in DEPTHS.into_iter().enumerate() {
-        if number > 0 && residual <= enough {
+    for depth in DEPTHS {
+        if residual <= enough {
             break;
         }
         let mut near = impulses.to_vec();

@@ -115,8 +115,8 @@ fn boxes_that_land_on_their_corners_close_without_a_lift() {
     let (residual, lift, overlap, energy) = run_on_floor("boxes_land", &bodies, 0.5);
     // Corners of a face that close in a step stick together only with rows where they close. Rows where the step begins leave 6e-6 m to be lifted.
     assert!(lift <= 1e-7, "{lift}");
-    // A few steps are not solved to 5e-9: this is five times the worst of them.
-    assert!(residual <= 2.5e-6, "{residual}");
+    // All steps are solved. Without proximal points a few of them stay at 5e-7, and a coarse first round was taken for a solution.
+    assert!(residual <= 5e-9, "{residual}");
     // Gaps that count as closed.
     assert!(overlap <= 1e-9, "{overlap}");
     // The error of the exact steps before.
@@ -140,7 +140,7 @@ fn a_ball_breaks_a_wall_without_overlap_or_energy_from_nowhere() {
     // A step whose shapes overlap by more is made again, shorter.
     assert!(lift <= 1e-4, "{lift}");
     // Ten times the worst of the steps that are not solved to 5e-9.
-    assert!(residual <= 1e-4, "{residual}");
+    assert!(residual <= 2e-7, "{residual}");
     assert!(overlap <= 1e-9, "{overlap}");
     assert!(energy <= 1e-7, "{energy}");
 }

@@ -49,6 +49,7 @@ mod exact;
 mod false_alarms;
 mod free_bodies;
 mod impacts_with_limits;
+mod in_loops;
 mod laws;
 mod loads;
 mod locked;

@@ -17,6 +17,7 @@ mod mesh_formats;
 mod mjcf;
 mod model_reduction;
 mod parameters;
+mod parameters_walked;
 mod robots;
 mod scene_file;
 mod scenes;

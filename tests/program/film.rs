@@ -232,3 +232,30 @@ fn a_browser_draws_the_ball_in_the_same_places() {
     }
     assert_falls(&browser.iter().map(|(time, ([_, row], _))| (*time, *row)).collect::<Vec<_>>(), 1.0);
 }
+
+#[test]
+fn a_ball_that_turns_shows_it_by_its_two_colours() {
+    let folder = folder("film_seam");
+    let ball = "[scene]\ngravity = [0, 0, 0]\n[[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\ncolor = [0.9, 0.1, 0.1]\n\
+                velocity = { linear = [0, 0, 0], angular = [0, 0, \"90 deg/s\"] }\n[simulation]\nduration = 1.0\ntolerance = 1e-6\n";
+    std::fs::write(folder.join("ball.toml"), ball).expect("written");
+    for line in [
+        &["simulate", "ball.toml", "-o", "ball.mcap", "--quiet"][..],
+        &["film", "ball.mcap", "-o", "ball.png", "--size", "300x300", "--view", "top", "--time", "0,1"],
+    ] {
+        let made = run(&folder, line);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    }
+    let picture = Picture::of_png(&folder.join("ball.png"));
+    // Red of the middle of each quarter of the disc, of which the middle is that of the picture.
+    let red = |number: usize, right: bool, up: bool| {
+        let column = 300 * number + if right { 165 } else { 135 };
+        f64::from(picture.pixels[(if up { 135 } else { 165 }) * picture.width + column][0])
+    };
+    for (right, up) in [(true, true), (true, false), (false, true), (false, false)] {
+        let (before, beside, after) = (red(0, right, up), red(0, !right, up), red(1, right, up));
+        // A quarter turn brings the other colour there; shading differs by less than the colours do.
+        assert!((before - beside).abs() > 40.0, "{before} beside {beside}");
+        assert!((after - beside).abs() < 0.5 * (before - beside).abs(), "{before} {beside}, then {after}");
+    }
+}

@@ -30,8 +30,8 @@ const APART: f64 = 1e-2;
 const EVERY: f64 = 4e-3;
 /// The most that shapes may be inside each other where a step ends (m), and joints beyond their limits (rad, m).
 const DEEP: f64 = 1e-9;
-/// The largest residual as a part of the largest impulse: of a coarse solution, to which rounds go back that do not bring gaps nearer.
-const RESIDUAL: f64 = 1e-3;
+/// The largest residual of a step as a part of the largest impulse.
+const RESIDUAL: f64 = 1e-4;
 /// The part of the energies by which one may grow: of exact steps, whose local errors are below the tolerance.
 const GAIN: f64 = 1e-6;
 

@@ -1,5 +1,6 @@
 //! MJCF is read as MuJoCo reads it: masses, frames, inertia about joints, weights, springs, actuators and keyframes.
 
+mod copies;
 mod pairs;
 mod tendons;
 mod tuning;

@@ -171,3 +171,28 @@ fn the_page_places_bodies_where_the_simulator_has_them_and_closes_loops() {
         assert!((number("held") - 0.3).abs() < 1e-12 || number("held") == 0.0, "{robot}: {}", number("held"));
     }
 }
+
+#[test]
+fn a_page_fits_a_telephone_and_its_slider_can_be_used_there() {
+    let Some(chromium) = chromium() else { return };
+    let folder = with_log("telephone");
+    done(&folder, &["report", "red.mcap"]);
+    // The page in a frame of 390 pixels tells the width that it takes and the place of its slider.
+    let tell = "<script>setTimeout(() => { const at = document.getElementById('slider').getBoundingClientRect(); \
+                parent.postMessage([innerWidth, document.documentElement.scrollWidth, at.left, at.right, at.height].join(' '), '*'); }, 2000)</script></body>";
+    let page = std::fs::read_to_string(folder.join("red.html")).expect("a page");
+    let (before, after) = page.rsplit_once("</body>").expect("a body");
+    std::fs::write(folder.join("told.html"), format!("{before}{tell}{after}")).expect("written");
+    let frame = "<html><body style='margin:0'><script>addEventListener('message', told => document.body.setAttribute('data-told', told.data))</script>\
+                 <iframe src='told.html' style='width:390px;height:844px;border:0'></iframe></body></html>";
+    let framed = folder.join("framed.html");
+    std::fs::write(&framed, frame).expect("written");
+    let dom = open(chromium, &framed, "", "--dump-dom");
+    let (_, told) = text(&dom).split_once("data-told=\"").expect("the page has told its sizes");
+    let numbers: Vec<f64> =
+        told.split('"').next().unwrap_or_default().split(' ').filter_map(|number| number.parse().ok()).collect();
+    let &[width, taken, left, right, height] = numbers.as_slice() else { panic!("{numbers:?}") };
+    assert_eq!((width, taken), (390.0, 390.0), "nothing is wider than the telephone");
+    // Half of the width in which the time is set, and no lower than letters are.
+    assert!(left >= 0.0 && right <= 390.0 && right - left > 195.0 && height >= 12.0, "{numbers:?}");
+}

@@ -5,7 +5,8 @@
 //!     c ← (φ̄ − φ)/h − H_N w         until |φ̄| ≤ 3e-10 where r_N > 0, and φ̄ ≥ −3e-10 elsewhere
 //! ```
 //!
-//! Rounds that do not bring the gaps nearer, as where a body would turn far in a step, end with the best round before; the overlap that is left is lifted.
+//! Rounds that do not bring the gaps nearer, as where a body would turn far in a step, end with the best round, by the product of what gaps and residual are
+//! off; the overlap that is left is lifted. The coarse solution is no such round: it has no residual to speak of.
 //!
 //! H is at the start, and after each round at q̄: corners that close in the step are in the plane of the other shape there, so that they can stick
 //! together, and at the start they are not. φ are gaps at the start, φ̄ the gaps of the same features at q̄ (m or rad). The curvature c makes the law
@@ -31,6 +32,8 @@ const MEETS: f64 = 3e-10;
 const ROUNDS: usize = 5;
 /// Gaps that are off by more than this times the least so far end the rounds.
 const DIVERGES: f64 = 1e3;
+/// Gaps that are off by this at most need no more rounds with an island that is not solved (m or rad): what is left is lifted.
+const NEARLY: f64 = 1e-8;
 
 /// The start of a step.
 pub(super) struct Moving<'m> {
@@ -75,8 +78,9 @@ pub(super) fn move_on(
         curves: Vec<f64>,
         v: Vec<f64>,
         residual: f64,
-        /// How far gaps are off in the best round (m), and its impulses, rates and residual.
+        /// How far gaps are off in the best round (m), times its residual; its impulses, rates and residual.
         off: f64,
+        miss: f64,
         best: (Vec<Vector3<f64>>, Vec<f64>, f64),
         open: bool,
         /// Whether a round was not solved: those after it are left to Newton's method alone.
@@ -110,6 +114,7 @@ pub(super) fn move_on(
                 v: Vec::new(),
                 residual: 0.0,
                 off: f64::INFINITY,
+                miss: f64::INFINITY,
                 best: Default::default(),
                 open: true,
                 stuck: false,
@@ -153,9 +158,14 @@ pub(super) fn move_on(
                 own.curves[place] = (gap - linear) / step;
                 off = off.max(if own.impulses[place].x > 0.0 { gap.abs() } else { -gap });
             }
-            own.open = round < ROUNDS && (off > MEETS || own.residual > TOLERANCE && round == 0);
-            if off <= own.off {
-                own.off = off;
+            let coarse = round == 0 && own.residual > TOLERANCE;
+            let meets = off <= if own.stuck { NEARLY } else { MEETS };
+            own.open = round < ROUNDS && (coarse || !meets);
+            let miss = off.max(MEETS) * own.residual.max(TOLERANCE);
+            if coarse || miss <= own.miss {
+                if !coarse {
+                    (own.off, own.miss) = (off, miss);
+                }
                 if own.open {
                     own.best = (own.impulses.clone(), own.v.clone(), own.residual);
                 }

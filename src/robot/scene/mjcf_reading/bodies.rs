@@ -5,11 +5,11 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::mass::{MassOf, composed};
-use crate::scene::mjcf_reading::parts::{Between, Form, Link, Moving, Placed, Tree};
+use crate::scene::mjcf_reading::parts::{Between, Form, Joint, Link, Moving, Placed, Tree};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
-use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, Translation3, Vector3};
 use std::cell::OnceCell;
 
 /// A body in another: its pose there, and the class of its elements.
@@ -121,10 +121,7 @@ impl Reader<'_> {
     ) -> Result<(), SceneError> {
         self.placed.insert(name.to_string(), Placed { tree: Some(tree), pose: *at });
         let mut joints = Vec::new();
-        for given in body.all("joint").filter(|joint| !is_free(joint)) {
-            let joint = self.joint(given, class, (name, joints.len()))?;
-            joints.push(joint);
-        }
+        self.joints(body, &Pose::identity(), class, name, &mut joints)?;
         if let Some((mut parent, mut origin)) = on {
             let shifted = |by: Vector3<f64>| Pose::from_parts(Translation3::from(by), Rotation3::identity());
             let mut before = Vector3::zeros();
@@ -174,6 +171,33 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// The joints of a body, or of a frame of it at `frame`.
+    fn joints(
+        &mut self,
+        part: &Element,
+        frame: &Pose,
+        class: Option<&str>,
+        body: &str,
+        joints: &mut Vec<Joint>,
+    ) -> Result<(), SceneError> {
+        for child in &part.children {
+            match child.name.as_str() {
+                "joint" if !is_free(child) => {
+                    let mut joint = self.joint(child, class, (body, joints.len()))?;
+                    joint.place = (frame * Point3::from(joint.place)).coords;
+                    joint.axis = frame.rotation * joint.axis;
+                    joints.push(joint);
+                }
+                "frame" => {
+                    let inner = frame * self.angles.pose(child)?;
+                    self.joints(child, &inner, child.text("childclass").or(class), body, joints)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Reads the contents of a body or of a frame of it at `frame`: geoms into the link, bodies into the list; returns its inertia.
     fn contents(
         &mut self,
@@ -189,6 +213,9 @@ impl Reader<'_> {
             match child.name.as_str() {
                 "geom" => {
                     let (mut geom, mass) = self.geom(child, class)?;
+                    if matches!(geom.form, Form::Field(_)) {
+                        self.not_simulated(child, "a height field that moves touches nothing".to_string());
+                    }
                     geom.pose = frame * geom.pose;
                     parts.extend(mass.map(|mass| MassOf { frame: frame * mass.frame, ..mass }));
                     link.geoms.push(geom);
@@ -276,8 +303,14 @@ fn moves(body: &Element) -> bool {
     has_joint(body) || body.children.iter().any(|child| matches!(child.name.as_str(), "body" | "frame") && moves(child))
 }
 
+/// Whether a body, or a frame of it, has a joint.
 fn has_joint(body: &Element) -> bool {
-    body.children.iter().any(|child| matches!(child.name.as_str(), "joint" | "freejoint"))
+    let has = |child: &Element| match child.name.as_str() {
+        "joint" | "freejoint" => true,
+        "frame" => has_joint(child),
+        _ => false,
+    };
+    body.children.iter().any(has)
 }
 
 fn is_free(joint: &Element) -> bool {

@@ -76,6 +76,11 @@ impl Reader<'_> {
                     return Err(geom.error("mesh", "there is no such mesh with a file among the assets".to_string()));
                 }
             },
+            "hfield" => match geom.text("hfield").and_then(|name| self.fields.get(name)) {
+                Some(field) => Form::Field(field.file.clone()),
+                // A picture was told of where it stands.
+                None => Form::Other,
+            },
             "ellipsoid" => {
                 let radii = across(&sizes)?;
                 ellipsoid = Some(radii);
@@ -151,7 +156,7 @@ impl Reader<'_> {
                 let inertia = Matrix3::from_diagonal(&body.moments());
                 Ok(Some(MassOf { mass: body.mass(), frame: *pose, inertia }))
             }
-            Form::Plane | Form::Other => Ok(None),
+            Form::Plane | Form::Field(_) | Form::Other => Ok(None),
         }
     }
 

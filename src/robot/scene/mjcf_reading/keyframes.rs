@@ -1,4 +1,4 @@
-//! Keyframes of MJCF: positions, velocities and controls of everything, with which a run starts.
+//! Keyframes of MJCF: positions, velocities, controls and activations of everything, with which a run starts.
 //!
 //! `qpos` has for a free joint x, y, z and the quaternion, for a ball its quaternion, for others one number. `qvel` has for a free joint the velocity
 //! in the world and the angular velocity in the axes of the body, for a ball the angular velocity in its axes, for others one number.
@@ -67,8 +67,13 @@ impl Reader<'_> {
                 }
             }
         }
-        if key.text("act").is_some() || key.text("mpos").is_some() {
-            self.odd(key, "its act, mpos and mquat are not read".to_string());
+        if let Some(given) = key.list("act", self.activations, self.activations)? {
+            for activation in self.motors.iter_mut().filter_map(|(_, motor)| motor.activation.as_mut()) {
+                activation.start = given.get(activation.number).copied().unwrap_or_default();
+            }
+        }
+        if key.text("mpos").is_some() {
+            self.odd(key, "its mpos and mquat are not read".to_string());
         }
         Ok(())
     }

@@ -2,9 +2,12 @@
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
+use crate::scene::mjcf_reading::fields::Field;
 use crate::scene::mjcf_reading::mass::Inside;
+use crate::scene::mjcf_reading::orientation::Angles;
 use crate::scene::mjcf_reading::parts::Geom;
 use crate::scene::mjcf_reading::reader::Reader;
+use crate::scene::mjcf_reading::replicate::with_copies;
 use crate::scene::mjcf_reading::tree::{Element, read_tree};
 use crate::scene::robot::{MeshFile, Robot};
 use crate::scene::scene_reading::scene_file::scene_from_text;
@@ -26,13 +29,16 @@ const SILENT: [&str; 8] = ["visual", "statistic", "size", "custom", "sensor", "e
 /// [`SceneError`] with file and line.
 pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &PackagePath) -> Result<Scene, SceneError> {
     let root = read_tree(path, text)?;
+    let angles = Angles::of(&root);
+    let root = with_copies(root, &angles)?;
     let mut reader = Reader::new(path, &root)?;
     reader.read(&root, keyframe)?;
     let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let files: Vec<String> = (1..=reader.trees.len()).map(|number| format!("{stem}.{number}.urdf")).collect();
     let toml = reader.toml(&files);
     let urdfs: Vec<String> = reader.trees.iter().map(|tree| reader.urdf(tree)).collect();
-    let mut made = Made { urdfs: urdfs.into_iter(), packages };
+    let fields = reader.fields.values().map(|field| (reader.folder.join(&field.file), field.obj())).collect();
+    let mut made = Made { urdfs: urdfs.into_iter(), fields, packages };
     let placed = |error: SceneError| match error.file.is_file() && error.file != path {
         true => error,
         // Lines are those of what was made.
@@ -44,9 +50,10 @@ pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &Pac
     Ok(scene)
 }
 
-/// The URDFs that were made, one after the other, and the files of the file system.
+/// The URDFs that were made, one after the other, height fields, and the files of the file system.
 struct Made<'m> {
     urdfs: std::vec::IntoIter<String>,
+    fields: HashMap<PathBuf, String>,
     packages: &'m PackagePath,
 }
 
@@ -60,7 +67,10 @@ impl SceneFiles for Made<'_> {
     }
 
     fn bytes(&mut self, file: &Path) -> Result<Vec<u8>, SceneError> {
-        read_bytes(file)
+        match self.fields.get(file) {
+            Some(obj) => Ok(obj.clone().into_bytes()),
+            None => read_bytes(file),
+        }
     }
 }
 
@@ -206,6 +216,14 @@ impl Reader<'_> {
                     }
                 };
                 self.meshes.insert(name, (MeshFile { path, resolved: None, scale, carried: None }, inside));
+            }
+            "hfield" => {
+                let field = Field::read(&asset, &self.folder.join(mesh_folder))?;
+                if field.is_none() {
+                    let message = "a height field from a picture is not read: write its numbers as elevation";
+                    self.not_simulated(&asset, message.to_string());
+                }
+                self.fields.extend(field);
             }
             "material" => {
                 if let (Some(name), Some(rgba)) = (asset.text("name"), asset.list("rgba", 4, 4)?) {

@@ -16,6 +16,13 @@ pub(crate) struct Angles {
 }
 
 impl Angles {
+    /// Those of a file.
+    pub fn of(root: &Element) -> Self {
+        let compiler = |name: &str| root.all("compiler").filter_map(|one| one.text(name)).last();
+        let unit = if compiler("angle") == Some("radian") { 1.0 } else { 1_f64.to_radians() };
+        Angles { unit, sequence: compiler("eulerseq").unwrap_or("xyz").to_string() }
+    }
+
     /// The frame of an element.
     pub fn pose(&self, element: &Element) -> Result<Pose, SceneError> {
         let translation = Translation3::from(element.vector("pos")?.unwrap_or_default());

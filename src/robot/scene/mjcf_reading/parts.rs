@@ -1,5 +1,6 @@
 //! The parts of an MJCF file, read: trees of links, geoms, joints, and what couples and drives them.
 
+use crate::scene::mjcf_reading::activations::{Activation, Drive, Driving};
 use crate::scene::mjcf_reading::grips::Grip;
 use crate::scene::mjcf_reading::mass::MassOf;
 use crate::scene::robot::{Geometry, Pose, UrdfJointKind};
@@ -91,6 +92,8 @@ pub(crate) enum Form {
     /// Below the plane through the origin across z.
     Plane,
     Solid(Geometry),
+    /// A height field: the name of the file that its mesh would have.
+    Field(String),
     /// What touches nothing and is not shown here.
     Other,
 }
@@ -165,27 +168,33 @@ pub(crate) struct Relation {
 #[derive(Debug)]
 pub(crate) struct Motor {
     pub joint: String,
-    /// Stiffness, damping, and what its effort would be at rest at zero without control and with a control of one.
-    pub kp: f64,
-    pub kd: f64,
-    pub constant: f64,
-    pub per_control: f64,
+    /// What its effort is without and with control, or activation.
+    pub drive: Drive,
+    /// Damping for each unit of its control.
+    pub brake: f64,
     /// Control at the start, and its bounds.
     pub control: f64,
     pub control_range: Option<(f64, f64)>,
+    /// Its own dynamics, if it has any.
+    pub activation: Option<Activation>,
     pub max_effort: Option<f64>,
 }
 
 impl Motor {
-    /// Its kind in a scene file, and its target with a control.
-    pub fn kind(&self) -> (&'static str, f64) {
+    /// Its kind in a scene file, its stiffness and damping, and how it is driven.
+    pub fn law(&self) -> (&'static str, Drive, Driving) {
         let control = self.control_range.map_or(self.control, |(lower, upper)| self.control.max(lower).min(upper));
-        let drive = self.constant + self.per_control * control;
-        match (self.kp > 0.0, self.kd > 0.0) {
-            (true, _) => ("position", drive / self.kp),
-            (false, true) => ("velocity", drive / self.kd),
-            (false, false) => ("effort", drive),
-        }
+        let drive = Drive { kd: self.drive.kd + self.brake * control, ..self.drive };
+        let driving = match &self.activation {
+            Some(activation) => activation.driving(&drive, control),
+            None => Driving { target: format!("{:?}", drive.at_rest(control)), load: None },
+        };
+        let kind = match (drive.kp > 0.0, drive.kd > 0.0) {
+            (true, _) => "position",
+            (false, true) => "velocity",
+            (false, false) => "effort",
+        };
+        (kind, drive, driving)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::defaults::Defaults;
+use crate::scene::mjcf_reading::fields::Field;
 use crate::scene::mjcf_reading::mass::Inside;
 use crate::scene::mjcf_reading::orientation::Angles;
 use crate::scene::mjcf_reading::parts::{Closing, Geom, Motor, Moving, Placed, Relation, Rope, Spring, Tree};
@@ -30,6 +31,7 @@ pub(crate) struct Reader<'r> {
     /// Meshes, and how the solids in them are counted.
     pub meshes: HashMap<String, (MeshFile, Inside)>,
     pub colors: HashMap<String, [f64; 4]>,
+    pub fields: HashMap<String, Field>,
     pub trees: Vec<Tree>,
     /// Names of the trees as robots.
     pub robot_names: Vec<String>,
@@ -51,6 +53,8 @@ pub(crate) struct Reader<'r> {
     pub motors: Vec<(usize, Motor)>,
     /// How many actuators there are, with those that are not simulated.
     pub controls: usize,
+    /// How many activations there are, likewise.
+    pub activations: usize,
     pub positions: Vec<(usize, String, Vec<f64>)>,
     pub velocities: Vec<(usize, String, Vec<f64>)>,
     pub excluded: Vec<(String, String)>,
@@ -72,9 +76,6 @@ impl<'r> Reader<'r> {
     pub fn new(path: &'r Path, root: &Element) -> Result<Self, SceneError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let compiler = |name: &str| root.all("compiler").filter_map(|one| one.text(name)).last();
-        let degrees = compiler("angle") != Some("radian");
-        let unit = if degrees { 1_f64.to_radians() } else { 1.0 };
-        let sequence = compiler("eulerseq").unwrap_or("xyz").to_string();
         let name = root.text("model").map_or_else(
             || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned()),
             str::to_string,
@@ -89,12 +90,13 @@ impl<'r> Reader<'r> {
             folder,
             name,
             defaults: Defaults::of(root),
-            angles: Angles { unit, sequence },
+            angles: Angles::of(root),
             auto_limits: flag("autolimits").unwrap_or(true),
             inertia_from_geoms: flag("inertiafromgeom"),
             gravity: GRAVITY,
             meshes: HashMap::new(),
             colors: HashMap::new(),
+            fields: HashMap::new(),
             trees: Vec::new(),
             robot_names: Vec::new(),
             obstacles: Vec::new(),
@@ -111,6 +113,7 @@ impl<'r> Reader<'r> {
             locked: Vec::new(),
             motors: Vec::new(),
             controls: 0,
+            activations: 0,
             positions: Vec::new(),
             velocities: Vec::new(),
             excluded: Vec::new(),

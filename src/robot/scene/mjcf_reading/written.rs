@@ -1,5 +1,6 @@
 //! An MJCF file that was read, written as a scene file and its URDFs. Numbers have all their digits.
 
+use crate::scene::mjcf_reading::activations::Driving;
 use crate::scene::mjcf_reading::grips::{Grip, grip_keys};
 use crate::scene::mjcf_reading::orientation::roll_pitch_yaw;
 use crate::scene::mjcf_reading::parts::{Between, Closing, End, Form, Geom, Joint, Link, Relation, Rope, Spring, Tree};
@@ -149,17 +150,24 @@ impl Reader<'_> {
         }
         for (_, motor) in &self.motors {
             let Some((tree, _)) = self.references.get(&motor.joint) else { continue };
-            let (kind, target) = motor.kind();
+            let (kind, drive, Driving { target, load }) = motor.law();
             let name = quoted(&self.called(*tree, &motor.joint));
-            let _ = writeln!(text, "\n[[motor]]\njoint = {name}\nkind = \"{kind}\"\ntarget = {target:?}");
+            let _ = writeln!(text, "\n[[motor]]\njoint = {name}\nkind = \"{kind}\"\ntarget = {target}");
+            if target.starts_with('[') {
+                *text += "interpolation = \"linear\"\n";
+            }
             if kind == "position" {
-                let _ = writeln!(text, "kp = {:?}", motor.kp);
+                let _ = writeln!(text, "kp = {:?}", drive.kp);
             }
             if kind != "effort" {
-                let _ = writeln!(text, "kd = {:?}", motor.kd);
+                let _ = writeln!(text, "kd = {:?}", drive.kd);
             }
             if let Some(bound) = motor.max_effort {
                 let _ = writeln!(text, "max_effort = {bound:?}");
+            }
+            if let Some((effort, factor)) = load {
+                let _ = writeln!(text, "\n[[load]]\njoint = {name}\neffort = {effort:?}\nfactor = {factor}");
+                *text += "interpolation = \"linear\"\n";
             }
         }
     }
@@ -276,6 +284,7 @@ fn shape_of(geom: &Geom) -> Option<String> {
     Some(match &geom.form {
         Form::Plane => "{ type = \"half_space\" }".to_string(),
         Form::Other => return None,
+        Form::Field(file) => format!("{{ type = \"mesh\", file = {} }}", quoted(file)),
         Form::Solid(Geometry::Box { size }) => format!("{{ type = \"box\", size = {} }}", list(size)),
         Form::Solid(Geometry::Sphere { radius }) => format!("{{ type = \"sphere\", radius = {radius:?} }}"),
         Form::Solid(Geometry::Cylinder { radius, length }) => {
