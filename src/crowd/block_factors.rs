@@ -176,15 +176,8 @@ fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], inner: usize, width: us
     if let (6, 6, Ok(c)) = (inner, width, <&mut [f64; 36]>::try_from(&mut *c))
         && let (Some(a), Some(b)) = (a.first_chunk::<36>(), b.first_chunk::<36>())
     {
-        for row in 0..6 {
-            let mut sums = [0.0; 6];
-            for inner in 0..6 {
-                let factor = a[6 * row + inner];
-                (0..6).for_each(|column| sums[column] += factor * b[6 * inner + column]);
-            }
-            (0..6).for_each(|column| c[6 * row + column] -= sums[column]);
-        }
-        return;
+        let (rows, of_a) = (c.as_chunks_mut::<6>().0, a.as_chunks::<6>().0);
+        return rows.iter_mut().zip(of_a).for_each(|(row, a)| subtract_row(row, a, b));
     }
     for (own, row) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
         for (&factor, other) in row.iter().zip(b.chunks_exact(width)) {
@@ -193,6 +186,16 @@ fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], inner: usize, width: us
             }
         }
     }
+}
+
+/// c (6) ← c − a (6) b (6 × 6). Apart from its caller, which would mix several rows in one vector register and take twice as long.
+#[inline(never)]
+fn subtract_row(c: &mut [f64; 6], a: &[f64; 6], b: &[f64; 36]) {
+    let mut sums = [0.0; 6];
+    for (inner, factor) in a.iter().enumerate() {
+        (0..6).for_each(|column| sums[column] += factor * b[6 * inner + column]);
+    }
+    (0..6).for_each(|column| c[column] -= sums[column]);
 }
 
 /// The inverse of a matrix, by elimination with exchanges of rows.

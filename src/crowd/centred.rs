@@ -24,10 +24,12 @@ const BOUNDS: [f64; 2] = [1e-9, 1.0];
 const STIFFER: [f64; 2] = [1e4, 1e2];
 /// The residual of a centred problem as a part of the last residual of the problem itself and of its tolerance.
 const INNER: [f64; 2] = [0.01, 0.1];
-/// Most iterations of one centred problem, of quick ones, and of all.
+/// Most iterations of one centred problem, and of quick ones.
 const MOST: f64 = 40.0;
 const QUICK: usize = 8;
-const ALL: usize = 400;
+/// Most iterations of all: this number of rates, within bounds.
+const RATES: usize = 100_000;
+const ALL: [usize; 2] = [150, 1000];
 /// The most failures in a row with each f.
 const FAILURES: usize = 3;
 
@@ -41,10 +43,11 @@ pub(crate) fn proximal_points(
     room: &mut Workspace,
 ) -> f64 {
     let first = room.iterations;
+    let most = (RATES / problem.free.len().max(1)).clamp(ALL[0], ALL[1]);
     let (mut here, mut last) = (impulses.to_vec(), residual);
     let (mut proximal, mut failed) = (FIRST, 0);
     let mut rates = Vec::new();
-    while residual > tolerance && room.iterations - first < ALL && failed < FAILURES * STIFFER.len() {
+    while residual > tolerance && room.iterations - first < most && failed < FAILURES * STIFFER.len() {
         let stiffer = STIFFER[failed % STIFFER.len()];
         room.centre = Some(Centre { proximal, stiffer, impulses: here.clone() });
         let (mut near, before) = (here.clone(), room.iterations);

@@ -19,8 +19,9 @@ pub const COARSE: f64 = 1e-3;
 const NEARLY: f64 = 1e-5;
 /// Blocks are added this often at most.
 const WIDENED: usize = 10;
-/// The most iterations of Newton's method, and of those that finish another one.
+/// The most iterations of Newton's method, of the same after blocks were added to a solution that had stalled, and of those that finish another one.
 const NEWTON: f64 = 80.0;
+const AGAIN: f64 = 20.0;
 const FINISH: f64 = 40.0;
 /// How far inside the cones interior points start, in units of the largest bias. Each is one more chance.
 const DEPTHS: [f64; 3] = [10.0, 1e3, 0.1];
@@ -42,12 +43,14 @@ pub fn solve(
             impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
         })
         .collect();
-    let (mut residual, mut within) = (0.0, tolerance.max(COARSE));
+    let (mut residual, mut within, mut stalled) = (0.0, tolerance.max(COARSE), false);
     for _ in 0..WIDENED {
         problem.blocks.clear();
         problem.blocks.extend(part.iter().map(|&number| all[number]));
         let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
-        residual = newton(problem, &mut own, v, [within, NEWTON], room);
+        let most = if stalled { AGAIN } else { NEWTON };
+        residual = newton(problem, &mut own, v, [within, most], room);
+        stalled = residual > within;
         let mut more = called(problem, &all, &part, v);
         if hard && more.is_empty() && within <= tolerance && residual > tolerance && !own.is_empty() {
             residual = harder(problem, &mut own, residual, v, tolerance, room);

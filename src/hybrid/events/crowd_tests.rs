@@ -161,6 +161,26 @@ fn piles_of_boxes_do_not_overlap_gain_no_energy_and_come_to_rest_without_creep()
 }
 
 #[test]
+fn nearly_all_steps_of_piles_are_solved() {
+    for (side, end) in [(2, 1.0), (3, 1.0), (4, 0.6)] {
+        let (mechanism, mut state) = pile(side);
+        let mut residuals = Vec::new();
+        run(&mechanism, &mut state, 1e-3, end, |made, _, _| {
+            residuals.extend((!made.asleep).then_some(made.residual));
+        });
+        residuals.sort_by(f64::total_cmp);
+        let count = residuals.len();
+        let part = |part: f64| residuals[((part * count as f64).ceil() as usize).clamp(1, count) - 1];
+        let above = |bound: f64| residuals.iter().filter(|residual| **residual > bound).count();
+        let parts = [0.5, 0.9, 0.99, 0.999, 1.0].map(part);
+        println!("{} boxes, {count} steps: residuals {parts:?}, {} above 1e-8", side.pow(3), above(1e-8));
+        // The bounds of the largest force that a law may be off by: in 999 of 1000 steps, where one step counts as none, and in all.
+        assert!(above(1e-8) <= 1 + count / 1000, "{side}: {} of {count} above 1e-8", above(1e-8));
+        assert!(residuals[count - 1] <= 1e-4, "{side}: {parts:?}");
+    }
+}
+
+#[test]
 fn the_same_start_gives_the_same_bits() {
     let ends = [(); 2].map(|()| {
         let (mechanism, mut state) = pile(2);
@@ -352,7 +372,7 @@ fn a_stack_sleeps_until_a_box_strikes_it_and_another_one_sleeps_on() {
 }
 
 #[test]
-fn a_struck_stack_departs_from_one_that_never_slept_as_one_whose_start_is_moved_by_a_picometre() {
+fn a_struck_stack_that_slept_or_started_a_picometre_beside_ends_where_one_that_never_slept_does() {
     // Three boxes of 0.2 m on each other, and one that falls by 0.6 m onto them, turned and off their middle: at 0.349 s.
     let mechanism = boxes(4, Vector3::repeat(0.1), 0.5, 0.0);
     let mut start = State::zero(&mechanism);
@@ -374,13 +394,10 @@ fn a_struck_stack_departs_from_one_that_never_slept_as_one_whose_start_is_moved_
         [(true, 0.0), (false, 1e-12), (false, -1e-12)].map(|(sleeps, by)| apart(&places(sleeps, by)));
     println!("{:.1e} {:.1e} {:.1e} {:.1e}", slept[345], slept[349], slept[355], slept[499]);
     println!("{:.1e} {:.1e} {:.1e} {:.1e}", moved[345], moved[349], moved[355], moved[499]);
-    for (number, slept) in slept.iter().enumerate() {
-        // Which corner closes first is decided by roundings. Sleep itself leaves gaps of 3e-10 m at the blow, three at most between two corners.
-        let bound = 1e-9 + 3.0 * moved[number].max(back[number]);
-        assert!(*slept < bound, "step {number}: {slept:e} of {bound:e}");
-    }
-    // The picometre has grown to millimetres without any sleep.
-    assert!(moved[499] > 1e-4, "{:e}", moved[499]);
+    // Sleep leaves gaps of 3e-10 m at the blow, and each step forces to 5e-9 of the largest: ten times what became of both. Where steps of the blow stay at
+    // residuals of 1e-6, roundings decide which corner closes first, and the ends are 3e-3 m apart.
+    let all = slept.iter().chain(&moved).chain(&back);
+    assert!(all.clone().all(|apart| *apart < 2e-5), "{:e}", all.fold(0.0, |most: f64, apart| most.max(*apart)));
 }
 
 #[test]
