@@ -33,7 +33,7 @@ const ROUNDS: usize = 5;
 /// Gaps that are off by more than this times the least so far end the rounds.
 const DIVERGES: f64 = 1e3;
 /// Gaps that are off by this at most need no more rounds with an island that is not solved (m or rad): what is left is lifted.
-const NEARLY: f64 = 1e-8;
+const NEARLY: f64 = 1e-6;
 
 /// The start of a step.
 pub(super) struct Moving<'m> {
