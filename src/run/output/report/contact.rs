@@ -177,6 +177,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn an_overlap_beyond_what_located_events_leave_is_a_warning_with_its_depth_and_time() {
+        let words = overlap_words(6.9e-4, 0.1311).expect("a deep overlap");
+        assert!(words.starts_with("shapes overlap by 6.9e-4 m at t = 0.131 s"), "{words}");
+        assert_eq!(overlap_words(9e-7, 0.1311), None);
+    }
+
+    #[test]
     fn the_words_count_what_touches_and_what_slips() {
         let point = |state| ContactReport {
             a: "ball".to_string(),
