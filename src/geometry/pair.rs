@@ -7,6 +7,7 @@ use crate::distances::beyond::{height, height_of_moved};
 use crate::distances::hollow::Hollow;
 use crate::distances::manifold::manifold;
 use crate::distances::nearest::nearest;
+use crate::distances::otherwise::manifolds;
 use crate::features::both::{Both, Candidate};
 use crate::features::crossing::off_crossing;
 use crate::features::feature::{FeatureId, Part, inside, off_neighbours, off_tilt, part, rim_point_towards};
@@ -218,6 +219,18 @@ impl PairGeometry {
             }
         };
         if self.exchanged { found.into_iter().map(TouchPlace::exchanged).collect() } else { found }
+    }
+
+    /// The places where the gap is below a bound (m) along each face normal that separates two convex shapes that touch, if there are several, as at
+    /// an edge on an edge.
+    pub fn touches_otherwise(&self, a: &Pose, b: &Pose, near: f64) -> Vec<Vec<TouchPlace>> {
+        let First::Convex(convex) = &self.first else { return Vec::new() };
+        let (first, in_first) = self.relative(a, b);
+        let placed = |found: &Vec<Candidate>| {
+            let found = self.placed(convex, found, &in_first, first).into_iter();
+            found.map(|place| if self.exchanged { place.exchanged() } else { place }).collect()
+        };
+        manifolds(&both(convex, &self.second, &in_first), near).iter().map(placed).collect()
     }
 
     /// The same places in a way that is quicker for small polytopes, and a lower bound of the distance (m) where there are none. Two polytopes have

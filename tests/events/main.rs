@@ -16,6 +16,7 @@ mod contacts_cradle;
 mod contacts_disc;
 mod contacts_dominoes;
 mod contacts_dropped;
+mod contacts_edges;
 mod contacts_falling;
 mod contacts_far;
 mod contacts_given_steps;

@@ -23,8 +23,12 @@ pub const SAME: f64 = 1e-7;
 
 /// The places of two convex shapes whose gap is below a bound (m).
 pub fn manifold(both: &Both, near: f64) -> Vec<Candidate> {
+    nearest(both).map_or(Vec::new(), |closest| manifold_along(both, closest, near))
+}
+
+/// The same along the normal of these points, which separates them.
+pub fn manifold_along(both: &Both, closest: Candidate, near: f64) -> Vec<Candidate> {
     let radii = both.a.radius + both.b.radius;
-    let Some(closest) = nearest(both) else { return Vec::new() };
     let gap = closest.distance() - radii;
     // The closest pair always touches first, even if it is less than near by rounding only.
     if gap.is_nan() || gap >= near {

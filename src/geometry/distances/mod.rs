@@ -9,3 +9,4 @@ pub(crate) mod hollow;
 pub(crate) mod manifold;
 pub(crate) mod mesh;
 pub(crate) mod nearest;
+pub(crate) mod otherwise;

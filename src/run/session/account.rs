@@ -176,6 +176,7 @@ impl Begun {
             .chain(singular_warning(&method))
             .chain(unsolved_warning(&method, duration))
             .chain(contact.outside.clone())
+            .chain(contact.overlapping.clone())
             .chain(speeds.iter().flat_map(|speeds| speeds.warning()))
             .collect();
         let estimated_error =

@@ -107,6 +107,9 @@ impl Contacts {
                 let within = if found.anew { of.closed_anew() } else { of.within(TOUCHED) };
                 let mut near: Vec<Contact> =
                     touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();
+                if closed().next().is_none() {
+                    near = touching.slowest(pair, &bodies, within, near, contacts.rest);
+                }
                 if found.triggers.contains(&Watched::Approach(pair)) {
                     let pivots: Vec<&Contact> = closed().map(|(_, closed)| &closed.contact).collect();
                     land_opposite(touching, &pivots, &mut near, &bodies);

@@ -159,6 +159,35 @@ impl Touching {
         contacts.map(|(gap, place)| (self.contact(pair, place), gap)).collect()
     }
 
+    /// The contacts of a pair that meets, along the normal along which it approaches slowest, if several separate it: at an edge on an edge, where the
+    /// distance has one of them by roundings. Bodies that slide over a joint of two plates meet no edge. `found` are those along the normal of the
+    /// distance, with a gap of at most `within` (m); slower than `rest` is no approach [m/s].
+    pub fn slowest(
+        &self,
+        pair: usize,
+        bodies: &[BodyState],
+        within: f64,
+        found: Vec<Contact>,
+        rest: f64,
+    ) -> Vec<Contact> {
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        let motion = |contact: &Contact| touch_motion(&contact.joint, bodies);
+        let rate = |of: &[Contact]| of.iter().map(|contact| motion(contact).rate).fold(f64::INFINITY, f64::min);
+        if rope.is_some() || found.is_empty() || rate(&found) >= -rest {
+            return found;
+        }
+        let others = geometry.touches_otherwise(&pose(*a, bodies), &pose(*b, bodies), within).into_iter();
+        let others = others.map(|places| places.into_iter().map(|place| self.contact(pair, place)).collect());
+        let mut best = (rate(&found), found);
+        for other in others.collect::<Vec<Vec<Contact>>>() {
+            let own = rate(&other);
+            if own > best.0 + rest {
+                best = (own, other);
+            }
+        }
+        best.1
+    }
+
     /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
     /// of the distance (m), if it is known. `likely` tells whether there were contacts a moment ago.
     pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {

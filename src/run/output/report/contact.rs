@@ -40,6 +40,9 @@ pub struct ContactsReport {
     /// A warning, if a force is outside its cone by more than roundings.
     #[serde(skip)]
     pub(crate) outside: Option<String>,
+    /// A warning, if shapes overlap by more than roundings and located events leave.
+    #[serde(skip)]
+    pub(crate) overlapping: Option<String>,
     /// Those that are closed at the end of the run.
     pub points: Vec<ContactReport>,
     /// Whether the mechanism has shapes that may touch; otherwise the lines for people do not mention them.
@@ -77,6 +80,7 @@ impl ContactsReport {
         ContactsReport {
             max_penetration: figures.penetration,
             max_cone_violation: figures.cone_violation,
+            overlapping: overlap_words(figures.penetration, finished.summary.deepest_at),
             outside: outside.map(|outside| outside_words(model, &outside)),
             points: finished.contacts.iter().map(|point| ContactReport::new(model, point)).collect(),
             may_touch: !model.mechanism.nonsmooth.pairs.is_empty(),
@@ -94,6 +98,19 @@ impl ContactsReport {
         };
         ropes + &contact_words(touching, slipping, self.max_penetration, Some(self.max_cone_violation))
     }
+}
+
+/// Overlaps up to this are left by located events, and by contacts of crowds (m).
+const DEEP: f64 = 1e-6;
+
+/// The warning about an overlap (m) at a time (s), if it is deep.
+fn overlap_words(penetration: f64, time: f64) -> Option<String> {
+    let deep = format!(
+        "shapes overlap by {penetration:.1e} m at t = {} s, where contacts changed faster than steps could follow; compare the run with one of a \
+         smaller --tolerance or --step",
+        rounded(time)
+    );
+    (penetration > DEEP).then_some(deep)
 }
 
 /// The warning about a force outside its cone: which, where, when, and how far.
@@ -158,6 +175,13 @@ pub(crate) fn pair_name(model: &Model, number: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_overlap_beyond_what_located_events_leave_is_a_warning_with_its_depth_and_time() {
+        let words = overlap_words(6.9e-4, 0.1311).expect("a deep overlap");
+        assert!(words.starts_with("shapes overlap by 6.9e-4 m at t = 0.131 s"), "{words}");
+        assert_eq!(overlap_words(9e-7, 0.1311), None);
+    }
 
     #[test]
     fn the_words_count_what_touches_and_what_slips() {

@@ -302,7 +302,7 @@ impl<'a> Islands<'a> {
         // The sum starts from 0, because an empty sum would be −0.
         whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
         for part in self.parts.iter().filter_map(|part| part.course.as_ref()) {
-            whole.summary.contact.include(&part.summary().contact);
+            whole.summary.see_contacts(&part.summary().contact, part.summary().deepest_at);
         }
         if together {
             for IslandRun { island, state: own, .. } in &self.parts {

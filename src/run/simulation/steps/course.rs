@@ -293,7 +293,7 @@ impl Course {
             self.not_lasted = (now, if now.cone_violation > 0.0 { of_first_order() } else { 0 });
             let before = if lasted { before } else { ContactFigures::default() };
             let penetration = figures.penetration;
-            self.bookkeeper.summary.contact.include(&ContactFigures { penetration, ..before });
+            self.bookkeeper.summary.see_contacts(&ContactFigures { penetration, ..before }, state.time);
         }
     }
 

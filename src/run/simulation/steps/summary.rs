@@ -49,6 +49,8 @@ pub struct Summary {
     pub events: EventCounts,
     /// The worst of the contacts at the end of any step.
     pub contact: ContactFigures,
+    /// When shapes overlapped most (s).
+    pub deepest_at: f64,
 }
 
 /// Kinetic energies below this part of the others belong to a robot at rest.
@@ -65,6 +67,14 @@ impl Summary {
         self.exact_steps += usize::from(outcome.exact);
         self.max_violation.position = worse(self.max_violation.position, violation.position);
         self.max_violation.velocity = worse(self.max_violation.velocity, violation.velocity);
+    }
+
+    /// Takes the worst contacts of a step, or of a run, that overlapped most at a time (s).
+    pub(crate) fn see_contacts(&mut self, contact: &ContactFigures, deepest_at: f64) {
+        if contact.penetration > self.contact.penetration {
+            self.deepest_at = deepest_at;
+        }
+        self.contact.include(contact);
     }
 
     /// Steps and their cost so far.
