@@ -1,4 +1,4 @@
-//! Proximal points: problems with a compliance around the last impulses, each solved by Newton's method, which lead to those of the problem itself.
+//! Proximal points: problems with a compliance around the last impulses, each solved by Newton's method, which lead to the impulses of the problem itself.
 //!
 //! ```text
 //!     u' = u + (ε/ρ)(r − r₀),    K ∋ r ⊥ u' + μ|u'_T| n ∈ K*,    r₀ ← r        until the natural map of u is small

@@ -108,7 +108,8 @@ fn a_chaotic_run_tells_while_it_goes_on_until_when_its_accuracy_holds_and_so_doe
     assert!(so_far.iter().all(|so_far| so_far.holds() == (so_far.estimate <= so_far.wanted)), "{so_far:?}");
     let last = so_far.last().expect("something told");
     assert!(last.holds_until > 1.0 && last.holds_until < last.time && last.time <= here, "{last:?}");
-    assert_eq!((told.holds_until, told.told_until), (last.holds_until, here));
+    // A separate run was asked before the accuracy was said to end, and does not catch up once it is interrupted.
+    assert_eq!((told.holds_until, told.told_until), (last.holds_until, last.time));
 }
 
 #[test]

@@ -9,7 +9,7 @@
 //! step, it is taken instead.
 
 use crate::events::covered::SAME_END;
-use crate::events::finding::detection::{Bracket, Looking, ONE_INSTANT, first_sign_change};
+use crate::events::finding::detection::{Bracket, First, Looking, ONE_INSTANT, first_sign_change};
 use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
@@ -120,8 +120,15 @@ impl Eventful {
             if fresh { f64::INFINITY } else { zero }
         }));
         let end = self.workspaces.active().small.time;
-        let short = self.is_short_span();
-        let found = first_sign_change(room, which.len(), since, end, [zero, noise], short, |time, of, values| {
+        let motors = &self.model.elements.motors;
+        let first = if self.is_short_span() {
+            First::Ends
+        } else if self.model.whole.changes() || motors.iter().any(|motor| motor.target.as_formula().is_some()) {
+            First::All
+        } else {
+            First::Thirds
+        };
+        let found = first_sign_change(room, which.len(), since, end, [zero, noise], first, |time, of, values| {
             self.evaluate(inputs, since, Inside::at(time), &which[of.clone()], values);
             // An unloaded contact does not part by roundings.
             for (value, &index) in values.iter_mut().zip(&which[of]) {

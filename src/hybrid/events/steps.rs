@@ -31,6 +31,8 @@ use crate::mechanism::motion::touches::{belt, touch_motion};
 const SHORTENED: usize = 8;
 /// A step with a defect is made again with this part of its length.
 pub(super) const SHORTER: f64 = 1.0 / 16.0;
+/// The dense output of a step does not resolve roots that are nearer to its start than this part of its length.
+const EARLY: f64 = SHORTER * SHORTER;
 /// A step in which a slip passes near its stop is shortened by this factor.
 const HALF: f64 = 0.5;
 
@@ -161,8 +163,8 @@ impl Eventful {
         })
     }
 
-    /// The first bracket of an event in the step that was made. A function that is negative from the start on may be so on the dense output of a long
-    /// step alone: the step is made again, shorter and shorter.
+    /// The first bracket of an event in the step that was made. A function that is negative from the start on, or has its root there, may be so on the
+    /// dense output of a long step alone: the step is made again, shorter and shorter.
     fn first_bracket(
         &mut self,
         inputs: Inputs,
@@ -173,8 +175,10 @@ impl Eventful {
         let mut bracket = self.detect(inputs, since, None);
         for _ in 0..SHORTENED {
             let piece = self.workspaces.active_mut();
-            let shorter = since + SHORTER * (piece.small.time - since);
-            if bracket.is_none_or(|found| !found.at_start) || shorter - since < attempt.shortest {
+            let length = piece.small.time - since;
+            let shorter = since + SHORTER * length;
+            let is_early = |found: Bracket| found.at_start || found.root - since < EARLY * length;
+            if !bracket.is_some_and(is_early) || shorter - since < attempt.shortest {
                 break;
             }
             piece.go_back(since, &self.model.recipe);

@@ -1,7 +1,8 @@
 //! The first sign change of a watched function within a step, on dense output.
 //!
-//! Samples are at `x_j = j/6`; the samples at 0, 1/3 and 1 come first. A function whose least value there is more than twice its change is not looked
-//! at any further. A sign that changes between two samples is a bracket. Between two samples that are positive the function may dip below zero. If its
+//! Samples are at `x_j = j/6`; the thirds of the step come first. A function whose least value there is more than twice its change is not looked
+//! at any further: a step that has the accuracy of its stages is shorter than a wave and a half. Under loads in time, which may be quicker than the
+//! motion, all samples come first. A sign that changes between two samples is a bracket. Between two samples that are positive the function may dip below zero. If its
 //! second derivative is at most M there, it is
 //!
 //! ```text
@@ -19,10 +20,31 @@ use std::ops::Range;
 
 /// Samples of a step besides its start.
 pub(crate) const SAMPLES: usize = 6;
-/// The samples of a span that is short beside the steps of the motion, in which forces change in proportion to time.
-pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
-/// The samples that are looked at first.
+/// The samples at which pairs are looked at first: certificates cover the stretches between.
 pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
+/// Both ends.
+pub(crate) const ENDS: [usize; 2] = [0, SAMPLES];
+/// The samples at which other functions are looked at first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum First {
+    /// Both ends: a span that is short beside the steps of the motion, in which forces change in proportion to time.
+    Ends,
+    /// Both ends, and the thirds between: a step of the motion.
+    Thirds,
+    /// Every sample: a step under loads in time.
+    All,
+}
+
+impl First {
+    pub fn samples(self) -> &'static [usize] {
+        match self {
+            First::Ends => &ENDS,
+            First::Thirds => &[0, 2, 4, SAMPLES],
+            First::All => &[0, 1, 2, 3, 4, 5, SAMPLES],
+        }
+    }
+}
+
 /// A function is not looked at any more if its least value there exceeds this many times its change.
 const CALM: f64 = 2.0;
 /// The second derivative between samples over what their differences say, besides what these differ by.
@@ -83,7 +105,8 @@ pub(crate) struct Room {
 }
 
 /// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
-/// `−noise` of a function count as zero at the start, and changes up to `zero` as no change. In a `short` span both ends are looked at first.
+/// `−noise` of a function count as zero at the start, and changes up to `zero` as no change. Functions that the `first` samples show far from zero are
+/// not looked at any further.
 ///
 /// Allocates only where there are more functions than ever before.
 pub(crate) fn first_sign_change(
@@ -92,14 +115,14 @@ pub(crate) fn first_sign_change(
     start: f64,
     end: f64,
     [zero, noise]: [&[f64]; 2],
-    short: bool,
+    first: First,
     mut sample: impl FnMut(f64, Range<usize>, &mut [f64]),
 ) -> Option<Bracket> {
     let length = end - start;
     let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
     let Room { values, calm } = room;
     values.resize(count * (SAMPLES + 1), 0.0);
-    let first: &[usize] = if short { &ENDS } else { &FIRST_SAMPLES };
+    let first = first.samples();
     for &j in first {
         sample(time(j), 0..count, &mut values[j * count..][..count]);
     }
@@ -310,7 +333,7 @@ mod tests {
     use super::*;
 
     fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
-        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
+        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], First::Thirds, |time, _, values| {
             values[0] = function(time)
         })
     }
@@ -360,6 +383,15 @@ mod tests {
     }
 
     #[test]
+    fn a_whole_wave_over_the_step_that_is_the_same_at_both_ends_and_a_third_of_it_is_not_taken_for_calm() {
+        let wave = |time: f64| 0.9 - (std::f64::consts::TAU * time - std::f64::consts::FRAC_PI_3).cos();
+        assert!((wave(0.0) - wave(1.0 / 3.0)).abs() + (wave(0.0) - wave(1.0)).abs() < 1e-15);
+        let root = 1.0 / 6.0 - 0.9_f64.acos() / std::f64::consts::TAU;
+        let found = first(wave).expect("a root");
+        assert!((found.root - root).abs() < 1e-9, "{} for {root}", found.root);
+    }
+
+    #[test]
     fn a_dip_before_the_first_sample_is_found_of_a_function_that_falls_at_the_start_from_next_to_nothing() {
         // A limit that a joint approaches from 1e-12, and leaves again before a sixth of the step: it has a root at about 1e-10.
         for speed in [1e-2, 0.1, 1.0, 4.0] {
@@ -372,21 +404,21 @@ mod tests {
     }
 
     #[test]
-    fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
+    fn a_function_that_stays_far_from_zero_is_looked_at_four_times_and_one_that_comes_near_at_all_samples() {
         let looks = |function: &dyn Fn(f64) -> f64| {
             let mut count = 0;
             let found =
-                first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], false, |time, _, values| {
+                first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], First::Thirds, |time, _, values| {
                     count += 1;
                     values[0] = function(time);
                 });
             (count, found.is_some())
         };
         // It changes by 0.4, and is 0.8 at least; the other is 0.79.
-        assert_eq!(looks(&|time| 1.21 - 0.4 * time), (FIRST_SAMPLES.len(), false));
+        assert_eq!(looks(&|time| 1.21 - 0.4 * time), (First::Thirds.samples().len(), false));
         assert_eq!(looks(&|time| 1.19 - 0.4 * time), (SAMPLES + 1, false));
         // A function that is not looked at: infinite, as of an element without bound.
-        assert_eq!(looks(&|_| f64::INFINITY), (FIRST_SAMPLES.len(), false));
+        assert_eq!(looks(&|_| f64::INFINITY), (First::Thirds.samples().len(), false));
         // Negative from the start on, however little it changes.
         assert!(looks(&|_| -1.0).1);
         // A function that stays at zero, to roundings: as of a joint that is held by all that it can bear.

@@ -94,7 +94,7 @@ impl Beside {
             return NEAR_TRUTH.max(self.share_of_first_order(run));
         }
         let share = if RATIO * stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
-        // The iterations of nine stages leave errors in proportion to the stop; those of five leave next to none beside truncation.
+        // The iterations of nine stages leave errors in proportion to the stop. With five stages truncation is far larger.
         let truncated = match stages {
             StageChoice::Many => 0.0,
             few => (LUCK * self.share_of_truncation(steps, few.count())).min(1.0),

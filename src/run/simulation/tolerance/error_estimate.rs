@@ -246,8 +246,11 @@ impl<'a> ErrorEstimate<'a> {
         let ringing = run.figures().ringing;
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let restarts = self.finer_stop(state, error, ringing, run);
-        if restarts.is_none() && error + self.doubt(state, run) > wanted {
-            error = self.second_opinion(mechanism, state, error, run);
+        // A separate run, and then a finer one.
+        for _ in 0..2 {
+            if restarts.is_none() && error + self.doubt(state, run) > wanted {
+                error = self.second_opinion(mechanism, state, error, run);
+            }
         }
         // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
         let estimate =
