@@ -71,6 +71,7 @@ mod ropes;
 mod rotors;
 mod scene_files;
 mod self_contact;
+mod short_events;
 mod singular_places;
 mod slides;
 mod slow_passes;

@@ -397,9 +397,9 @@ mod tests {
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::{Body, Mechanism};
     use crate::mechanism::motion::integrator::Integrator;
-    use crate::stepping::step_maker::StepPace;
     use crate::stepping::length::stage_choice::StageChoice;
     use crate::stepping::recipe::{Recipe, Steps};
+    use crate::stepping::step_maker::StepPace;
     use nalgebra::Vector3;
 
     /// Bodies under gravity, of which the first has a shape that may touch a floor.

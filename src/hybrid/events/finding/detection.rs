@@ -205,7 +205,13 @@ fn bracket(
 fn bend_before(of: &[f64], j: usize, apart: f64) -> f64 {
     let second = |middle: usize| (of[middle - 1] - 2.0 * of[middle] + of[middle + 1]) / apart.powi(2);
     let last = of.len() - 2;
-    let (one, other) = if j == 1 { (1, 2) } else if j == of.len() - 1 { (last, last - 1) } else { (j - 1, j) };
+    let (one, other) = if j == 1 {
+        (1, 2)
+    } else if j == of.len() - 1 {
+        (last, last - 1)
+    } else {
+        (j - 1, j)
+    };
     let (one, other) = (second(one), second(other));
     SHARPER * one.max(other).max(0.0) + (one - other).abs()
 }
@@ -407,11 +413,18 @@ mod tests {
     fn a_function_that_stays_far_from_zero_is_looked_at_four_times_and_one_that_comes_near_at_all_samples() {
         let looks = |function: &dyn Fn(f64) -> f64| {
             let mut count = 0;
-            let found =
-                first_sign_change(&mut Room::default(), 1, 0.0, 1.0, [&[1e-12]; 2], First::Thirds, |time, _, values| {
+            let found = first_sign_change(
+                &mut Room::default(),
+                1,
+                0.0,
+                1.0,
+                [&[1e-12]; 2],
+                First::Thirds,
+                |time, _, values| {
                     count += 1;
                     values[0] = function(time);
-                });
+                },
+            );
             (count, found.is_some())
         };
         // It changes by 0.4, and is 0.8 at least; the other is 0.79.
