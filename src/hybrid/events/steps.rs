@@ -163,8 +163,8 @@ impl Eventful {
         })
     }
 
-    /// The first bracket of an event in the step that was made. A function that is negative from the start on, or has its root there, may be so on the
-    /// dense output of a long step alone: the step is made again, shorter and shorter.
+    /// The first bracket of an event in the step that was made. A function that is negative from the start on may be so on the dense output of a long
+    /// step alone, and so may the rate of a joint that stops as soon as it slides: the step is made again, shorter and shorter.
     fn first_bracket(
         &mut self,
         inputs: Inputs,
@@ -174,13 +174,14 @@ impl Eventful {
         let since = attempt.since;
         let mut bracket = self.detect(inputs, since, None);
         for _ in 0..SHORTENED {
-            let piece = self.workspaces.active_mut();
-            let length = piece.small.time - since;
+            let length = self.workspaces.active().small.time - since;
             let shorter = since + SHORTER * length;
-            let is_early = |found: Bracket| found.at_start || found.root - since < EARLY * length;
+            let slides = |found: Bracket| matches!(self.trial.watched[found.watched], Watched::Slide(_));
+            let is_early = |found: Bracket| found.at_start || slides(found) && found.root - since < EARLY * length;
             if !bracket.is_some_and(is_early) || shorter - since < attempt.shortest {
                 break;
             }
+            let piece = self.workspaces.active_mut();
             piece.go_back(since, &self.model.recipe);
             let again = piece.step(&self.model.whole, inputs, shorter)?;
             outcome.cost.reject(Rejected::EventAtStart);
