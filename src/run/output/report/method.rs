@@ -242,8 +242,8 @@ pub enum Horizon {
 pub struct NoAccuracyReport {
     /// The accuracy asked for (m), if one was.
     pub wanted: Option<f64>,
-    /// Null.
-    estimated: (),
+    /// Null: it is not known.
+    pub estimated: (),
     /// The reason.
     pub reason: String,
 }

@@ -76,7 +76,7 @@ pub trait Observer: Send {
     fn event(&mut self, _event: &Event) {}
 
     /// The accuracy up to the end of the last step. It is called from time to time, and only in runs with a tolerance that estimate their own error
-    /// ([`Simulation::at_once`](crate::simulation::Simulation::at_once)).
+    /// ([`Simulation::run`](crate::simulation::Simulation::run)).
     fn accuracy(&mut self, _so_far: &AccuracySoFar) {}
 
     /// The closed contacts at the instant of the next sample, in the order of their pairs; only where a mechanism has pairs of shapes that may touch.
