@@ -32,7 +32,7 @@ const SHORTENED: usize = 8;
 /// A step with a defect is made again with this part of its length.
 pub(super) const SHORTER: f64 = 1.0 / 16.0;
 /// The dense output of a step does not resolve roots that are nearer to its start than this part of its length.
-const EARLY: f64 = SHORTER * SHORTER;
+const EARLY: f64 = SHORTER * SHORTER * SHORTER * SHORTER;
 /// A step in which a slip passes near its stop is shortened by this factor.
 const HALF: f64 = 0.5;
 
