@@ -89,6 +89,9 @@ pub enum Problem {
     /// The file system refused.
     #[error("cannot be read: {0}")]
     Unreadable(String),
+    /// A file of another kind.
+    #[error("is neither a robot nor a scene; give a URDF, xacro or MJCF file, or a scene file that ends in .toml")]
+    OtherFile,
     /// A scene file in a build without the feature `scene`.
     #[error("this build reads no scene files: build catena with its feature `scene`")]
     NotBuilt,

@@ -310,3 +310,17 @@ fn colour_is_for_terminals_or_who_forces_it_and_never_where_no_color_is_set() {
     assert!(coloured.starts_with("catena: \u{1b}[1m\u{1b}[31merror:\u{1b}[0m missing.urdf"), "{coloured:?}");
     assert_eq!(told(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]), plain);
 }
+
+#[test]
+fn a_file_of_another_kind_is_told_from_a_broken_robot_and_negative_numbers_with_exponents_are_numbers() {
+    let folder = folder("other_kinds");
+    for name in ["run.py", "bowl.obj", "robot.json"] {
+        std::fs::write(folder.join(name), "{ \"a\": 1 }\n").expect("written");
+        let output = run(&folder, &["simulate", name, "--no-log"]);
+        assert_one_error(&output, 2, name);
+        assert!(text(&output.stderr).contains("neither a robot nor a scene"), "{}", text(&output.stderr));
+    }
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--no-log", "--tolerance", "-1e-3"]);
+    assert_one_error(&output, 2, "-1e-3");
+    assert!(text(&output.stderr).contains("'-1e-3'") && text(&output.stderr).contains("greater than zero"));
+}

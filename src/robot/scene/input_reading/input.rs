@@ -33,17 +33,25 @@ impl Format {
     /// The format of a file: `.toml` is a scene, and so is standard input that does not begin as XML does. The outermost element tells models of
     /// MuJoCo from URDFs.
     pub fn of(path: &Path, text: &str) -> Self {
-        let ending = |wanted: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(wanted));
-        let is_xml = || text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']).starts_with('<');
+        let ending = |wanted: &str| has_ending(path, wanted);
         let may_be_either = path.file_name() == Some(OsStr::new(STANDARD_INPUT)) || ending("xml") || ending("mjcf");
         match () {
             () if ending("toml") => Format::Scene,
             // A log has the scene that was made of a model under the name of the model.
-            () if may_be_either && !is_xml() && !text.trim().is_empty() => Format::Scene,
+            () if may_be_either && !begins_as_xml(text) && !text.trim().is_empty() => Format::Scene,
             () if outermost(text) == Some("mujoco") => Format::Mjcf,
             () => Format::Urdf,
         }
     }
+}
+
+fn has_ending(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(wanted))
+}
+
+/// Whether a text begins with an element, a comment or a declaration.
+fn begins_as_xml(text: &str) -> bool {
+    text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']).starts_with('<')
 }
 
 /// The name of the outermost element of XML; `None` where the text does not begin with elements, comments and declarations.
@@ -69,6 +77,11 @@ pub fn read_input(path: &Path, keyframe: Option<&str>, packages: &PackagePath) -
     let format = Format::of(path, &text);
     if keyframe.is_some() && format != Format::Mjcf {
         let problem = Box::new(Problem::Keys("only a model of MuJoCo has keyframes; leave out --keyframe"));
+        return Err(SceneError { file: path.to_path_buf(), line: None, element: None, problem });
+    }
+    let is_named_so = ["urdf", "xml", "xacro", "sdf"].iter().any(|ending| has_ending(path, ending));
+    if format == Format::Urdf && !is_named_so && !begins_as_xml(&text) && !text.trim().is_empty() {
+        let problem = Box::new(Problem::OtherFile);
         return Err(SceneError { file: path.to_path_buf(), line: None, element: None, problem });
     }
     match format {
