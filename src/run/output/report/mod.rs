@@ -3,6 +3,7 @@
 //! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/program/cli/report.rs`). Links and
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
+mod accuracy;
 mod contact;
 mod events;
 mod from_log;
@@ -15,6 +16,7 @@ mod speeds;
 mod step_error;
 mod text;
 
+pub use accuracy::{AccuracyReport, Horizon, NoAccuracyReport};
 pub use contact::{ContactReport, ContactsReport};
 #[cfg(feature = "log")]
 pub(crate) use contact::{contact_words, state_name};
@@ -23,7 +25,7 @@ pub(crate) use contact::{pair_count, pair_name, pair_names};
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use from_log::{ERROR_AT_START, FromLog, UNKNOWN};
-pub use method::{AccuracyReport, CrowdReport, FrequencyReport, Horizon, MethodReport, NoAccuracyReport};
+pub use method::{CrowdReport, FrequencyReport, MethodReport};
 pub(crate) use method::{ringing_warning, singular_warning, unsolved_warning};
 pub use places::joint_reports;
 pub use places::{JointReport, LinkReport, LoopReport, Numbers};
