@@ -228,10 +228,10 @@ impl StepMaker for Eventful {
         self.workspaces.figures()
     }
 
-    /// Up to the first event.
-    fn accompany(&mut self, _mechanism: &Mechanism) -> bool {
-        self.workspaces.accompanied = true;
-        true
+    /// Up to the first event, without closed loops.
+    fn accompany(&mut self, mechanism: &Mechanism) -> bool {
+        self.workspaces.accompanied = !mechanism.has_closures();
+        self.workspaces.accompanied
     }
 
     fn leave_companion(&mut self) {

@@ -60,11 +60,14 @@ const EARLY: f64 = 1.0 / 16.0;
 enum By {
     /// The estimate comes from a companion that is integrated with the run's own steps.
     Carried,
-    /// The estimate comes from a separate coarser run.
+    /// The estimate comes from a separate run, a coarser or a finer one.
     Beside(Box<Beside>),
     /// Not any more.
     Nothing,
 }
+
+/// Begins a separate run beside one with this stop and these stages, from a state on.
+type Ask = fn(&Mechanism, &Terms, f64, StageChoice, &State) -> Option<Beside>;
 
 /// The estimate of the error of a run, whose integrator each of its functions is handed.
 pub struct ErrorEstimate<'a> {
@@ -300,10 +303,12 @@ impl<'a> ErrorEstimate<'a> {
     /// companion, a finer one instead of a coarser one. It stays beside the run if it is nearer, or refutes a doubt.
     fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64, run: &mut RunIntegrator) -> f64 {
         let (Some(origin), false) = (&self.origin, self.asked) else { return error };
-        let carried = matches!(self.by, By::Carried);
-        let ask = if carried { Beside::coarser } else { Beside::finer };
-        let other = ask(mechanism, &self.terms, self.stop, self.stages, origin);
-        let (Some(other), false) = (other, matches!(self.by, By::Nothing)) else { return error };
+        let (ask, carried): (Ask, bool) = match self.by {
+            By::Nothing => return error,
+            By::Carried => (Beside::coarser, true),
+            By::Beside(_) => (Beside::finer, false),
+        };
+        let Some(other) = ask(mechanism, &self.terms, self.stop, self.stages, origin) else { return error };
         let off = error + self.doubt(state, run);
         let before = std::mem::replace(&mut self.by, By::Beside(Box::new(other)));
         match self.error(mechanism, state, run) {
