@@ -288,8 +288,9 @@ pub(crate) fn decide(
                     Law::Sliding { .. } => slip.try_normalize(0.0),
                     Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
                     // A contact that stays closed without pressing, as of a ball that falls along a wall, is not held by friction either. Friction is
-                    // against the slip. It gives the better direction where the acceleration nearly cancels.
-                    Law::Contact { .. } if *is == BlockState::Slips => {
+                    // against the slip. It gives the better direction where the acceleration nearly cancels. One that is on its cone without
+                    // being accelerated sticks: boxes that ride on each other with the same friction everywhere.
+                    Law::Contact { .. } if *is == BlockState::Slips && (moves(row + 1) || moves(row + 2)) => {
                         let mobility = rows.square[(row + 1, row + 1)].max(rows.square[(row + 2, row + 2)]);
                         let (begins, rubs) = (tangential(&found.rates), tangential(&found.forces));
                         let slips = if mobility * rubs.norm() > begins.norm() { -rubs } else { begins };
