@@ -7,21 +7,24 @@
 //!     (1 + m |τ|²/J) / M  [1/kg],        J = tr(J)/3,        M = min(100 m, whole), but no less than 1e-4 whole
 //! ```
 //!
-//! m is the mass of the body, `whole` the mass of the mechanism; the value for a body alone is its mobility. A foot under a robot moves less easily
+//! m is the mass of the body, `whole` that of its part ([`crate::coupled::joined`]); the value for a body alone is its mobility. A foot under a robot moves less easily
 //! than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as M/ε, beside which the
 //! inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses it.
 
+use crate::coupled::joined::first_of_parts;
 use catena_mechanism::description::mechanism::Mechanism;
 
 /// The largest M, in masses of the body.
 const MOST: f64 = 100.0;
-/// The least M, in masses of the mechanism.
+/// The least M, in masses of the part.
 const LEAST: f64 = 1e-4;
 
 /// 1/M of every body [1/kg].
 pub(crate) fn weights(mechanism: &Mechanism) -> Vec<f64> {
-    let whole = mechanism.total_mass();
-    let of = |mass: f64| (MOST * mass).min(whole).max(LEAST * whole);
-    let masses = mechanism.bodies.iter().map(|body| of(body.mass));
+    let firsts = first_of_parts(mechanism);
+    let mut wholes = vec![0.0; firsts.len()];
+    mechanism.bodies.iter().zip(&firsts).for_each(|(body, &first)| wholes[first] += body.mass);
+    let of = |mass: f64, whole: f64| (MOST * mass).min(whole).max(LEAST * whole);
+    let masses = mechanism.bodies.iter().zip(&firsts).map(|(body, &first)| of(body.mass, wholes[first]));
     masses.map(|mass| if mass > 0.0 { 1.0 / mass } else { 1.0 }).collect()
 }

@@ -7,10 +7,11 @@
 //!     s_i = (p_i × z_i, z_i) of a rotation about the axis z through p, (e_i, 0) of a translation along e
 //! ```
 //!
-//! about the common origin, x the centre of mass (m). D_ki is the derivative of the residual of row k (`equations/residual.rs`) by the twist at stage
+//! about the common origin of the part of the body ([`crate::coupled::joined`]), x the centre of mass (m). D_ki is the derivative of the residual of row k (`equations/residual.rs`) by the twist at stage
 //! i, less the curvature.
 
 use crate::coupled::front::{Fronts, Screws, active};
+use crate::coupled::joined::first_of_parts;
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Geometry, Screw};
 use crate::coupled::touching::Touching;
@@ -42,7 +43,9 @@ pub struct Space<V> {
     closures: Vec<SpatialLoop>,
     loops: usize,
     touching: Touching<V>,
-    origin: [f64; 3],
+    /// The first body of the part of every body, and the common origin of that part (m).
+    firsts: Vec<usize>,
+    origins: Vec<[f64; 3]>,
     /// Every body since the start of the step, at the columns' and at the rows' stages.
     moved: Vec<[Moved<V>; 2]>,
     /// Zero where a row has the geometry of the start.
@@ -57,7 +60,8 @@ impl<V: Lanes> Space<V> {
             closures: SpatialLoop::all(mechanism, tableau.is_some()),
             loops: mechanism.loops.len(),
             touching: Touching::new(mechanism, tableau),
-            origin: [0.0; 3],
+            firsts: first_of_parts(mechanism),
+            origins: vec![[0.0; 3]; mechanism.bodies.len()],
             moved: vec![[still; 2]; mechanism.bodies.len()],
             mask: tableau.map_or(V::zero(), |tableau| moved_rows(tableau.stages - 1)),
         }
@@ -82,7 +86,7 @@ impl<V: Lanes> Space<V> {
     pub fn place_stages(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3], bias: &mut [Screw<V>]) {
         self.move_bodies(stages);
         if !self.touching.is_empty() {
-            self.touching.place(&stages.start, stages.step, &self.moved, &self.origin);
+            self.touching.place(&stages.start, stages.step, &self.moved, &self.origins);
         }
         let square = V::splat(stages.step * stages.step);
         let (_, rows, _) = stages.rows::<true, true>(gravity);
@@ -102,7 +106,7 @@ impl<V: Lanes> Space<V> {
     /// The place of an anchor at the columns' (0) or the rows' (1) stages, from the common origin.
     #[inline(always)]
     pub fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
-        self.moved[body][side].anchor_from(&start.anchor(body), &self.origin)
+        self.moved[body][side].anchor_from(&start.anchor(body), &self.origins[body])
     }
 
     /// The place of the second end of a loop at the start, from the common origin (m).
@@ -175,11 +179,13 @@ impl<V: Lanes> Geometry<V> for Space<V> {
     }
 
     fn begin(&mut self, _: &Plan, start: &Start) {
-        self.origin = if start.bodies.is_empty() { [0.0; 3] } else { start.anchor(0) };
-        for closure in &mut self.closures {
-            closure.begin(start, &self.origin);
+        for (origin, &first) in self.origins.iter_mut().zip(&self.firsts) {
+            *origin = start.anchor(first);
         }
-        self.touching.begin(start, &self.origin);
+        for closure in &mut self.closures {
+            closure.begin(start, &self.origins);
+        }
+        self.touching.begin(start, &self.origins);
     }
 
     #[inline(always)]
@@ -200,7 +206,7 @@ impl<V: Lanes> Geometry<V> for Space<V> {
     fn leverage(&self, start: &Start, body: usize, direction: &[f64; TWIST]) -> f64 {
         let known = &start.bodies[body];
         let anchor = start.anchor(body);
-        let com = Vector3::from_fn(|axis, _| anchor[axis] - self.origin[axis] + known.com[axis]);
+        let com = Vector3::from_fn(|axis, _| anchor[axis] - self.origins[body][axis] + known.com[axis]);
         let [force, torque] = [0, 3].map(|first: usize| Vector3::from_column_slice(&direction[first..first + 3]));
         let [xx, _, _, yy, _, zz] = known.sigma;
         // The trace of J = tr Σ 1 − Σ is twice the trace of the second moments Σ.

@@ -79,14 +79,14 @@ impl<V: Lanes> Touching<V> {
         self.touches.iter().map(SpatialTouch::rows)
     }
 
-    /// Takes the start of a step; `origin` is the common origin (m).
-    pub(crate) fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
-        self.touches.iter_mut().for_each(|touch| touch.begin(start, origin));
+    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
+    pub(crate) fn begin(&mut self, start: &Start, origins: &[[f64; 3]]) {
+        self.touches.iter_mut().for_each(|touch| touch.begin(start, origins));
     }
 
     /// Finds gaps, slips and friction of bodies that have moved so in a step of this length (s).
     #[inline(always)]
-    pub(crate) fn place(&mut self, start: &Start, step: f64, moved: &[[Moved<V>; 2]], origin: &[f64; 3]) {
+    pub(crate) fn place(&mut self, start: &Start, step: f64, moved: &[[Moved<V>; 2]], origins: &[[f64; 3]]) {
         let Touching { touches, moving, rates, mixing, leans, .. } = self;
         self.step = step;
         if let Some(mixing) = mixing {
@@ -113,7 +113,7 @@ impl<V: Lanes> Touching<V> {
             let of = |body: usize| {
                 let anchor = start.anchor(body);
                 let rates = &rates[body][touch.kind_of_rate()];
-                [0, 1].map(|side: usize| (&rates[side], moved[body][side].anchor_from(&anchor, origin)))
+                [0, 1].map(|side: usize| (&rates[side], moved[body][side].anchor_from(&anchor, &origins[body])))
             };
             touch.slip(mixing, step, ends.map(|end| end.map(of)));
             if touch.moments().is_some() {

@@ -8,6 +8,7 @@
 //! P is from the common origin, u_j the direction from P_j to P_{j+1}. The multiplier of the rope is its tension, times h². A row of it touches as many
 //! bodies as it has eyelets on, and each of them has a gradient of its own. Source: [`catena_mechanism::motion::reeved`].
 
+use crate::coupled::joined::common_origin;
 use crate::equations::loops::Displaced;
 use crate::equations::spatial_loops::{End, Moved};
 use crate::numbers::algebra::{Matrix, Vector};
@@ -66,10 +67,11 @@ impl<V: Lanes> SpatialRope<V> {
         })
     }
 
-    /// Takes the start of a step; `origin` is the common origin (m).
-    pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
+    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
+    pub fn begin(&mut self, start: &Start, origins: &[[f64; 3]]) {
+        let origin = common_origin(self.points.iter().map(|own| own.attachment.body), origins);
         for own in &mut self.points {
-            let End { point, arm, .. } = End::new(&own.attachment, start, origin);
+            let End { point, arm, .. } = End::new(&own.attachment, start, &origin);
             (own.point, own.arm) = (point, arm);
         }
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };

@@ -8,6 +8,7 @@
 //!     u = column of R A       the axes x, y, z of the frame in the world
 //! ```
 
+use crate::coupled::joined::common_origin;
 use crate::equations::loops::{Displaced, Equation, LoopStart};
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
@@ -52,9 +53,10 @@ impl SpatialLoop {
         SpatialLoop { start: LoopStart::new(attachments.map(|end| end.body), equations), attachments, axes }
     }
 
-    /// Takes the start of a step; `origin` is the common origin (m).
-    pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
-        let ends = [0, 1].map(|end: usize| End::new(&self.attachments[end], start, origin));
+    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
+    pub fn begin(&mut self, start: &Start, origins: &[[f64; 3]]) {
+        let origin = common_origin(self.attachments.iter().map(|end| end.body), origins);
+        let ends = [0, 1].map(|end: usize| End::new(&self.attachments[end], start, &origin));
         for (side, end) in ends.iter().enumerate() {
             (self.start.points[side], self.start.arms[side]) = (end.point, end.arm);
         }

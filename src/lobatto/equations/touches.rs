@@ -14,6 +14,7 @@
 //! Source: the forced scheme with constraints on velocities, L. O. Jay, SIAM J. Sci. Comput. 20 (1998); the gradients of gaps:
 //! [`catena_mechanism::description::contact`].
 
+use crate::coupled::joined::common_origin;
 use crate::equations::braking::{Braking, Lean, Slipping};
 use crate::equations::friction_moments::FrictionMoments;
 use crate::equations::loops::Displaced;
@@ -158,13 +159,14 @@ impl<V: Lanes> SpatialTouch<V> {
         self.rope.as_ref().map_or(&[], |rope| rope.pulls())
     }
 
-    /// Takes the start of a step; `origin` is the common origin (m).
-    pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
+    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
+    pub fn begin(&mut self, start: &Start, origins: &[[f64; 3]]) {
         if let Some(rope) = &mut self.rope {
-            rope.begin(start, origin);
+            rope.begin(start, origins);
             return;
         }
-        let ends = [self.joint.a, self.joint.b].map(|end| End::new(&end, start, origin));
+        let origin = common_origin(self.bodies(), origins);
+        let ends = [self.joint.a, self.joint.b].map(|end| End::new(&end, start, &origin));
         self.ends = ends.map(|End { point, arm, axes }| TouchEnd {
             point,
             arm,

@@ -1,4 +1,5 @@
-//! The coupled system of [`crate::coupled::system`] in a plane: twists `η = (v, φ)` of three components about a common origin.
+//! The coupled system of [`crate::coupled::system`] in a plane: twists `η = (v, φ)` of three components about the common origin of the part of a body
+//! ([`crate::coupled::joined`]).
 //!
 //! ```text
 //!     D_ki = B_ki [ m           m J x_i                                            ]
@@ -11,6 +12,7 @@
 //! and last component of [`crate::coupled::space::Space`].
 
 use crate::coupled::front::{Fronts, Screws, active};
+use crate::coupled::joined::first_of_parts;
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Geometry, Screw};
 use crate::equations::loops::{Displaced, evaluate};
@@ -36,7 +38,9 @@ pub(crate) struct Flat<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<PlanarLoop>,
     loops: usize,
-    origin: [f64; 2],
+    /// The first body of the part of every body, and the common origin of that part (m).
+    firsts: Vec<usize>,
+    origins: Vec<[f64; 2]>,
     /// Every body since the start of the step, at the columns' and at the rows' stages.
     moved: Vec<[Moved<V>; 2]>,
     /// Zero where a row has the geometry of the start.
@@ -50,7 +54,8 @@ impl<V: Lanes> Flat<V> {
         Flat {
             closures: PlanarLoop::all(mechanism, plane, tableau.is_some()),
             loops: mechanism.loops.len(),
-            origin: [0.0; 2],
+            firsts: first_of_parts(mechanism),
+            origins: vec![[0.0; 2]; mechanism.bodies.len()],
             moved: vec![[still; 2]; mechanism.bodies.len()],
             mask: tableau.map_or(V::zero(), |tableau| moved_rows(tableau.stages - 1)),
         }
@@ -102,7 +107,8 @@ impl<V: Lanes> Flat<V> {
     #[inline(always)]
     pub fn anchor(&self, start: &PlanarStart, body: usize, side: usize) -> Vector2<V> {
         let position = &start.bodies[body].position;
-        let from_origin = [position[0] - self.origin[0], position[1] - self.origin[1]];
+        let origin = &self.origins[body];
+        let from_origin = [position[0] - origin[0], position[1] - origin[1]];
         Vector2::splat(&from_origin).plus(self.moved[body][side].anchor)
     }
 }
@@ -137,9 +143,11 @@ impl<V: Lanes> Geometry<V> for Flat<V> {
     }
 
     fn begin(&mut self, _: &PlanarPlan, start: &PlanarStart) {
-        self.origin = start.bodies.first().map_or([0.0; 2], |body| body.position);
+        for (origin, &first) in self.origins.iter_mut().zip(&self.firsts) {
+            *origin = start.bodies[first].position;
+        }
         for closure in &mut self.closures {
-            closure.begin(&start.bodies, &self.origin);
+            closure.begin(&start.bodies, &self.origins);
         }
     }
 

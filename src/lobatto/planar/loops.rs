@@ -9,6 +9,7 @@
 //!
 //! The equations are the same as in space: [`crate::equations::loops`].
 
+use crate::coupled::joined::common_origin;
 use crate::equations::loops::{Displaced, Equation, LoopStart};
 use crate::numbers::lanes::Lanes;
 use crate::planar::algebra::Vector2;
@@ -59,8 +60,9 @@ impl PlanarLoop {
         PlanarLoop { start: LoopStart::new([ends[0].body, ends[1].body], equations), ends, directions }
     }
 
-    /// Takes the start of a step; `origin` is the common origin (m).
-    pub fn begin(&mut self, bodies: &[PlanarBody], origin: &[f64; 2]) {
+    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
+    pub fn begin(&mut self, bodies: &[PlanarBody], origins: &[[f64; 2]]) {
+        let origin = common_origin(self.ends.iter().map(|end| end.body), origins);
         let still = [1.0, 0.0];
         let turn = [0, 1].map(|side: usize| self.ends[side].body.map_or(&still, |body| &bodies[body].turn));
         for (side, End { body, arm }) in self.ends.iter().enumerate() {

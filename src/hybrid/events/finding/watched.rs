@@ -209,8 +209,7 @@ impl Watched {
                 // Roundings must not release an unloaded joint at rest.
                 left + holding.rounding(index)
             }
-            // Bodies that fall freely beside each other press with roundings.
-            Watched::Margin => holding.margin() + holding.rounding_of_contacts(),
+            Watched::Margin => holding.margin(),
             Watched::Motor(index, side) => {
                 let bound = elements.motors[index].max_effort;
                 let unbounded = unbounded(elements, index, since, time, state);
@@ -234,11 +233,11 @@ impl Watched {
                 let within = of.size() * if of.reach.contains(&f64::INFINITY) { 1.0 } else { NEARBY };
                 touching.beside(&closed, within, bodies) + of.within(COPLANAR)
             }
-            Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_pressures(),
+            Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_pressure(index),
             Watched::Returns(index) => -holding.of_unpressed(index),
             Watched::Grips(index) => {
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
-                holding.rounding_of_contacts() - outside_cone(friction, holding.of_contact(index))
+                holding.rounding_of_contact(index) - outside_cone(friction, holding.of_contact(index))
             }
             Watched::Resists(index, spinning) => {
                 let Pair { moments, .. } = &touching.pairs[mode.contacts[index].contact.pair];
@@ -247,7 +246,7 @@ impl Watched {
                 let (length, moment) =
                     if spinning { (moments.spinning, normal.abs()) } else { (moments.rolling, first.hypot(second)) };
                 let arm = touching.pairs[mode.contacts[index].contact.pair].arm();
-                (length * pressure - moment) / arm + holding.rounding_of_contacts()
+                (length * pressure - moment) / arm + holding.rounding_of_contact(index)
             }
             Watched::Turns(index, spinning) => {
                 let Contact { pair, joint, .. } = &mode.contacts[index].contact;
@@ -301,8 +300,9 @@ impl Watched {
     pub(crate) fn rounding(self, holding: &Holding) -> f64 {
         match self {
             Watched::Bears(index, _) => holding.rounding(index),
-            Watched::Presses(_) | Watched::Returns(_) => holding.rounding_of_pressures(),
-            Watched::Grips(_) | Watched::Resists(..) => holding.rounding_of_contacts(),
+            Watched::Presses(index) => holding.rounding_of_pressure(index),
+            Watched::Returns(index) => holding.rounding_of_unpressed(index),
+            Watched::Grips(index) | Watched::Resists(index, _) => holding.rounding_of_contact(index),
             _ => 0.0,
         }
     }

@@ -29,6 +29,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Held rows whose response is singular to this part are redundant.
 const SINGULAR: f64 = 1e-10;
@@ -40,31 +41,36 @@ const FALLS: f64 = 1e-10;
 /// The forces of one instant.
 #[derive(Clone)]
 pub(crate) struct ClosedForces {
-    /// λ of the held joints [N m or N], by their numbers among the elements.
-    pub joints: Vec<(usize, f64)>,
+    /// λ of the held joints [N m or N], by their numbers among the elements, each with the size of the terms that cancel in it.
+    pub joints: Vec<(usize, f64, f64)>,
     /// λ of the contacts (N): normal, and along both tangents of [`tangents`].
     pub contacts: Vec<[f64; 3]>,
     /// Moments of rolling friction, about both tangents, and of spinning friction [N m].
     pub moments: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     pub weights: Vec<f64>,
-    /// The size of the terms that cancel in them.
-    pub size: f64,
+    /// The size of the terms that cancel in the force of each contact: the largest of the blocks that feel each other (N).
+    pub sizes: Vec<f64>,
     /// The held blocks.
     pub load: Load,
 }
 
-/// Held blocks at an instant, and whether all of them are in common free fall.
+/// Held blocks at an instant, and which of them are in free fall with all that feels them.
 #[derive(Clone)]
 pub(crate) struct Load {
     pub held: Closing,
-    together: bool,
+    together: Vec<bool>,
 }
 
 impl Load {
-    /// The largest margin of admissible forces, where they are not unique.
-    pub fn margin(&self) -> f64 {
-        if self.together { 0.0 } else { margin_or_clear(&self.held.problem(&self.held.laws())) }
+    /// The largest margin of admissible forces, where they are not unique; zero of blocks that fall together. Blocks that feel each other have as much
+    /// more as the forces of their contacts are known, by the numbers of these (N).
+    pub fn margin(&self, known: impl Fn(usize) -> f64) -> f64 {
+        let laws = self.held.laws();
+        let problem = self.held.problem(&laws);
+        let more =
+            |block: usize| if let Of::Contact(contact) = self.held.blocks[block].of { known(contact) } else { 0.0 };
+        margin_or_clear(&problem, more, |block| self.together[block])
     }
 }
 
@@ -146,20 +152,59 @@ impl Closing {
         self.blocks.iter().flat_map(|block| &block.rows).map(|row| fall(row, &self.free)).collect()
     }
 
-    /// Whether all blocks fall together. Rows across the fall of a contact have the roundings of the rows along it; a sliding contact is accelerated
-    /// along its plane as well, but only its normal is an equation.
-    fn falls_together(&self, falls: &[f64]) -> bool {
-        let mut first = 0;
-        self.blocks.iter().all(|block| {
-            let rows = first..first + block.rows.len();
-            first = rows.end;
-            if let Of::Moment { .. } = block.of {
-                return true;
-            }
-            let held = if matches!(block.law, Law::Sliding { .. }) { rows.start..rows.start + 1 } else { rows.clone() };
-            let fall = falls[rows].iter().fold(0.0_f64, |most, fall| most.max(*fall));
-            self.offset[held].iter().all(|offset| offset.abs() <= FALLS * fall)
-        })
+    /// Whether a block falls without a relative acceleration. Rows across the fall of a contact have the roundings of the rows along it; a sliding
+    /// contact is accelerated along its plane as well, but only its normal is an equation.
+    fn falls_along(&self, block: &Block, rows: Range<usize>, falls: &[f64]) -> bool {
+        if let Of::Moment { .. } = block.of {
+            return true;
+        }
+        let held = if matches!(block.law, Law::Sliding { .. }) { rows.start..rows.start + 1 } else { rows.clone() };
+        let fall = falls[rows].iter().fold(0.0_f64, |most, fall| most.max(*fall));
+        self.offset[held].iter().all(|offset| offset.abs() <= FALLS * fall)
+    }
+
+    /// For each block the size of the terms that cancel in its forces (N), and whether it is in free fall: both of all blocks that feel each other. A
+    /// heavy body says nothing of a light one beside it.
+    fn sizes(&self, forces: &[f64]) -> (Vec<f64>, Vec<bool>) {
+        let Closing { blocks, rows, offset, .. } = self;
+        let ranges = self.ranges();
+        let falls = self.falls();
+        let least = least_answer(&rows.square);
+        let size = |block: usize, together: bool| {
+            // Torques have another unit, and the rows that stand for normal forces are those forces. Tangents of a sliding contact are no equations:
+            // if nothing answers along them, as between a moved cam and a guided follower, they would be of any size.
+            let equations = match (blocks[block].of, blocks[block].law) {
+                (Of::Moment { .. }, _) => 0,
+                (_, Law::Sliding { .. }) => 1,
+                _ => ranges[block].len(),
+            };
+            let equations = ranges[block].clone().take(equations).filter(|&row| rows.square[(row, row)] > least);
+            let of_row = |row: usize| {
+                let parts = if together { falls[row] } else { offset[row].abs() };
+                forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
+            };
+            equations.map(of_row).fold(0.0, f64::max)
+        };
+        let (mut sizes, mut all_fall) = (vec![0.0; blocks.len()], vec![false; blocks.len()]);
+        let joins = |one: usize, other: usize| {
+            ranges[one].clone().any(|row| ranges[other].clone().any(|column| rows.square[(row, column)] != 0.0))
+        };
+        for part in parts_joined(blocks.len(), joins) {
+            let together = part.iter().all(|&block| self.falls_along(&blocks[block], ranges[block].clone(), &falls));
+            let most = part.iter().map(|&block| size(block, together)).fold(0.0, f64::max);
+            part.into_iter().for_each(|block| (sizes[block], all_fall[block]) = (most, together));
+        }
+        (sizes, all_fall)
+    }
+
+    /// The rows of each block.
+    fn ranges(&self) -> Vec<Range<usize>> {
+        let ends = self.blocks.iter().scan(0, |end, block| {
+            let first = *end;
+            *end += block.rows.len();
+            Some(first..*end)
+        });
+        ends.collect()
     }
 
     /// Their rows.
@@ -194,13 +239,15 @@ impl Closing {
 pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> ClosedForces {
     let forces = held.forces(unique);
     held.bound_moments(&forces);
-    let Closing { blocks, rows, offset, .. } = &held;
+    let Closing { blocks, rows, .. } = &held;
+    let (sizes_of_blocks, together) = held.sizes(&forces);
     let (mut joints, mut contacts, mut weights, mut row) = (Vec::new(), Vec::new(), Vec::new(), 0);
-    let mut moments: Vec<[f64; 3]> = Vec::new();
-    for block in blocks {
+    let (mut moments, mut sizes): (Vec<[f64; 3]>, Vec<f64>) = (Vec::new(), Vec::new());
+    for (block, size) in blocks.iter().zip(sizes_of_blocks) {
         match block.of {
-            Of::Joint(index) => joints.push((index, forces[row])),
+            Of::Joint(index) => joints.push((index, forces[row], size)),
             Of::Contact(_) => {
+                sizes.push(size);
                 let mut force = [0.0; 3];
                 force[..block.rows.len()].copy_from_slice(&forces[row..row + block.rows.len()]);
                 contacts.push(force);
@@ -214,27 +261,7 @@ pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> Cl
         }
         row += block.rows.len();
     }
-    let falls = held.falls();
-    let together = held.falls_together(&falls);
-    // Torques have another unit, and the rows that stand for normal forces are those forces. Tangents of a sliding contact are no equations: where
-    // nothing answers along them, as between a moved cam and a guided follower, they would be of any size.
-    let counts = |block: &Block| {
-        let equations = match (block.of, block.law) {
-            (Of::Moment { .. }, _) => 0,
-            (_, Law::Sliding { .. }) => 1,
-            _ => block.rows.len(),
-        };
-        (0..block.rows.len()).map(move |row| row < equations)
-    };
-    let is_force: Vec<bool> = blocks.iter().flat_map(counts).collect();
-    let size = |row: usize| {
-        let parts = if together { falls[row] } else { offset[row].abs() };
-        forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
-    };
-    let least = least_answer(&rows.square);
-    let answers = |row: &usize| rows.square[(*row, *row)] > least;
-    let size = (0..forces.len()).filter(|&row| is_force[row]).filter(answers).map(size).fold(0.0, f64::max);
-    ClosedForces { joints, contacts, moments, weights, size, load: Load { held, together } }
+    ClosedForces { joints, contacts, moments, weights, sizes, load: Load { held, together } }
 }
 
 /// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of the terms that cancel in it.

@@ -50,15 +50,15 @@ pub(crate) struct Holding {
     efforts: Vec<f64>,
     /// The size of what each of them is the difference of.
     sizes: Vec<f64>,
-    /// λ of the closed contacts (N): normal and tangents; and the size of the terms that cancel in it.
+    /// λ of the closed contacts (N): normal and tangents; and the size of the terms that cancel in it, of all contacts that feel each other.
     contacts: Vec<[f64; 3]>,
-    contact_size: f64,
+    contact_sizes: Vec<f64>,
     /// Their moments: of rolling friction about both tangents, and of spinning friction [N m].
     moments: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
     weights: Vec<f64>,
-    /// λ' of the contacts without pressure that the closed ones keep at their places (N).
-    returning: Vec<f64>,
+    /// λ' of the contacts without pressure that the closed ones keep at their places.
+    returning: Vec<Returning>,
     /// m, and whether it belongs to the state and efforts of the forces.
     margin: f64,
     margin_known: bool,
@@ -67,6 +67,18 @@ pub(crate) struct Holding {
     how: How,
     /// The forces of the contacts that the last step has shown.
     pub foreseen: Foreseen,
+}
+
+/// The pressure of a contact without pressure by the law of equal springs, and the bound of its roundings (N).
+#[derive(Clone, Copy)]
+struct Returning {
+    pressure: f64,
+    rounding: f64,
+}
+
+impl Returning {
+    /// Of a contact that the closed ones leave free.
+    const NEVER: Self = Returning { pressure: f64::NEG_INFINITY, rounding: 0.0 };
 }
 
 #[derive(Clone)]
@@ -172,10 +184,10 @@ impl Holding {
             efforts: nothing.clone(),
             sizes: nothing,
             contacts,
-            contact_size: 0.0,
+            contact_sizes: vec![0.0; mode.contacts.len()],
             moments: vec![[0.0; 3]; mode.contacts.len()],
             weights: Vec::new(),
-            returning: vec![f64::NEG_INFINITY; mode.unpressed.len()],
+            returning: vec![Returning::NEVER; mode.unpressed.len()],
             margin,
             margin_known: false,
             known: None,
@@ -218,7 +230,12 @@ impl Holding {
 
     /// The pressure that a contact without pressure would have by the law of equal springs, beyond the roundings of pressures (N).
     pub fn of_unpressed(&self, unpressed: usize) -> f64 {
-        self.returning[unpressed] - SHARED_ROUNDING * self.contact_size
+        self.returning[unpressed].pressure - self.returning[unpressed].rounding
+    }
+
+    /// Bound of the roundings of that pressure (N).
+    pub fn rounding_of_unpressed(&self, unpressed: usize) -> f64 {
+        self.returning[unpressed].rounding
     }
 
     /// Whether a contact carries only roundings of its weights.
@@ -227,17 +244,18 @@ impl Holding {
         self.weights.get(contact).is_some_and(|weight| pressure.abs() <= UNLOADED * weight)
     }
 
-    /// Bound of the roundings of contact forces (N).
-    pub fn rounding_of_contacts(&self) -> f64 {
-        CONTACT_ROUNDING * self.contact_size
+    /// Bound of the roundings of the force of a closed contact (N).
+    pub fn rounding_of_contact(&self, contact: usize) -> f64 {
+        CONTACT_ROUNDING * self.contact_sizes[contact]
     }
 
-    /// Bound of the roundings of contact pressures (N).
-    pub fn rounding_of_pressures(&self) -> f64 {
-        if self.is_unique() { self.rounding_of_contacts() } else { SHARED_ROUNDING * self.contact_size }
+    /// Bound of the roundings of its pressure (N).
+    pub fn rounding_of_pressure(&self, contact: usize) -> f64 {
+        let part = if self.is_unique() { CONTACT_ROUNDING } else { SHARED_ROUNDING };
+        part * self.contact_sizes[contact]
     }
 
-    /// m: positive while some efforts can hold all; of the instant at which it was worked out last.
+    /// m: not negative while some efforts can hold all, but for roundings; of the instant at which it was worked out last.
     pub fn margin(&self) -> f64 {
         self.margin
     }
@@ -292,20 +310,31 @@ impl Holding {
                     }
                     None => Closing::at(at, response, state, efforts),
                 };
-                let ClosedForces { joints, contacts, moments, weights, size, load } = closed_forces(at, held, *unique);
-                for (joint, effort) in joints {
+                let forces = closed_forces(at, held, *unique);
+                let ClosedForces { joints, contacts, moments, weights, sizes: of_contacts, load } = forces;
+                for (joint, effort, size) in joints {
                     (found[joint], sizes[joint]) = (effort, size);
                 }
-                (self.contacts, self.weights, self.contact_size) = (contacts, weights, size);
+                (self.contacts, self.weights, self.contact_sizes) = (contacts, weights, of_contacts);
                 self.moments = moments;
                 if !mode.unpressed.is_empty() {
                     let bodies = body_states(whole, state);
                     let closed = mode.contacts.iter().map(|closed| &closed.contact.joint);
                     let open = mode.unpressed.iter().map(|contact| &contact.joint);
                     let shares = shares(whole, response, state, &bodies, closed, open);
-                    let pressures = self.contacts.iter().map(|[pressure, ..]| *pressure);
-                    let pressed = |share: &DVector<f64>| share.iter().zip(pressures.clone()).map(|(c, p)| c * p).sum();
-                    let each = shares.iter().map(|share| share.as_ref().map_or(f64::NEG_INFINITY, pressed));
+                    let pressed = |share: &DVector<f64>| {
+                        let mut of = Returning { pressure: 0.0, rounding: 0.0 };
+                        for (part, ([pressure, ..], size)) in
+                            share.iter().zip(self.contacts.iter().zip(&self.contact_sizes))
+                        {
+                            if *part != 0.0 {
+                                of.pressure += part * pressure;
+                                of.rounding = of.rounding.max(SHARED_ROUNDING * size);
+                            }
+                        }
+                        of
+                    };
+                    let each = shares.iter().map(|share| share.as_ref().map_or(Returning::NEVER, pressed));
                     self.returning.clear();
                     self.returning.extend(each);
                 }
@@ -319,7 +348,7 @@ impl Holding {
         if let How::Closed { last: Some(load), unique: false } = &self.how
             && !self.margin_known
         {
-            self.margin = load.margin();
+            self.margin = load.margin(|contact| CONTACT_ROUNDING * self.contact_sizes[contact]);
             self.margin_known = true;
         }
     }

@@ -29,22 +29,33 @@ const ROUNDING: f64 = 1e-13;
 /// m; −∞ if no forces hold all rows, or the problem is malformed.
 #[cfg(test)]
 pub(crate) fn margin(problem: &Problem) -> f64 {
-    margin_beyond(problem, f64::INFINITY)
+    margin_beyond(problem, f64::INFINITY, |_| 0.0, |_| false)
 }
 
-/// The same where its size does not matter: the margin of the forces of least norm if that is clear.
-pub(crate) fn margin_or_clear(problem: &Problem) -> f64 {
-    margin_beyond(problem, CLEAR)
+/// The same where its size does not matter: the margin of the forces of least norm if that is clear. A part of the problem whose blocks are `unloaded`
+/// has the margin 0, and each part as much more as its forces are known (N), the most of its blocks.
+pub(crate) fn margin_or_clear(
+    problem: &Problem,
+    known: impl Fn(usize) -> f64,
+    unloaded: impl Fn(usize) -> bool,
+) -> f64 {
+    margin_beyond(problem, CLEAR, known, unloaded)
 }
 
 /// m, or the margin of the forces of least norm if that is more than this part of the largest of them.
-fn margin_beyond(problem: &Problem, clear: f64) -> f64 {
+fn margin_beyond(problem: &Problem, clear: f64, known: impl Fn(usize) -> f64, unloaded: impl Fn(usize) -> bool) -> f64 {
     if problem.check().is_err() {
         return f64::NEG_INFINITY;
     }
+    let of_part = |problem: &Problem, blocks: &[usize]| {
+        let loaded = !blocks.iter().copied().all(&unloaded);
+        let (margin, largest) = if loaded { margin_of_part(problem, clear) } else { (0.0, 0.0) };
+        let more = blocks.iter().copied().map(&known).fold(0.0, f64::max);
+        (margin + more, largest + more)
+    };
     let margins: Vec<(f64, f64)> = match parts_apart(problem) {
-        Some(parts) => parts.iter().map(|part| margin_of_part(&part.problem(), clear)).collect(),
-        None => vec![margin_of_part(problem, clear)],
+        Some(parts) => parts.iter().map(|part| of_part(&part.problem(), &part.blocks)).collect(),
+        None => vec![of_part(problem, &(0..problem.laws.len()).collect::<Vec<_>>())],
     };
     let largest = margins.iter().fold(0.0_f64, |most, (_, largest)| most.max(*largest));
     margins.iter().fold(largest, |least, (margin, _)| least.min(*margin))
