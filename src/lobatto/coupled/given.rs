@@ -11,8 +11,8 @@
 //! than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as M/ε, beside which the
 //! inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses it.
 
-use crate::coupled::joined::first_of_parts;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::structure::islands::first_of_tied;
 
 /// The largest M, in masses of the body.
 const MOST: f64 = 100.0;
@@ -21,7 +21,7 @@ const LEAST: f64 = 1e-4;
 
 /// 1/M of every body [1/kg].
 pub(crate) fn weights(mechanism: &Mechanism) -> Vec<f64> {
-    let firsts = first_of_parts(mechanism);
+    let firsts = first_of_tied(mechanism);
     let mut wholes = vec![0.0; firsts.len()];
     mechanism.bodies.iter().zip(&firsts).for_each(|(body, &first)| wholes[first] += body.mass);
     let of = |mass: f64, whole: f64| (MOST * mass).min(whole).max(LEAST * whole);

@@ -11,7 +11,6 @@
 //! i, less the curvature.
 
 use crate::coupled::front::{Fronts, Screws, active};
-use crate::coupled::joined::first_of_parts;
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Geometry, Screw};
 use crate::coupled::touching::Touching;
@@ -33,6 +32,7 @@ use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::islands::first_of_tied;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -60,7 +60,7 @@ impl<V: Lanes> Space<V> {
             closures: SpatialLoop::all(mechanism, tableau.is_some()),
             loops: mechanism.loops.len(),
             touching: Touching::new(mechanism, tableau),
-            firsts: first_of_parts(mechanism),
+            firsts: first_of_tied(mechanism),
             origins: vec![[0.0; 3]; mechanism.bodies.len()],
             moved: vec![[still; 2]; mechanism.bodies.len()],
             mask: tableau.map_or(V::zero(), |tableau| moved_rows(tableau.stages - 1)),

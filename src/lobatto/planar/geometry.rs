@@ -12,7 +12,6 @@
 //! and last component of [`crate::coupled::space::Space`].
 
 use crate::coupled::front::{Fronts, Screws, active};
-use crate::coupled::joined::first_of_parts;
 use crate::coupled::mixing::Mixing;
 use crate::coupled::system::{Geometry, Screw};
 use crate::equations::loops::{Displaced, evaluate};
@@ -29,6 +28,7 @@ use crate::stages::coefficients::{Coefficients, moved_rows};
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::islands::first_of_tied;
 use catena_mechanism::structure::plane::Plane;
 use std::ops::Range;
 
@@ -54,7 +54,7 @@ impl<V: Lanes> Flat<V> {
         Flat {
             closures: PlanarLoop::all(mechanism, plane, tableau.is_some()),
             loops: mechanism.loops.len(),
-            firsts: first_of_parts(mechanism),
+            firsts: first_of_tied(mechanism),
             origins: vec![[0.0; 2]; mechanism.bodies.len()],
             moved: vec![[still; 2]; mechanism.bodies.len()],
             mask: tableau.map_or(V::zero(), |tableau| moved_rows(tableau.stages - 1)),

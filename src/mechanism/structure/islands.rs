@@ -62,30 +62,11 @@ pub fn islands(mechanism: &Mechanism) -> Vec<Island> {
 
 /// The number of the island of every body.
 fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
-    // Every body points to an earlier one of its island; one that points to itself is the first.
-    let mut earlier: Vec<usize> =
-        mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
-    let ends = |a: &Attachment, b: &Attachment| a.body.zip(b.body);
-    let loops = mechanism.closing_ends().filter_map(|[a, b]| ends(a, b));
-    let mimics = mechanism.mimics.iter();
-    let mimics = mimics.flat_map(|mimic| mimic.terms().skip(1).map(|(own, _)| (mimic.follower.body, own.body)));
-    let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
-    let pairs = touching_ends(&mechanism.nonsmooth);
-    let closed = mechanism.touches.iter().map(|joint| &joint.reeved);
-    let ropes = mechanism.nonsmooth.reevings.iter().map(|rope| &rope.points).chain(closed);
-    let ropes = ropes.flat_map(|points| {
-        let mut bodies = points.iter().filter_map(|point| point.body);
-        let first = bodies.next();
-        bodies.filter_map(move |body| Some((first?, body)))
-    });
-    for (one, other) in loops.chain(mimics).chain(springs).chain(pairs).chain(ropes) {
-        let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
-        earlier[one.max(other)] = one.min(other);
-    }
-    let mut numbers = vec![0; earlier.len()];
+    let ropes = mechanism.nonsmooth.reevings.iter().flat_map(|rope| joined_by_rope(&rope.points));
+    let firsts = firsts_of(mechanism, touching_ends(&mechanism.nonsmooth).chain(ropes));
+    let mut numbers = vec![0; firsts.len()];
     let mut count = 0;
-    for index in 0..earlier.len() {
-        let first = first_of(&mut earlier, index);
+    for (index, &first) in firsts.iter().enumerate() {
         if first == index {
             numbers[index] = count;
             count += 1;
@@ -94,6 +75,37 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
         }
     }
     numbers
+}
+
+/// For every body the first of those to which its joints, closures, mimic relations and springs tie it now: pairs that may touch, and ropes that may
+/// go taut, tie nothing.
+pub fn first_of_tied(mechanism: &Mechanism) -> Vec<usize> {
+    firsts_of(mechanism, std::iter::empty())
+}
+
+/// The same, where other pairs of bodies are tied as well.
+fn firsts_of(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    // Every body points to an earlier one of its island; one that points to itself is the first.
+    let mut earlier: Vec<usize> =
+        mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
+    let ends = |a: &Attachment, b: &Attachment| a.body.zip(b.body);
+    let loops = mechanism.closing_ends().filter_map(|[a, b]| ends(a, b));
+    let mimics = mechanism.mimics.iter();
+    let mimics = mimics.flat_map(|mimic| mimic.terms().skip(1).map(|(own, _)| (mimic.follower.body, own.body)));
+    let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
+    let ropes = mechanism.touches.iter().flat_map(|joint| joined_by_rope(&joint.reeved));
+    for (one, other) in loops.chain(mimics).chain(springs).chain(ropes).chain(others) {
+        let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
+        earlier[one.max(other)] = one.min(other);
+    }
+    (0..earlier.len()).map(|index| first_of(&mut earlier, index)).collect()
+}
+
+/// The bodies at the points of a rope, each with the first of them.
+fn joined_by_rope(points: &[Attachment]) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let mut bodies = points.iter().filter_map(|point| point.body);
+    let first = bodies.next();
+    bodies.filter_map(move |body| Some((first?, body)))
 }
 
 /// Bodies that pairs join. Colliders that an earlier run has joined with each other, all of them fixed in bodies, are joined by one of them.

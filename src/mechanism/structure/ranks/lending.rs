@@ -7,15 +7,16 @@
 //!     H_xx + w_x,    w_x = 1e-4 / m_x,   m_x = [Z (Zᵀ H Z)⁻¹ Zᵀ]_xx,   Z: directions in which the closures let the mechanism move
 //! ```
 //!
-//! at most 1e-4 of the largest inertia. Iterations then leave some 1e-4 each, and converge to the exact solution. A freedom whose own inertia is not
+//! at most 1e-4 of the largest inertia of the bodies that are tied to each other. Iterations then leave some 1e-4 each, and converge to the exact solution. A freedom whose own inertia is not
 //! well below w_x gets no loan, so most mechanisms are solved as they stand. H is kept as a factor, `H = Bᵀ B` with a row for every component of
 //! every body's momentum, largest rows first, so that light bodies keep their digits beside heavy ones. Source: numerical experiments, in which six
 //! repetitions of the solve reach rounding at every mass ratio.
 
 use crate::description::body_state::{BodyState, WORLD};
-use crate::description::mechanism::Mechanism;
+use crate::description::mechanism::{Body, Mechanism};
 use crate::motion::kinematics::forward_kinematics;
 use crate::motion::state::State;
+use crate::structure::islands::first_of_tied;
 use crate::structure::ranks::counting::Ranks;
 use nalgebra::{DMatrix, DVector};
 
@@ -37,12 +38,16 @@ pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<
     let factor = factor(mechanism, state, &ranks.lengths);
     let units = DMatrix::identity(count, count);
     let directions = DMatrix::from_fn(count, free.len(), |row, column| free[column][row]);
-    let largest = factor.column_iter().map(|column| column.norm_squared()).fold(0.0, f64::max);
+    let parts = part_of_freedoms(mechanism);
+    let mut largest = vec![0.0_f64; mechanism.bodies.len()];
+    for (column, &part) in factor.column_iter().zip(&parts) {
+        largest[part] = largest[part].max(column.norm_squared());
+    }
     let triangle = triangle(factor);
     let (alone, together) = (mobilities(&triangle, &units), mobilities(&triangle, &directions));
     let lent: Vec<f64> = (0..count)
         .map(|freedom| {
-            let inertia = LENT * (1.0 / together[freedom]).min(largest);
+            let inertia = LENT * (1.0 / together[freedom]).min(largest[parts[freedom]]);
             let helps = inertia.is_finite() && inertia * alone[freedom] > LIGHT;
             if helps { inertia / ranks.lengths[freedom].powi(2) } else { 0.0 }
         })
@@ -50,12 +55,26 @@ pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<
     if lent.iter().all(|&inertia| inertia == 0.0) { Vec::new() } else { lent }
 }
 
-/// Whether any body is light enough, beside another, for a loan.
+/// For every freedom the first body of the part of its body.
+fn part_of_freedoms(mechanism: &Mechanism) -> Vec<usize> {
+    let firsts = first_of_tied(mechanism);
+    let mut parts = vec![0; mechanism.velocity_count];
+    for (body, first) in mechanism.bodies.iter().zip(firsts) {
+        parts[body.joint.velocity_range()].fill(first);
+    }
+    parts
+}
+
+/// Whether any body is light enough, beside another of its part, for a loan.
 fn may_be_light(mechanism: &Mechanism, ranks: &Ranks) -> bool {
     let length = ranks.lengths.iter().fold(1.0_f64, |most, &length| most.max(length));
-    let heaviest = mechanism.bodies.iter().map(|body| body.inertia.max().max(body.mass * length * length));
-    let heaviest = heaviest.fold(0.0, f64::max);
-    mechanism.bodies.iter().any(|body| body.inertia.max().min(body.mass * length * length) < SPREAD * heaviest)
+    let firsts = first_of_tied(mechanism);
+    let mut heaviest = vec![0.0_f64; firsts.len()];
+    for (body, &first) in mechanism.bodies.iter().zip(&firsts) {
+        heaviest[first] = heaviest[first].max(body.inertia.max().max(body.mass * length * length));
+    }
+    let lightness = |body: &Body| body.inertia.max().min(body.mass * length * length);
+    mechanism.bodies.iter().zip(&firsts).any(|(body, &first)| lightness(body) < SPREAD * heaviest[first])
 }
 
 /// `B`: the roots of the kinetic energy of every body for a unit of every freedom, largest rows first.
