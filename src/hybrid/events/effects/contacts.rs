@@ -349,6 +349,7 @@ impl Contacts {
         let closed = |candidate: &Candidate| Closed {
             contact: candidate.contact.clone(),
             slides: candidate.slip.try_normalize(0.0),
+            on_cone: false,
             moments: Moments::default(),
         };
         self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()

@@ -40,6 +40,8 @@ use nalgebra::Vector3;
 
 /// Accelerations below this part of their terms are zero.
 const ROUNDING: f64 = 1e-10;
+/// The same of slips that begin where forces are not unique: the contact sticks on its cone.
+const TIED: f64 = 2e-8;
 /// Accelerations below this part of the largest of all, and of one unit, are rounding as well.
 const DIFFERENCE: f64 = 1e-14;
 /// The part by which the bound of a joint is reduced if an event has found the joint at that bound.
@@ -243,11 +245,17 @@ pub(crate) fn decide(
     };
     // Each acceleration is a difference of others.
     let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let moves = |row: usize| {
+    let accelerates = |row: usize, part: f64| {
         let terms: f64 =
             (0..offset.len()).map(|column| (rows.square[(row, column)] * found.forces[column]).abs()).sum();
-        found.rates[row].abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest)
+        found.rates[row].abs() > part * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest)
     };
+    let moves = |row: usize| accelerates(row, ROUNDING);
+    // Forces across a slip that hold each other take friction by their square: where forces are not unique, their roundings do so, too.
+    let begins = blocks.iter().zip(&found.states).any(|(block, is)| {
+        matches!((block.of, block.law, is), (Of::Contact(_), Law::Contact { .. }, BlockState::Slips))
+    });
+    let ties = if begins && !Chosen::new(&blocks).is_unique(&rows.square) { TIED } else { ROUNDING };
     let ends = if is_flat { tipping_ends(&blocks, &found, candidates, moves) } else { Vec::new() };
     let (mut first, mut kept) = (0, Kept::default());
     let mut decided = None;
@@ -284,13 +292,16 @@ pub(crate) fn decide(
                 }
                 let [along, across] = tangents(&touch_motion(&contact.joint, &bodies).normal);
                 let tangential = |of: &[f64]| along * of[row + 1] + across * of[row + 2];
+                let yields = yielding.all || candidates[index].slides;
+                let begins = matches!(block.law, Law::Contact { .. }) && *is == BlockState::Slips && !yields;
+                let on_cone = begins && !(accelerates(row + 1, ties) || accelerates(row + 2, ties));
                 let slides = match block.law {
                     Law::Sliding { .. } => slip.try_normalize(0.0),
                     Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
                     // A contact that stays closed without pressing, as of a ball that falls along a wall, is not held by friction either. Friction is
-                    // against the slip. It gives the better direction where the acceleration nearly cancels. One that is on its cone without
-                    // being accelerated sticks: boxes that ride on each other with the same friction everywhere.
-                    Law::Contact { .. } if *is == BlockState::Slips && (moves(row + 1) || moves(row + 2)) => {
+                    // against the slip. It gives the better direction where the acceleration nearly cancels.
+                    Law::Contact { .. } if on_cone => None,
+                    Law::Contact { .. } if *is == BlockState::Slips => {
                         let mobility = rows.square[(row + 1, row + 1)].max(rows.square[(row + 2, row + 2)]);
                         let (begins, rubs) = (tangential(&found.rates), tangential(&found.forces));
                         let slips = if mobility * rubs.norm() > begins.norm() { -rubs } else { begins };
@@ -308,7 +319,7 @@ pub(crate) fn decide(
                 }
                 let begins = slip.norm() == 0.0 && matches!(block.law, Law::Sliding { .. });
                 kept.keep(block, row, begins);
-                mode.contacts.push(Closed { contact: contact.clone(), slides, moments: Moments::default() });
+                mode.contacts.push(Closed { contact: contact.clone(), slides, on_cone, moments: Moments::default() });
                 decided = Some(index);
             }
             // The contact before it has been left out.

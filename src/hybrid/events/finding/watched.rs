@@ -237,7 +237,7 @@ impl Watched {
             Watched::Returns(index) => -holding.of_unpressed(index),
             Watched::Grips(index) => {
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
-                holding.rounding_of_contact(index) - outside_cone(friction, holding.of_contact(index))
+                holding.beyond_cone(index) - outside_cone(friction, holding.of_contact(index))
             }
             Watched::Resists(index, spinning) => {
                 let Pair { moments, .. } = &touching.pairs[mode.contacts[index].contact.pair];
@@ -302,7 +302,8 @@ impl Watched {
             Watched::Bears(index, _) => holding.rounding(index),
             Watched::Presses(index) => holding.rounding_of_pressure(index),
             Watched::Returns(index) => holding.rounding_of_unpressed(index),
-            Watched::Grips(index) | Watched::Resists(index, _) => holding.rounding_of_contact(index),
+            Watched::Grips(index) => holding.beyond_cone(index),
+            Watched::Resists(index, _) => holding.rounding_of_contact(index),
             _ => 0.0,
         }
     }

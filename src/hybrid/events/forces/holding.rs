@@ -34,6 +34,10 @@ const ROUNDING: f64 = 2e-15;
 /// The same of a contact, whose force is the solution of a system with others; and where some of these imply others, to a part of 1e-10.
 const CONTACT_ROUNDING: f64 = 1e-13;
 const SHARED_ROUNDING: f64 = 1e-9;
+/// A contact that sticks on its cone slips where it lacks this part of the size of its force, or of its load where forces are not unique: more than
+/// decisions leave ([`crate::events::effects::decision`]).
+const ON_CONE: f64 = 1e-11;
+const ON_SHARED_CONE: f64 = 1e-7;
 /// A contact is unloaded if it presses by less than this part of the force with which the bodies beside it would fall on each other. If bodies hang
 /// side by side and touch, roundings of their places leave such forces.
 const UNLOADED: f64 = 1e-15;
@@ -53,6 +57,8 @@ pub(crate) struct Holding {
     /// λ of the closed contacts (N): normal and tangents; and the size of the terms that cancel in it, of all contacts that feel each other.
     contacts: Vec<[f64; 3]>,
     contact_sizes: Vec<f64>,
+    /// Whether they stick on their cones.
+    on_cone: Vec<bool>,
     /// Their moments: of rolling friction about both tangents, and of spinning friction [N m].
     moments: Vec<[f64; 3]>,
     /// The force with which each contact would press if the bodies beside it fell on each other (N).
@@ -185,6 +191,7 @@ impl Holding {
             sizes: nothing,
             contacts,
             contact_sizes: vec![0.0; mode.contacts.len()],
+            on_cone: mode.contacts.iter().map(|closed| closed.on_cone).collect(),
             moments: vec![[0.0; 3]; mode.contacts.len()],
             weights: Vec::new(),
             returning: vec![Returning::NEVER; mode.unpressed.len()],
@@ -247,6 +254,16 @@ impl Holding {
     /// Bound of the roundings of the force of a closed contact (N).
     pub fn rounding_of_contact(&self, contact: usize) -> f64 {
         CONTACT_ROUNDING * self.contact_sizes[contact]
+    }
+
+    /// By how much the force of a contact that sticks may lie outside its cone (N): by roundings, or by more where it began on its cone.
+    pub fn beyond_cone(&self, contact: usize) -> f64 {
+        let part = match (self.on_cone[contact], self.is_unique()) {
+            (false, _) => CONTACT_ROUNDING,
+            (true, true) => ON_CONE,
+            (true, false) => ON_SHARED_CONE,
+        };
+        part * self.contact_sizes[contact]
     }
 
     /// Bound of the roundings of its pressure (N).
@@ -348,7 +365,7 @@ impl Holding {
         if let How::Closed { last: Some(load), unique: false } = &self.how
             && !self.margin_known
         {
-            self.margin = load.margin(|contact| CONTACT_ROUNDING * self.contact_sizes[contact]);
+            self.margin = load.margin(|contact| self.beyond_cone(contact));
             self.margin_known = true;
         }
     }
