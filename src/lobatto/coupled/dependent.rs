@@ -1,13 +1,15 @@
 //! Contacts of which some imply others: their gaps as far as motions can change them, and the same compliance for all.
 //!
 //! If more than three contacts lie on one plane, some imply others: the contacts of a box, or of a car with four wheels. Let R (m × n) be the rates
-//! of all gaps between two trees of bodies at one stage, for each motion of these trees. The part of the gaps g that is orthogonal to the columns of
+//! of all gaps between two trees of bodies at one stage, for each motion of these trees; or between more of them, where contacts lead around, as of a
+//! block between a wall and the jaw of a vice. The part of the gaps g that is orthogonal to the columns of
 //! R is changed by no motion. That part is rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a
 //! thousandth of the weight of a box. The friction of sliding contacts then turns the box.
 //!
 //! ```text
 //!     g ← Q Qᵀ g,     Q (m × r): an orthonormal basis of the columns of R      modified Gram–Schmidt, twice
-//!     columns of R:   the six of the twist of one tree relative to the other, where one floats; one for each joint freedom that moves a contact
+//!     columns of R:   the six of the twist of each tree that floats, of two that float of one relative to the other;
+//!                     one for each joint freedom that moves a contact
 //! ```
 //!
 //! The remaining system has one solution: multipliers begin a step at zero, and with the same ε for every row z · λ = 0 for each z with zᵀ R = 0. So
@@ -18,6 +20,7 @@
 
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::elimination::TWIST;
+use catena_mechanism::description::contact::TouchJoint;
 use catena_mechanism::description::joint::JointKind;
 use catena_mechanism::description::mechanism::Mechanism;
 use std::ops::Range;
@@ -27,25 +30,28 @@ const INDEPENDENT: usize = 3;
 /// The rest of a column is rounding below this part of the largest of its kind, or of the terms that the rate of a joint is the sum of.
 const ROUNDING: f64 = 1e-9;
 
-/// The ends of an equation: trees, named by their first bodies, or bodies. And a row with 1 or −1.
+/// The ends of an equation: trees, named by their first bodies, or bodies. And the number of an equation with 1 or −1.
 type Ends = [Option<usize>; 2];
 type Signed = (usize, f64);
 
-/// An equation, with its sign and the bodies at its ends.
-type Between = (Signed, Ends);
+/// The row of an equation, and the bodies at its ends.
+type Between = (usize, Ends);
 
-/// The equations between two trees.
+/// The equations between trees.
 #[derive(Clone, Debug)]
 pub(crate) struct Dependent {
-    /// Their rows, and −1 where the second of their ends is on the first of the trees: gaps change by the opposite of the gradient then.
-    rows: Vec<Signed>,
-    /// Whether one tree can move as a whole relative to the other.
-    floats: bool,
+    /// Their rows.
+    rows: Vec<usize>,
+    /// For each tree that can move as a whole, relative to the other of two, the equations that it moves: with 1 at their second ends, with −1 at
+    /// their first.
+    floats: Vec<Vec<Signed>>,
     joints: Vec<JointColumn>,
     /// For every stage the columns of R, then of Q, one after the other. For every joint the sum of the squares of the terms of its rate, in the row
     /// with the largest sum.
     columns: Vec<f64>,
     sizes: Vec<f64>,
+    /// The largest squares of the columns of forces and of torques of each twist.
+    largest: Vec<f64>,
     gaps: Vec<f64>,
     /// Whether some imply others where the gaps were seen last.
     implied: bool,
@@ -64,39 +70,60 @@ impl Dependent {
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
         let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
         let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
-        let mut found: Vec<(Ends, Vec<Between>)> = Vec::new();
+        let mut found: Vec<(Vec<Ends>, Vec<Between>)> = Vec::new();
         let is_reeved = |number: usize| {
             number.checked_sub(mechanism.loops.len()).is_some_and(|touch| mechanism.touches[touch].is_reeved())
         };
         let closures = mechanism.closing_ends().zip(rows_of_closure).enumerate();
         for (number, ([a, b], rows)) in closures.filter(|(number, _)| !is_reeved(*number)) {
-            let trees = [first_of(a.body), first_of(b.body)];
-            let sign = if trees[0] < trees[1] { 1.0 } else { -1.0 };
+            let trees = sorted([first_of(a.body), first_of(b.body)]);
             // The first row of a contact is its gap; a rolling contact has more rows, of rates.
             let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
-            let of_these = rows.clone().take(count).map(|row| ((row, sign), [a.body, b.body]));
-            match found.iter_mut().find(|(known, _)| *known == sorted(trees)) {
+            let of_these = rows.clone().take(count).map(|row| (row, [a.body, b.body]));
+            match found.iter_mut().find(|(known, _)| known[0] == trees) {
                 Some((_, all)) => all.extend(of_these),
-                None => found.push((sorted(trees), of_these.collect())),
+                None => found.push((vec![trees], of_these.collect())),
             }
         }
-        let rubs = |between: Ends| {
-            mechanism.rubbing().any(|joint| sorted([first_of(joint.a.body), first_of(joint.b.body)]) == between)
+        let rubs = |between: &[Ends]| {
+            let trees = |joint: &TouchJoint| sorted([first_of(joint.a.body), first_of(joint.b.body)]);
+            mechanism.rubbing().any(|joint| between.contains(&trees(joint)))
         };
-        let dependent = found.into_iter().filter(|(trees, rows)| rows.len() > INDEPENDENT && rubs(*trees));
-        dependent.map(|(trees, rows)| Dependent::of(mechanism, trees, &rows)).collect()
+        let around = join_around(mechanism, found);
+        let dependent = around.into_iter().filter(|(trees, rows)| rows.len() > INDEPENDENT && rubs(trees));
+        dependent.map(|(trees, rows)| Dependent::of(mechanism, &trees, &rows)).collect()
     }
 
-    /// The group between two trees.
-    fn of(mechanism: &Mechanism, trees: Ends, rows: &[Between]) -> Self {
+    /// The group between these pairs of trees.
+    fn of(mechanism: &Mechanism, trees: &[Ends], rows: &[Between]) -> Self {
         let is_floating = |body: usize| mechanism.bodies[body].joint.kind == JointKind::Floating;
-        let floats = trees[0] != trees[1] && trees.iter().flatten().any(|&first| is_floating(first));
+        let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
+        let mut floating: Vec<usize> =
+            trees.iter().flatten().flatten().copied().filter(|&first| is_floating(first)).collect();
+        floating.sort_unstable();
+        floating.dedup();
+        // Of two trees only the relative motion matters, and of one tree none at all.
+        let alone = trees.len() == 1;
+        floating.truncate(match trees {
+            [[one, other]] if one == other => 0,
+            [_] => 1,
+            _ => floating.len(),
+        });
+        let moved_by = |first: usize| {
+            let of_row = |(number, (_, ends)): (usize, &Between)| {
+                let [a, b] = ends.map(|end| first_of(end) == Some(first));
+                let sign = f64::from(u8::from(b)) - f64::from(u8::from(a));
+                (sign != 0.0).then_some((number, sign))
+            };
+            rows.iter().enumerate().filter_map(of_row).collect::<Vec<_>>()
+        };
+        let floats: Vec<Vec<Signed>> = floating.into_iter().map(moved_by).collect();
         let mut joints: Vec<JointColumn> = Vec::new();
         for (number, (_, ends)) in rows.iter().enumerate() {
             for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
                 for body in end.iter().flat_map(|&body| ancestors(mechanism, body)) {
                     // The motions of a whole tree are known already.
-                    if floats && is_floating(body) {
+                    if is_floating(body) && !(alone && floats.is_empty()) {
                         continue;
                     }
                     for freedom in mechanism.bodies[body].joint.velocity_range() {
@@ -108,9 +135,10 @@ impl Dependent {
                 }
             }
         }
-        let columns = if floats { TWIST } else { 0 } + joints.len();
+        let columns = TWIST * floats.len() + joints.len();
         Dependent {
             rows: rows.iter().map(|(row, _)| *row).collect(),
+            largest: vec![0.0; 2 * floats.len()],
             floats,
             columns: vec![0.0; MAX_LANES * columns * rows.len()],
             sizes: vec![0.0; MAX_LANES * joints.len()],
@@ -122,7 +150,7 @@ impl Dependent {
 
     /// Their rows.
     pub fn rows(&self) -> impl Iterator<Item = usize> {
-        self.rows.iter().map(|(row, _)| *row)
+        self.rows.iter().copied()
     }
 
     /// Whether joints have a part in it.
@@ -146,7 +174,7 @@ impl Dependent {
     ) {
         let Dependent { rows, floats, joints, columns, sizes, .. } = self;
         let count = rows.len();
-        let rigid = if *floats { TWIST } else { 0 };
+        let rigid = TWIST * floats.len();
         let per_stage = (rigid + joints.len()) * count;
         columns.fill(0.0);
         sizes.fill(0.0);
@@ -155,15 +183,17 @@ impl Dependent {
                 columns[stage * per_stage + column * count + index] += sign * value;
             }
         };
-        for (index, &(row, sign)) in rows.iter().enumerate() {
-            for (component, lanes) in gradients[row][0].iter().enumerate().take(rigid) {
-                write(component, index, *lanes, sign);
+        for (number, moves) in floats.iter().enumerate() {
+            for &(index, sign) in moves {
+                for (component, lanes) in gradients[rows[index]][0].iter().enumerate() {
+                    write(TWIST * number + component, index, *lanes, sign);
+                }
             }
         }
         for (number, joint) in joints.iter().enumerate() {
             let screw = screw(joint.body, joint.freedom);
             for &(index, sign) in &joint.moves {
-                let gradient = &gradients[rows[index].0][0];
+                let gradient = &gradients[rows[index]][0];
                 let (mut rate, mut size) = (V::zero(), V::zero());
                 for (gradient, screw) in gradient.iter().zip(&screw) {
                     rate = gradient.mul_add(*screw, rate);
@@ -178,19 +208,19 @@ impl Dependent {
             }
         }
         for stage in 0..stages {
-            for (gap, &(row, _)) in self.gaps.iter_mut().zip(&self.rows) {
+            for (gap, &row) in self.gaps.iter_mut().zip(&self.rows) {
                 *gap = gaps[row].to_array().as_ref()[stage];
             }
             let columns = &mut self.columns[stage * per_stage..][..per_stage];
             let sizes = &self.sizes[stage * self.joints.len()..][..self.joints.len()];
-            let independent = project(columns, sizes, &mut self.gaps);
+            let independent = project(columns, sizes, &mut self.largest, &mut self.gaps);
             if stage == 0 {
                 self.implied = independent < count;
             }
             if !self.implied {
                 return;
             }
-            for (&(row, _), gap) in self.rows.iter().zip(&self.gaps) {
+            for (&row, gap) in self.rows.iter().zip(&self.gaps) {
                 let mut lanes = gaps[row].to_array();
                 lanes.as_mut()[stage] = *gap;
                 gaps[row] = V::from_array(lanes);
@@ -199,19 +229,52 @@ impl Dependent {
     }
 }
 
+/// Puts the equations of all pairs together that lead from tree to tree, if they lead around: trees on the world count as the world, which ends the
+/// way.
+fn join_around(mechanism: &Mechanism, mut found: Vec<(Vec<Ends>, Vec<Between>)>) -> Vec<(Vec<Ends>, Vec<Between>)> {
+    let floating = |pair: &Ends| {
+        let floats = |first: &usize| mechanism.bodies[*first].joint.kind == JointKind::Floating;
+        pair.iter().flatten().copied().filter(floats).collect::<Vec<usize>>()
+    };
+    let mut joined: Vec<(Vec<Ends>, Vec<Between>)> = Vec::new();
+    while !found.is_empty() {
+        let first = found.remove(0);
+        let mut nodes = floating(&first.0[0]);
+        let mut part = vec![first];
+        while let Some(next) =
+            found.iter().position(|(pair, _)| floating(&pair[0]).iter().any(|own| nodes.contains(own)))
+        {
+            let next = found.remove(next);
+            nodes.extend(floating(&next.0[0]));
+            part.push(next);
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        let on_world = part.iter().any(|(pair, _)| floating(&pair[0]).len() < 2);
+        // A graph without circles has one edge less than nodes.
+        if part.len() < nodes.len() + usize::from(on_world) {
+            joined.extend(part);
+            continue;
+        }
+        let (pairs, rows): (Vec<Vec<Ends>>, Vec<Vec<Between>>) = part.into_iter().unzip();
+        joined.push((pairs.concat(), rows.concat()));
+    }
+    joined
+}
+
 /// A body and its ancestors, up to the first of its tree.
 fn ancestors(mechanism: &Mechanism, body: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(body), |&body| mechanism.bodies[body].parent)
 }
 
-/// `g ← Q Qᵀ g`: replaces the columns by Q. If a tree floats, the first three columns are forces and the next three torques; the others belong to
-/// joints, and `sizes` has the sums of the squares of their terms. Returns r.
-fn project(columns: &mut [f64], sizes: &[f64], gaps: &mut [f64]) -> usize {
+/// `g ← Q Qᵀ g`: replaces the columns by Q. Of each tree that floats three columns are forces and the next three torques, and `largest` has room for
+/// the squares of both; the other columns belong to joints, and `sizes` has the sums of the squares of their terms. Returns r.
+fn project(columns: &mut [f64], sizes: &[f64], largest: &mut [f64], gaps: &mut [f64]) -> usize {
     let count = gaps.len();
     let total = columns.len() / count;
     let rigid = total - sizes.len();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut largest = [0.0_f64; 2];
+    largest.fill(0.0);
     for (number, column) in columns.chunks_exact(count).enumerate().take(rigid) {
         let of = &mut largest[number / 3];
         *of = of.max(dot(column, column));
@@ -265,13 +328,13 @@ mod tests {
         let tilted = points.map(|[x, y]| 1e-6 + 2e-6 * x - 3e-6 * y);
         let twisted = [1.0, -1.0, 1.0, -1.0];
         let mut gaps = [0, 1, 2, 3].map(|corner: usize| tilted[corner] + 1e-3 * twisted[corner]);
-        project(&mut on_a_plane(&points), &[], &mut gaps);
+        project(&mut on_a_plane(&points), &[], &mut [0.0; 2], &mut gaps);
         for (gap, tilted) in gaps.iter().zip(tilted) {
             // 1e-3 rounds at 1e-19, and the columns, 30 m for a box of 0.1 m, by 300 times that.
             assert!((gap - tilted).abs() < 1e-16, "{gap} instead of {tilted}");
         }
         let mut nothing = twisted.map(|side| 1e-17 * side);
-        project(&mut on_a_plane(&points), &[], &mut nothing);
+        project(&mut on_a_plane(&points), &[], &mut [0.0; 2], &mut nothing);
         assert!(nothing.iter().all(|gap| gap.abs() < 1e-30), "{nothing:?}");
     }
 }
