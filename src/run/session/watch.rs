@@ -1,4 +1,4 @@
-//! The observers of a run: its log, those of its user, and the speeds of joints for its report.
+//! The observers of a run: its log, the observers of its user, and the speeds of joints for its report.
 
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;

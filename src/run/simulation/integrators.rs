@@ -5,7 +5,7 @@ use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
-use crate::simulation::held::Held;
+use crate::simulation::method::held::Held;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::islands::Islands;

@@ -21,7 +21,6 @@ mod checkpoint;
 mod continuous;
 mod controller;
 mod finished;
-mod held;
 mod input_error;
 mod integrators;
 mod known_start;

@@ -11,9 +11,9 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::state::State;
-use crate::simulation::held::{Held, Owner};
 use crate::simulation::integrators::{Accuracies, Integrators, SimulationError, Wanted};
 use crate::simulation::known_start::KnownStart;
+use crate::simulation::method::held::{Held, Owner};
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
@@ -117,7 +117,7 @@ pub struct Simulation<'s> {
 }
 
 impl Simulation<'static> {
-    /// The same of a mechanism that the run holds a share of, so that it borrows nothing; `interrupt` counts in place of that of the options.
+    /// The same of a mechanism that the run holds a share of, so that it borrows nothing; `interrupt` replaces the flag of the options.
     ///
     /// # Errors
     /// As of [`Simulation::new`].

@@ -3,7 +3,7 @@
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
-use crate::simulation::held::Held;
+use crate::simulation::method::held::Held;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::forecast::FINEST;
 use crate::stepping::integrator::MethodError;
