@@ -36,9 +36,10 @@ pub enum SimulationError {
     Mechanism(#[from] MechanismError),
 }
 
-/// The integrators. A mechanism of one island that moves is not a list of one: its samples show the figures at the end of the last step, in logs and
-/// pages, and the samples of several islands, whose steps end at no common instant, show the figures of their own instant. A chain of 20 links alone and
-/// beside a pendulum at rest has the same motion to the last bit, and kinetic energies at samples up to 308 J apart, of 5411 J (1 s).
+/// The integrators. A mechanism of one island that moves is not a list of one: its samples show the figures at the end of the last step, in
+/// logs and pages, and the samples of several islands, whose steps end at no common instant, show the figures of their own instant. A chain of
+/// 20 links alone and beside a pendulum at rest has the same motion to the last bit, and kinetic energies at samples up to 308 J apart, of 5411
+/// J (1 s).
 pub(crate) enum Integrators<'a> {
     Whole(EstimatedRun<'a>),
     Islands {
