@@ -3,6 +3,7 @@
 //! Everything is worked out by `catena::session`, on which the command line builds, too. The convenient layer for Python (names of joints as keys,
 //! tables, plots) is in `catena/*.py`.
 
+mod derivatives;
 mod model;
 mod recorded;
 mod refusal;

@@ -11,7 +11,6 @@
 
 mod arguments;
 mod chart;
-mod check;
 mod examples;
 mod film;
 mod inspect;

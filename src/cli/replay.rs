@@ -7,9 +7,8 @@ use crate::cli::simulate::Setup;
 use crate::cli::terminal::printing::{Failure, print};
 use crate::cli::terminal::progress::Progress;
 use anyhow::anyhow;
-use catena::output::log::{Difference, Recorder};
-use catena::session::{DRIVEN, Error, Settled};
-use catena::simulation::{RunError, Simulation, SimulationOptions};
+use catena::output::log::Difference;
+use catena::session::{Course, DRIVEN, Model, Running};
 use clap::Args;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -39,43 +38,31 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     }
     let setup = Setup::new(&recorded.arguments, &mut recorded.loaded).map_err(Failure::input)?;
     let Setup { state, settled, log: mut options } = setup;
-    let Settled { duration, choice, rate } = settled;
     // The time of the clock at the recorded run.
     options.start = recorded.start();
-    let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
-    let model = &recorded.loaded.model;
-    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
-    let switched_off = &recorded.arguments.input.keep[..];
-    let (mut recorder, mut progress);
-    let (interrupt, counted) = (Some(&*interrupted), recorded.loaded.counted.as_ref());
-    let options_of_run =
-        SimulationOptions { switched_off, interrupt, counted, ..SimulationOptions::new(duration, choice) };
-    let mut simulation = Simulation::new(&model.mechanism, state, options_of_run).map_err(Error::from)?;
-    let stages = simulation.description().stages as f64;
-    recorder = Recorder::compare(log, model, stages, &options).map_err(Failure::run)?;
-    if simulation.tells_at_once() {
-        recorder.wait_for_the_end();
-    }
-    simulation.sample_at(rate);
-    simulation.observe(&mut recorder);
-    progress = (!arguments.quiet && std::io::stderr().is_terminal()).then(|| Progress::new(duration));
-    progress.iter_mut().for_each(|progress| simulation.observe(progress));
-    let ended = simulation.run();
-    drop(simulation);
+    let Recorded { arguments: made_with, loaded, simulation } = recorded;
+    let made_by = simulation.get("version").map_or("?", String::as_str);
+    let interrupt = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
+    let shows = !arguments.quiet && std::io::stderr().is_terminal();
+    let progress = shows.then(|| Progress::new(settled.duration));
+    let counted = loaded.counted.clone();
+    let model = Model::of_loaded(loaded, log.clone(), made_with.input.world.world());
+    let mut run = Running::begin(Course {
+        kept: made_with.input.keep,
+        interrupt,
+        others: progress.iter().map(Progress::boxed).collect(),
+        ..Course::new(model, settled, state, counted)
+    })?;
+    run.compare(log, &options).map_err(Failure::run)?;
+    let ended = run.run();
     progress.iter().for_each(Progress::clear);
-    let (compared, result) = recorder.compared();
-    match ended {
-        Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),
-        // A run that failed does so again, and has the same log up to there.
-        Ok(())
-        | Err(
-            RunError::Step(_)
-            | RunError::Undefined { .. }
-            | RunError::PaidOut { .. }
-            | RunError::Observer(_)
-            | RunError::BeginsAgain { .. },
-        ) => {}
+    // A run that failed does so again, and has the same log up to there.
+    if let Err(error) = ended
+        && error.is_interruption()
+    {
+        return Err(Failure::interrupted(error));
     }
+    let (compared, result) = run.compared();
     let version = env!("CARGO_PKG_VERSION");
     let (messages, time) = (compared.messages, compared.time);
     let upto = match result {

@@ -6,26 +6,20 @@
 use crate::cli::arguments::input::InputArgs;
 use crate::cli::arguments::log_options::LogArgs;
 use crate::cli::arguments::numbers::{Assignment, Coordinates, numbers, pairs, positive, rate};
-use crate::cli::check::end_with_half_the_step;
 use crate::cli::logged_state::{LogInstant, start_of};
 use crate::cli::origin;
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::sensitivity::{By, RunSettings, as_text, deviations, differentiate, end_as_json};
 use crate::cli::terminal::printing::{Failure, print, print_json};
 use crate::cli::terminal::progress::Progress;
-use crate::cli::terminal::special_output::open_special;
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
-use catena::model::Model;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::{Derivatives, DerivativesRow, LogOptions};
 use catena::output::page::MESH_LIMIT;
-use catena::output::report::{FromLog, SpeedWatch};
+use catena::output::report::FromLog;
 use catena::scene::Warning;
-use catena::session::{
-    self, Account, Asked, Closed, Ended, Error, Loaded, Sensitivity, Settled, check_log, check_place,
-};
-use catena::simulation::{Simulation, SimulationOptions};
+use catena::session::{Asked, Course, Finish, Loaded, Model, Running, Sensitivity, Settled, check_log, check_place};
 use clap::{Args, value_parser};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -195,72 +189,39 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
     let Setup { state, settled, mut log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
-    let Settled { duration, choice, rate } = settled;
-    let derived = derivatives(arguments, &loaded, (duration, rate))?;
+    let Settled { duration, rate, .. } = settled;
+    let model = Model::of_loaded(loaded, arguments.input.input.clone(), arguments.input.world.world());
+    let derived = derivatives(arguments, &model, (duration, rate))?;
     log.derivatives = derived.as_ref().map(|found| Arc::new(logged(found, deviations(&arguments.sensitivity, found))));
-    let model = &loaded.model;
-    output.iter().try_for_each(|output| check_log(output, model, duration, &log)).map_err(Failure::input)?;
+    let description = model.description();
+    output.iter().try_for_each(|output| check_log(output, description, duration, &log)).map_err(Failure::input)?;
     if let (Some(page), Some(log)) = (&arguments.report, &output) {
-        check_report(page, log, model).map_err(Failure::input)?;
+        check_report(page, log, description).map_err(Failure::input)?;
     }
-    let mechanism = &model.mechanism;
 
     // The run ends after the step it is in.
-    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
+    let interrupt = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let shows = !arguments.quiet && std::io::stderr().is_terminal();
-    let switched_off = &arguments.input.keep[..];
-    let (interrupt, counted) = (Some(&*interrupted), loaded.counted.as_ref());
-    let options = SimulationOptions { switched_off, interrupt, counted, ..SimulationOptions::new(duration, choice) };
-    // They outlive the run, which they watch.
-    let (mut recorder, mut progress, mut speeds);
-    let start = arguments.check.then(|| state.clone());
-    let (since, account) = (state.time, Account::open(model, &state, settled));
-    let mut simulation = Simulation::new(mechanism, state, options).map_err(Error::from)?;
+    let progress = shows.then(|| Progress::new(duration));
     let mut origin = origin();
     if let Some(from) = &arguments.from {
         origin.driven = Some(format!("it went on from the log {}", from.log.display()));
         // A log that has been read before can be read again.
         let estimated_error = Summary::read(&from.log).ok().and_then(|summary| summary.error_of_samples());
-        origin.from_log = Some(FromLog { log: from.log.display().to_string(), time: since, estimated_error });
+        origin.from_log = Some(FromLog { log: from.log.display().to_string(), time: state.time, estimated_error });
     }
-    let begun = account.begun(model, counted.map(AsRef::as_ref), &simulation);
-    recorder = match &output {
-        Some(path) => {
-            let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;
-            let recorder = begun.log(path, model, &origin, &log, &interrupted)?;
-            drop(held);
-            Some(recorder)
-        }
-        None => None,
-    };
-    progress = shows.then(|| Progress::new(duration));
-    speeds = SpeedWatch::new(model);
-    // Samples are taken only for a log, a bar, or largest speeds.
-    if recorder.is_some() || progress.is_some() || speeds.is_some() {
-        simulation.sample_at(rate);
-    }
-    recorder.iter_mut().for_each(|recorder| simulation.observe(recorder));
-    progress.iter_mut().for_each(|progress| simulation.observe(progress));
-    speeds.iter_mut().for_each(|speeds| simulation.observe(speeds));
-    let (ended, checked) = std::thread::scope(|scope| {
-        let half = start.map(|start| scope.spawn(move || end_with_half_the_step(mechanism, start, options)));
-        let ended = simulation.run();
-        (ended, half.and_then(|half| half.join().ok().flatten()))
-    });
-    let finished = simulation.finish();
-    if let Some(progress) = &progress {
-        progress.clear();
-    }
-    let ended = Ended {
-        finished,
-        ended: ended.map_err(Error::from),
-        checked: checked.as_ref(),
-        speeds: speeds.as_ref(),
-        recorder,
-        output: output.as_deref(),
-    };
-    let input = arguments.input.input.display().to_string();
-    let Closed { report, ended, .. } = begun.close(model, input, &origin, ended);
+    let mut run = Running::begin(Course {
+        kept: arguments.input.keep.clone(),
+        interrupt,
+        others: progress.iter().map(Progress::boxed).collect(),
+        checked: arguments.check,
+        log: output.map(|path| (path, log)),
+        origin,
+        ..Course::new(model.clone(), settled, state, model.loaded().counted.clone())
+    })?;
+    let ended = run.run();
+    let (Finish { report, .. }, ended) = run.close(ended, None);
+    progress.iter().for_each(Progress::clear);
     let found = derived.as_ref().map(|found| (found, deviations(&arguments.sensitivity, found)));
     let printed = match (arguments.json, arguments.quiet, found) {
         (true, _, None) => print_json(&report),
@@ -273,7 +234,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         (false, false, None) => print(&report),
         (false, false, Some((found, deviations))) => print(format_args!("{report}\n{}", as_text(found, &deviations))),
     };
-    let before = model.warning_lines().count();
+    let before = description.warning_lines().count();
     let strict = arguments.input.refuse(report.warnings.iter().skip(before).cloned()).map_err(Failure::run);
     // The outcome of the run matters more than the outcome of its report.
     Ok(Ran { log: report.log, ended: ended.map_err(Failure::from).and(printed).and(strict) })
@@ -283,14 +244,12 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
 /// Samples have derivatives of their own if a standard deviation is to be drawn.
 fn derivatives(
     arguments: &Arguments,
-    loaded: &Loaded,
+    model: &Model,
     (duration, rate): (f64, f64),
 ) -> Result<Option<Sensitivity>, Failure> {
     if arguments.sensitivity.is_empty() {
         return Ok(None);
     }
-    let path = arguments.input.input.clone();
-    let model = session::Model::of_loaded(loaded.clone(), path, arguments.input.world.world());
     let settings = RunSettings {
         keep: &arguments.input.keep,
         duration: arguments.duration,
@@ -298,7 +257,7 @@ fn derivatives(
         fixed: arguments.stages.zip(arguments.step),
         start: [&arguments.position, &arguments.velocity],
     };
-    let run = settings.run(&model)?;
+    let run = settings.run(model)?;
     let run = if arguments.no_estimate { run.without_estimate() } else { run };
     let is_drawn = !arguments.no_log && arguments.sensitivity.iter().any(|by| by.deviation.is_some());
     let samples = (1..).map(|sample| f64::from(sample) / rate).take_while(|time| is_drawn && *time < duration);
@@ -320,7 +279,7 @@ fn logged(found: &Sensitivity, deviations: Vec<Option<f64>>) -> Derivatives {
 }
 
 /// The page of a run is made from its log: that must be a file, and another one.
-fn check_report(page: &Path, log: &Path, model: &Model) -> anyhow::Result<()> {
+fn check_report(page: &Path, log: &Path, model: &catena::model::Model) -> anyhow::Result<()> {
     check_page(page, model.files())?;
     if is_same(page, log) {
         return Err(anyhow!("the log and the page are the same file {}; choose another --report", page.display()));

@@ -3,17 +3,14 @@
 //! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
 
 use crate::distances::axes::{Found, places};
-use crate::distances::beyond::{height, height_of_moved};
 use crate::distances::hollow::Hollow;
 use crate::distances::manifold::manifold;
 use crate::distances::nearest::nearest;
 use crate::distances::otherwise::manifolds;
 use crate::features::both::{Both, Candidate};
-use crate::features::crossing::off_crossing;
-use crate::features::feature::{FeatureId, Part, inside, off_neighbours, off_tilt, part, rim_point_towards};
-use crate::features::meet::{Guess, meet};
-use crate::features::place::{Bearer, PlaceId, TouchPlace, place};
-use crate::features::rims::{Joined, Meeting, off_rim};
+use crate::features::feature::{FeatureId, part};
+use crate::features::place::{Bearer, TouchPlace, place};
+use crate::features::rims::{Joined, Meeting};
 use crate::prepared_shape::{First, PreparedShape};
 use crate::shapes::convex::{Convex, Core};
 use crate::shapes::error::GeometryError;
@@ -23,20 +20,11 @@ use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// Two rims are at the same place up to this part of their radii.
-const CROSSES: f64 = 1e-6;
-
-/// A stand-in keeps the place of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
-const STANDS_IN: f64 = 5e-12;
-
-/// Triangles that rise over the plane of a contact by no more than this part of the size of the pair are in that plane.
-const FLAT: f64 = 1e-12;
-
-/// A mesh that is not flat as far as the other shape is large may be flat as far as this part of that.
-const NEARBY: f64 = 0.05;
-
 /// The relative rounding error of a lower bound of a distance.
 const ROUNDED: f64 = 1e-13;
+
+mod borders;
+mod turned;
 
 /// Two colliders, prepared for questions.
 #[derive(Clone, Debug)]
@@ -274,163 +262,6 @@ impl PairGeometry {
         found.iter().map(|one| place(one, bearers(one), in_first, first)).collect()
     }
 
-    /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges and the
-    /// planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane; of a stand-in, how far the shapes are from where it
-    /// says they are. Zero where another feature takes over, negative beyond; infinite if there are no borders.
-    pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
-        if place.is_stand_in() {
-            return self.extents.within(STANDS_IN) - self.distance(a, b).distance.abs();
-        }
-        let (first, (rotation, translation)) = self.relative(a, b);
-        let names = [place.identity.a, place.identity.b];
-        let names = if self.exchanged { [names[1], names[0]] } else { names };
-        let (of_first, radius) = match &self.first {
-            First::HalfSpace(half_space) => (half_space.part(), 0.0),
-            // A taut rope has no borders.
-            First::Hollow(_) => return f64::INFINITY,
-            First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
-            First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
-        };
-        let on_second = part(&self.second.core, names[1]).moved(&rotation, &translation);
-        let own = |point: &Vector3<f64>| rotation.tr_mul(&(point - translation));
-        // The planes to neighbours count where a rounded partner rolls over an edge; of sharp ones the neighbours' own gaps tell.
-        let rounded = radius + self.second.radius > 0.0;
-        let parts = [&of_first, &on_second];
-        let (points, form) = match self.rim_meets(place, [a, b]) {
-            Some(Meeting { normal, points, off_form }) => {
-                let reach = |part: &Part| match part {
-                    Part::Circle(_, _, rim) if (points[1] - points[0]).norm() < CROSSES * rim => *rim,
-                    _ => (points[1] - points[0]).norm(),
-                };
-                let off = |side: usize, normal: Vector3<f64>| {
-                    off_rim(parts[side], names[side], &points[side], &normal, reach(parts[side]))
-                };
-                (points, off_form.min(off(0, normal)).min(off(1, -normal)))
-            }
-            None => {
-                let side = if self.exchanged { -1.0 } else { 1.0 };
-                let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
-                let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point, at_point: false };
-                let Some((normal, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
-                let normals = [rotation.tr_mul(&normal), -normal];
-                let leaves = off_tilt(&self.second.core, names[1], &normals[0]).min(match &self.first {
-                    First::Convex(convex) => off_tilt(&convex.core, names[0], &normals[1]),
-                    First::HalfSpace(_) | First::Hollow(_) | First::Mesh(_) => f64::INFINITY,
-                });
-                (points, leaves.min(off_crossing(&place.features, names, parts, &points)))
-            }
-        };
-        let off = |core: &Core, feature: FeatureId, point: &Vector3<f64>| match core {
-            Core::Polytope(polytope) if rounded => off_neighbours(polytope, feature, point),
-            _ => f64::INFINITY,
-        };
-        let of_first = match &self.first {
-            First::HalfSpace(_) | First::Hollow(_) => f64::INFINITY,
-            First::Mesh(mesh) => mesh.inside(names[0], &points[0]).min(mesh.off_neighbours(names[0], &points[1])),
-            First::Convex(convex) => {
-                inside(&convex.core, names[0], &points[0]).min(off(&convex.core, names[0], &points[1]))
-            }
-        };
-        let second = &self.second.core;
-        form.min(of_first).min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
-    }
-
-    /// The distance of all features outside `closed` from the tangent plane of one of these places, which has this normal, from collider a to
-    /// collider b, and this point (m), in the world. The shapes do not overlap elsewhere while it is not negative. Distances above `within` (m) may be
-    /// less than the true ones. `None` for a half space, for the inside of a shape, and where a mesh is not flat near the other shape.
-    pub fn beyond(
-        &self,
-        place: &PlaceId,
-        closed: &[PlaceId],
-        [normal, point]: [&Vector3<f64>; 2],
-        [a, b]: [&Pose; 2],
-        within: f64,
-    ) -> Option<f64> {
-        let side = |first: bool, place: &PlaceId| if first != self.exchanged { place.a } else { place.b };
-        let (first, (rotation, translation)) = self.relative(a, b);
-        let normal = first.rotation.inverse() * normal * if self.exchanged { -1.0 } else { 1.0 };
-        let point = first.inverse_transform_point(&(*point).into()).coords;
-        let of = |first: bool| closed.iter().map(|place| side(first, place)).collect::<Vec<_>>();
-        let of_first = match &self.first {
-            First::HalfSpace(_) | First::Hollow(_) => return None,
-            First::Mesh(mesh) => {
-                // Off its faces the tangent plane does not lie on it.
-                let FeatureId::Face(_) = side(true, place) else { return None };
-                let is_flat = |within: f64| {
-                    let highest = mesh.highest(&self.second, (&rotation, &translation), [&normal, &point], within);
-                    highest <= self.extents.within(FLAT)
-                };
-                let far = within.min(self.second.size);
-                [far, NEARBY * far].into_iter().find(|&within| is_flat(within))?
-            }
-            First::Convex(convex) => {
-                let plane = [&-normal, &(point - normal * convex.radius)];
-                height(convex, side(true, place), &of(true), plane)
-            }
-        };
-        let plane = [&normal, &(point + normal * self.second.radius)];
-        let own = side(false, place);
-        Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
-    }
-
-    /// The least height over a half space of the vertices that are not part of `closed` places (m); `None` unless one shape is a half space and the
-    /// other has flat faces.
-    pub fn lowest_beside(&self, closed: &[PlaceId], a: &Pose, b: &Pose) -> Option<f64> {
-        let First::HalfSpace(half_space) = &self.first else { return None };
-        let (_, (rotation, translation)) = self.relative(a, b);
-        let names = closed.iter().map(|place| if self.exchanged { place.a } else { place.b });
-        half_space.lowest_but(&self.second, names, &rotation, &translation)
-    }
-
-    /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not.
-    /// The other point may lie beside the face: [`PairGeometry::margin`] tells.
-    pub fn rim_place(&self, known: &TouchPlace, towards: &Vector3<f64>, a: &Pose, b: &Pose) -> Option<TouchPlace> {
-        self.renamed(known, [a, b], |core, name, rotation| rim_point(core, name, &(rotation * towards)))
-    }
-
-    /// The place of the point of the same rim at a part of a turn, from 0 to 1, from this one, if this is a point of a rim on a plane.
-    pub fn turned_place(&self, known: &TouchPlace, part: f64, a: &Pose, b: &Pose) -> Option<TouchPlace> {
-        self.renamed(known, [a, b], |_, name, _| turned(name, part))
-    }
-
-    /// A place on a plane whose other feature has another name: `rename` takes its core, its name and the rotation from the world to its body.
-    fn renamed(
-        &self,
-        known: &TouchPlace,
-        [a, b]: [&Pose; 2],
-        rename: impl Fn(&Core, FeatureId, Matrix3<f64>) -> Option<FeatureId>,
-    ) -> Option<TouchPlace> {
-        let (first, in_first) = self.relative(a, b);
-        let (rotation, translation) = &in_first;
-        let mut names = [known.identity.a, known.identity.b];
-        if self.exchanged {
-            names.reverse();
-        }
-        let own = first.rotation.matrix().transpose();
-        if let Some(name) = rename(&self.second.core, names[1], rotation.tr_mul(&own)) {
-            names[1] = name;
-        } else if let First::Convex(convex) = &self.first {
-            names[0] = rename(&convex.core, names[0], own)?;
-        } else {
-            return None;
-        }
-        let (of_first, radius) = match &self.first {
-            First::HalfSpace(half_space) => (half_space.part(), 0.0),
-            First::Hollow(rope) => (rope.part(), 0.0),
-            First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
-            First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
-        };
-        let of_second = part(&self.second.core, names[1]);
-        let moved = of_second.moved(rotation, translation);
-        let normal = first.rotation.inverse() * known.normal * if self.exchanged { -1.0 } else { 1.0 };
-        let (normal, points) = meet(&of_first, &moved, &Guess { normal, point: *translation, at_point: false })?;
-        let separation = normal.dot(&(points[1] - points[0]));
-        let candidate = Candidate { normal, points, features: names, separation };
-        let bearers = [Bearer { part: of_first, radius }, Bearer { part: of_second, radius: self.second.radius }];
-        let found = place(&candidate, bearers, &in_first, first);
-        Some(if self.exchanged { found.exchanged() } else { found })
-    }
-
     /// The place at which a rim touches a round feature, or another rim, as the joint has it: with the normal and the points from the first body to
     /// the second, in the frame of the first.
     fn rim_meets(&self, place: &TouchPlace, poses: [&Pose; 2]) -> Option<Meeting> {
@@ -456,23 +287,6 @@ impl PairGeometry {
         let translation = first.rotation.matrix().tr_mul(&(second.translation.vector - first.translation.vector));
         (first, (rotation, translation))
     }
-}
-
-/// The name of a point of a rim, if this is the name of the rim, or of another point of it.
-fn rim_point(core: &Core, name: FeatureId, towards: &Vector3<f64>) -> Option<FeatureId> {
-    match (core, name) {
-        (Core::Cylinder(cylinder), FeatureId::RimPoint { end, .. } | FeatureId::Rim(end)) => {
-            Some(rim_point_towards(cylinder, end, towards))
-        }
-        _ => None,
-    }
-}
-
-/// The name of the point of a rim at a part of a turn from this one, if this is the name of a point.
-fn turned(name: FeatureId, part: f64) -> Option<FeatureId> {
-    let FeatureId::RimPoint { end, turn } = name else { return None };
-    let turn = f64::from_bits(turn) + part;
-    Some(FeatureId::RimPoint { end, turn: (if turn < 1.0 { turn } else { turn - 1.0 }).to_bits() })
 }
 
 /// Two convex shapes, given the pose of the second body in the first.

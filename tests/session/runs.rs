@@ -95,6 +95,23 @@ fn a_log_of_a_program_has_the_messages_of_the_command_line_and_replays() {
 }
 
 #[test]
+fn a_run_without_a_log_warns_of_fast_joints_as_one_with_a_log_and_as_the_command_line() {
+    let (folder, input) = (folder("warned"), robot("arm7.urdf"));
+    let model = Model::load(&input).expect("a model");
+    let warnings_of = |mut simulation: Simulation| {
+        simulation.run().expect("it runs");
+        simulation.finish().expect("a report").warnings
+    };
+    let warned = warnings_of(Simulation::new(&model).duration(0.3));
+    assert!(warned.iter().any(|warning| warning.contains("<limit velocity> is 3")), "{warned:?}");
+    assert_eq!(warned, warnings_of(Simulation::new(&model).duration(0.3).log(folder.join("ours.mcap"))));
+    let printed = catena(&["simulate", &input.display().to_string(), "--duration", "0.3", "--no-log", "--json"]);
+    let printed: serde_json::Value = serde_json::from_slice(&printed.stdout).expect("a report");
+    assert_eq!(serde_json::to_value(warned).expect("JSON"), printed["warnings"]);
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
 fn a_recorded_run_is_written_as_if_it_had_been_logged() {
     let folder = folder("recorded");
     for input in ["damped_pendulum.toml", "ball_dropped.toml"] {

@@ -3,4 +3,3 @@
 pub(crate) mod printing;
 pub(crate) mod progress;
 pub(crate) mod signals;
-pub(crate) mod special_output;

@@ -9,11 +9,12 @@ use std::time::{Duration, Instant};
 /// Pauses between two looks of the bar; terminals show no more.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Moves a bar on standard error along with the run.
+/// Moves a bar on standard error along with the run. Copies move the same bar.
+#[derive(Clone)]
 pub struct Progress {
     bar: ProgressBar,
     duration: f64,
-    started: Instant,
+    started: Option<Instant>,
     drawn: Instant,
     accuracy: Option<AccuracySoFar>,
 }
@@ -26,8 +27,12 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}, {eta} left") {
             bar.set_style(style);
         }
-        let now = Instant::now();
-        Progress { bar, duration, started: now, drawn: now, accuracy: None }
+        Progress { bar, duration, started: None, drawn: Instant::now(), accuracy: None }
+    }
+
+    /// A copy as runs take it.
+    pub fn boxed(&self) -> Box<dyn Observer> {
+        Box::new(self.clone())
     }
 
     /// Takes the bar away.
@@ -65,9 +70,10 @@ impl Pictures {
 
 impl Observer for Progress {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        let started = *self.started.get_or_insert_with(Instant::now);
         if self.drawn.elapsed() >= INTERVAL {
             self.drawn = Instant::now();
-            let speed = sample.time / self.started.elapsed().as_secs_f64();
+            let speed = sample.time / started.elapsed().as_secs_f64();
             self.bar.set_position((1000.0 * sample.time / self.duration) as u64);
             let accuracy = self.accuracy.as_ref().map_or_else(String::new, said);
             self.bar

@@ -20,6 +20,7 @@ use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
 use crate::session::description::{Origin, WENT_ON, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
+use crate::session::special_output::open_special;
 use crate::simulation::{Finished, RunError, Simulation};
 use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
@@ -29,7 +30,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// A run and its warnings before the integrators are made.
-pub struct Account {
+pub(crate) struct Account {
     settled: Settled,
     /// The time at which the run begins (s).
     since: f64,
@@ -39,7 +40,7 @@ pub struct Account {
 }
 
 /// A run that has made its first step.
-pub struct Begun {
+pub(crate) struct Begun {
     account: Account,
     course: Described,
     model: ModelReport,
@@ -57,7 +58,7 @@ struct Described {
 }
 
 /// The report and the outcome of a finished run.
-pub struct Closed {
+pub(crate) struct Closed {
     /// The report.
     pub report: Report,
     /// How the run ended, and whether its log was written.
@@ -80,7 +81,7 @@ pub struct Told {
 }
 
 /// The results of a run.
-pub struct Ended<'e> {
+pub(crate) struct Ended<'e> {
     /// The simulation.
     pub finished: Finished,
     /// The outcome of the run.
@@ -125,7 +126,7 @@ impl Begun {
     /// Creates the log of the run, with the entries known before the first step. Stops waiting for a pipe once `interrupted` is set.
     ///
     /// # Errors
-    /// [`Error::Log`] if it cannot be created.
+    /// [`Error::Log`] if it cannot be created; [`Error::Unread`] if the run is interrupted before a pipe has a reader.
     pub fn log(
         &self,
         path: &Path,
@@ -134,8 +135,11 @@ impl Begun {
         options: &LogOptions,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Recorder, Error> {
+        // Whoever holds a pipe has a reader, so that the log opens it again without waiting.
+        let held = open_special(path, interrupted)?;
         let create = if self.course.may_restart { Recorder::create_for_restarts } else { Recorder::create };
         let mut recorder = create(path, model, self.course.in_words(model, origin), options)?;
+        drop(held);
         recorder.heed(interrupted);
         self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
         Ok(recorder)

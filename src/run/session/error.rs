@@ -211,6 +211,12 @@ pub enum Error {
     /// The log failed.
     #[error("{0}")]
     Log(LogError),
+    /// The run was interrupted before its log, a pipe, had a reader.
+    #[error("interrupted while waiting for a reader of {}", path.display())]
+    Unread {
+        /// The pipe.
+        path: PathBuf,
+    },
     /// The run failed, so its log was not put in place of an earlier one.
     #[error("{problem}; {} is as it was, the log of this run is {}", output.display(), beside.display())]
     Beside {
@@ -241,7 +247,9 @@ impl Error {
     pub fn is_interruption(&self) -> bool {
         match self {
             Error::Beside { problem, .. } | Error::InFile { problem, .. } => problem.is_interruption(),
-            Error::Run(RunError::Interrupted { .. }) | Error::Log(LogError::Blocked { .. }) => true,
+            Error::Run(RunError::Interrupted { .. }) | Error::Unread { .. } | Error::Log(LogError::Blocked { .. }) => {
+                true
+            }
             Error::Run(RunError::Observer(source)) => matches!(source.downcast_ref(), Some(LogError::Blocked { .. })),
             _ => false,
         }
@@ -250,7 +258,7 @@ impl Error {
     /// Whether the input is wrong, so that the run did not start and no file was written.
     pub fn is_input(&self) -> bool {
         match self {
-            Error::Beside { .. } | Error::Run(_) | Error::Controller { .. } => false,
+            Error::Beside { .. } | Error::Run(_) | Error::Unread { .. } | Error::Controller { .. } => false,
             Error::Log(log) => matches!(log, LogError::Create { .. } | LogError::Busy { .. }),
             Error::Simulation(error) => matches!(error, SimulationError::Method(_)),
             _ => true,

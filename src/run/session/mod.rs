@@ -4,7 +4,8 @@
 //! ```text
 //!     file ─ world.rs ─▶ Loaded ─ loaded.rs ─▶ state on its loops ─┐
 //!     options ─ asked.rs ─▶ Settled ───────────────────────────────┴▶ simulation::Simulation
-//!     account.rs: what is said of it in log and report      description.rs: how it was made
+//!     running.rs: opens a run with its log and observers, and closes it      account.rs: what is said of it in log and report
+//!     description.rs: how it was made
 //! ```
 
 mod account;
@@ -14,10 +15,10 @@ mod control;
 mod coordinates;
 mod description;
 mod dynamics;
-mod engine;
 mod error;
 #[cfg(feature = "urdf-rs")]
 mod from_urdf_rs;
+mod halved;
 mod held_start;
 mod linear;
 mod loaded;
@@ -30,8 +31,10 @@ mod rollout;
 mod running;
 mod sensors;
 mod simulation;
+mod special_output;
 mod state;
 mod ticks;
+mod watch;
 mod words;
 mod world;
 
@@ -42,7 +45,7 @@ pub use crate::model::Left;
 pub use crate::output::log::{LogOptions, Meshes, Topics};
 pub use crate::scene::Touching;
 #[doc(hidden)]
-pub use account::{Account, Begun, Closed, Ended, Told};
+pub use account::Told;
 #[doc(hidden)]
 pub use asked::{Asked, Settled};
 pub use batch::Batch;
@@ -65,6 +68,8 @@ pub use place::check_log;
 #[doc(hidden)]
 pub use place::{check_place, folder_of, is_special};
 pub use recording::{Recording, SharedRecording};
+#[doc(hidden)]
+pub use running::{Course, Finish, Running};
 pub use sensors::{Noise, Sensed};
 pub use simulation::{
     Backward, EventLost, EventSlope, Gradient, JointValue, Lost, SampledEvent, Samples, Sensitivity, Simulation,

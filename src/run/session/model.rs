@@ -1,6 +1,7 @@
 //! A model in the library: read from a file once, run many times.
 
 use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -13,6 +14,7 @@ use crate::session::held_start::Hold;
 use crate::session::loaded::Loaded;
 use crate::session::world::World;
 use nalgebra::{Rotation3, Translation3};
+use std::borrow::Borrow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -133,6 +135,12 @@ impl Loader {
     #[cfg(feature = "urdf-rs")]
     pub(crate) fn world(&self) -> &World {
         &self.world
+    }
+}
+
+impl Borrow<Mechanism> for Shared {
+    fn borrow(&self) -> &Mechanism {
+        &self.loaded.model.mechanism
     }
 }
 

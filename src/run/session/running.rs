@@ -1,4 +1,4 @@
-//! A run of a program between its first step and its report.
+//! A run between its opening and its report: the command line, programs and Python open and close their runs here.
 //!
 //! ```text
 //!     Course ─begin─▶ Running (simulation, log, who watches) ─proceed─▶ steps, under a controller ─close─▶ Finish (report)
@@ -8,68 +8,109 @@ use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::forces::JointLoad;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::state::State;
+#[cfg(feature = "log")]
+use crate::output::log::{Compared, Difference, LogError, Recorder};
 use crate::output::log::{LogOptions, Severity};
 use crate::output::report::{Report, SpeedWatch};
 use crate::session::account::{Account, Begun, Closed, Ended, Told};
 use crate::session::asked::Settled;
 use crate::session::control::Control;
 use crate::session::description::Origin;
-use crate::session::engine::{Engine, Held, Watch};
 use crate::session::error::Error;
+use crate::session::halved::Halved;
 use crate::session::model::Model;
+use crate::session::watch::Watch;
 use crate::simulation::{Checkpoint, Observer, Simulation, SimulationOptions};
-use self_cell::MutBorrow;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// The settings of a run.
-pub(crate) struct Course<'c> {
+pub struct Course<'c> {
+    /// The model.
     pub model: Model,
+    /// Its duration, steps and sampling.
     pub settled: Settled,
     /// The start, and the ranks of the closures there.
     pub state: State,
+    /// The ranks of the closures at the start.
     pub counted: Option<Arc<Counted>>,
     /// Disabled simplification rules.
     pub kept: Vec<Rule>,
+    /// Ends the run after its current step when it is set.
     pub interrupt: Arc<AtomicBool>,
     /// Observers.
     pub others: Vec<Box<dyn Observer>>,
-    /// Whether a program controls the run.
-    pub driven: bool,
     /// Whether a program makes its steps, or decides on its efforts.
     pub stepped: bool,
     /// Whether it gives targets to motors.
     pub aimed: bool,
     /// Whether figures are wanted.
     pub figures: bool,
+    /// Whether the same run with half the step tells the error, if it is made to its end in one call.
+    pub checked: bool,
     /// Efforts along the velocities of the state.
     pub efforts: Option<&'c [f64]>,
+    /// The place of the log, and its options.
     pub log: Option<(PathBuf, LogOptions)>,
+    /// Who makes the run, and how.
     pub origin: Origin,
 }
 
 /// A run between its first step and its end.
-pub(crate) struct Running {
-    pub engine: Engine,
+pub struct Running {
+    pub(crate) simulation: Simulation<'static>,
+    model: Model,
+    watch: Watch,
     begun: Begun,
     origin: Origin,
+    output: Option<PathBuf>,
     /// The end of the run (s), and its length (s).
-    pub end: f64,
-    pub duration: f64,
+    pub(crate) end: f64,
+    pub(crate) duration: f64,
+    rate: f64,
     /// A copy from before the first step of a run that a program makes.
     fresh: Option<Checkpoint>,
+    /// The same run with half the step before it is made, and its end.
+    halved: Option<Halved>,
+    checked: Option<State>,
 }
 
 /// A finished run.
-pub(crate) struct Finish {
+pub struct Finish {
+    /// The report.
     pub report: Report,
+    /// The entries of its log besides the samples.
     pub told: Told,
+    /// The model.
     pub model: Model,
+    /// The end.
     pub state: State,
     /// Observers.
     pub others: Vec<Box<dyn Observer>>,
+}
+
+impl Course<'_> {
+    /// A run to its end from this state, with figures, and without a log.
+    pub fn new(model: Model, settled: Settled, state: State, counted: Option<Arc<Counted>>) -> Self {
+        Course {
+            model,
+            settled,
+            state,
+            counted,
+            kept: Vec::new(),
+            interrupt: Arc::default(),
+            others: Vec::new(),
+            stepped: false,
+            aimed: false,
+            figures: true,
+            checked: false,
+            efforts: None,
+            log: None,
+            origin: Origin::default(),
+        }
+    }
 }
 
 impl Running {
@@ -78,127 +119,156 @@ impl Running {
     /// # Errors
     /// Invalid steps or efforts, or a log that cannot be created.
     pub fn begin(course: Course) -> Result<Self, Error> {
-        let Course {
-            model,
-            settled,
-            state,
-            counted,
-            kept,
-            interrupt,
-            others,
-            driven,
-            stepped,
-            aimed,
-            figures,
-            efforts,
-            log,
-            origin,
-        } = course;
+        let Course { model, settled, state, counted, kept, interrupt, others, stepped, aimed, log, origin, .. } =
+            course;
         let Settled { duration, choice, rate } = settled;
-        let start = state.time;
-        let (mut begun, mut fresh) = (None, None);
-        let watch = Watch { recorder: None, speeds: SpeedWatch::new(model.description()), others };
-        // Reactions follow from a state and the model alone, without the efforts of a program.
-        let log = log.map(|(path, options)| match driven {
-            true if aimed => (path, options.without("/reactions").without("/motors")),
-            true => (path, options.without("/reactions")),
-            false => (path, options),
-        });
-        let held = Held { model, kept, interrupt: interrupt.clone(), counted, watch: MutBorrow::new(watch) };
-        let engine = Engine::try_new(held, |held| {
-            let description = held.model.description();
-            let options = SimulationOptions {
-                switched_off: &held.kept,
-                interrupt: Some(&held.interrupt),
-                counted: held.counted.as_ref(),
-                // A run cannot restart if a program has seen a part of it.
-                stepped,
-                figures,
-                ..SimulationOptions::new(duration, choice)
-            };
-            let account = Account::open(description, &state, settled);
-            let mut simulation = Simulation::new(&description.mechanism, state, options)?;
-            let known = account.begun(description, held.counted.as_deref(), &simulation);
-            fresh = if stepped { simulation.checkpoint() } else { None };
-            if let Some(efforts) = efforts {
-                simulation.set_efforts(efforts)?;
+        let (start, description) = (state.time, model.description());
+        let options = SimulationOptions {
+            switched_off: &kept,
+            counted: counted.as_ref(),
+            // A run cannot restart if a program has seen a part of it.
+            stepped,
+            figures: course.figures,
+            ..SimulationOptions::new(duration, choice)
+        };
+        let halved = course.checked.then(|| state.clone());
+        let account = Account::open(description, &state, settled);
+        let mut simulation = Simulation::owning(model.shared().clone(), state, options, interrupt.clone())?;
+        let begun = account.begun(description, counted.as_deref(), &simulation);
+        let fresh = if stepped { simulation.checkpoint() } else { None };
+        if let Some(efforts) = course.efforts {
+            simulation.set_efforts(efforts)?;
+        }
+        let samples_speeds = course.figures && !stepped;
+        let mut watch = Watch { recorder: None, speeds: SpeedWatch::new(description), others, samples_speeds };
+        let mut output = None;
+        if let Some((path, options)) = log {
+            // Reactions follow from a state and the model alone, without the efforts of a program.
+            let options = if stepped { options.without("/reactions") } else { options };
+            let options = if stepped && aimed { options.without("/motors") } else { options };
+            let mut recorder = begun.log(&path, description, &origin, &options, &interrupt)?;
+            if stepped {
+                recorder.say(Severity::Info, "without /reactions: a program drives this run");
             }
-            let watch = held.watch.borrow_mut();
-            if let Some((path, options)) = &log {
-                let mut recorder = known.log(path, description, &origin, options, &interrupt)?;
-                if driven {
-                    recorder.say(Severity::Info, "without /reactions: a program drives this run");
-                }
-                watch.recorder = Some(recorder);
-            }
-            begun = Some(known);
-            if watch.looks() {
-                simulation.sample_at(rate);
-            }
-            if !watch.is_empty() {
-                simulation.observe(watch);
-            }
-            Ok::<_, Error>(Some(simulation))
-        })?;
-        let begun = begun.ok_or(Error::Over(start))?;
-        Ok(Running { engine, begun, origin, end: start + duration, duration, fresh })
+            (watch.recorder, output) = (Some(recorder), Some(path));
+        }
+        // Samples are taken only for observers that look at them.
+        if watch.looks() {
+            simulation.sample_at(rate);
+        }
+        let halved = halved.map(|state| Halved { model: model.clone(), settled, state, counted, kept, interrupt });
+        let end = start + duration;
+        Ok(Running {
+            simulation,
+            model,
+            watch,
+            begun,
+            origin,
+            output,
+            end,
+            duration,
+            rate,
+            fresh,
+            halved,
+            checked: None,
+        })
     }
 
     /// Goes on from another state as a new run would; stays as it is and returns `false` if that needs a new one.
-    pub fn place(&mut self, state: &State) -> bool {
-        let Running { engine, fresh: Some(fresh), end, duration, .. } = self else { return false };
-        let placed = engine.with_mut(|simulation| simulation.place(fresh, state)).unwrap_or(false);
+    pub(crate) fn place(&mut self, state: &State) -> bool {
+        let Some(fresh) = &self.fresh else { return false };
+        let placed = self.simulation.place(fresh, state);
         if placed {
-            *end = state.time + *duration;
+            self.end = state.time + self.duration;
         }
         placed
+    }
+
+    /// Makes the run to its end, and beside it the one with half the step, if that was asked for.
+    ///
+    /// # Errors
+    /// A step, an observer, or the log that fails.
+    pub fn run(&mut self) -> Result<(), Error> {
+        let Running { simulation, watch, halved, checked, .. } = self;
+        let mut run = || watch.as_list(|observers| simulation.run_before(observers)).map_err(Error::from);
+        let Some(half) = halved.take() else { return run() };
+        std::thread::scope(|scope| {
+            let half = scope.spawn(|| half.end());
+            let ended = run();
+            *checked = half.join().ok().flatten();
+            ended
+        })
     }
 
     /// Makes steps until `until` (s) or the end of the run, under a controller if there is one.
     ///
     /// # Errors
     /// A step, an observer, the log or the controller that fails.
-    pub fn proceed(&mut self, model: &Model, control: Option<&mut Control>, until: f64) -> Result<(), Error> {
-        // Only a run that proceeds to its end in one call can restart.
-        let to_the_end = until >= self.end;
-        let until = until.min(self.end);
-        self.engine
-            .with_mut(|simulation| {
-                let Some(control) = control else {
-                    let ended = if to_the_end { simulation.run() } else { simulation.step_to(until) };
-                    return ended.map_err(Error::from);
-                };
-                simulation.together(|simulation| {
-                    while simulation.state().time < until {
-                        if control.is_due(simulation.state().time) {
-                            control.ask(model, simulation.state())?;
-                            simulation.set_efforts(control.of_state())?;
-                        }
-                        simulation.step_to(control.next().min(until))?;
+    pub(crate) fn proceed(&mut self, model: &Model, control: Option<&mut Control>, until: f64) -> Result<(), Error> {
+        let end = self.end;
+        let Some(control) = control else {
+            // Only a run that proceeds to its end in one call can restart.
+            if until >= end {
+                return self.run();
+            }
+            let Running { simulation, watch, .. } = self;
+            return watch.as_list(|observers| simulation.step_before(until, observers)).map_err(Error::from);
+        };
+        let until = until.min(end);
+        let Running { simulation, watch, .. } = self;
+        watch.as_list(|observers| {
+            simulation.together(|simulation| {
+                while simulation.state().time < until {
+                    if control.is_due(simulation.state().time) {
+                        control.ask(model, simulation.state())?;
+                        simulation.set_efforts(control.of_state())?;
                     }
-                    Ok(())
-                })
+                    simulation.step_before(control.next().min(until), observers)?;
+                }
+                Ok(())
             })
-            .unwrap_or(Ok(()))
+        })
     }
 
-    /// Ends the run with the outcome `ended`, and completes its log at `output`; reactions include these efforts.
-    pub fn close(
-        self,
-        ended: Result<(), Error>,
-        efforts: Option<&[f64]>,
-        output: Option<&Path>,
-    ) -> (Option<Finish>, Result<(), Error>) {
-        let Running { engine, begun, origin, .. } = self;
-        let Some((finished, held)) = engine.finish() else { return (None, ended) };
-        let Held { model, watch, .. } = held;
-        let Watch { recorder, speeds, others } = watch.into_inner();
+    /// Holds the run against a log that the same run has written, from its first step on.
+    ///
+    /// # Errors
+    /// As of [`Recorder::compare`].
+    #[cfg(feature = "log")]
+    pub fn compare(&mut self, log: &std::path::Path, options: &LogOptions) -> Result<(), LogError> {
+        let stages = self.simulation.description().stages as f64;
+        let mut recorder = Recorder::compare(log, self.model.description(), stages, options)?;
+        if self.simulation.tells_at_once() {
+            recorder.wait_for_the_end();
+        }
+        self.watch.recorder = Some(recorder);
+        self.simulation.sample_at(self.rate);
+        Ok(())
+    }
+
+    /// How far the run is the same as that log.
+    #[cfg(feature = "log")]
+    pub fn compared(self) -> (Compared, Result<(), Difference>) {
+        self.watch.recorder.map_or((Compared::default(), Ok(())), Recorder::compared)
+    }
+
+    /// Ends the run without a report, and returns its observers.
+    pub(crate) fn into_others(self) -> Vec<Box<dyn Observer>> {
+        self.watch.others
+    }
+
+    /// Ends the run with the outcome `ended`, and completes its log; reactions include these efforts.
+    pub fn close(self, ended: Result<(), Error>, efforts: Option<&[f64]>) -> (Finish, Result<(), Error>) {
+        let Running { simulation, model, watch, begun, origin, output, checked, .. } = self;
+        let finished = simulation.finish();
+        let Watch { recorder, speeds, others, .. } = watch;
         let state = finished.state.clone();
         let loaded = under_efforts(&model, efforts);
-        let ended = Ended { finished, ended, checked: None, speeds: speeds.as_ref(), recorder, output };
+        let (checked, speeds, output) = (checked.as_ref(), speeds.as_ref(), output.as_deref());
+        let ended = Ended { finished, ended, checked, speeds, recorder, output };
         let input = model.path().display().to_string();
         let Closed { report, ended, told } = begun.close(&loaded, input, &origin, ended);
-        (Some(Finish { report, told, model, state, others }), ended)
+        (Finish { report, told, model, state, others }, ended)
     }
 }
 

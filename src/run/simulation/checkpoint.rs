@@ -75,7 +75,7 @@ impl Simulation<'_> {
         let (Integrators::Whole(run), Kept::Whole(alone)) = (&mut self.integrators, &fresh.integrators) else {
             return false;
         };
-        if self.mechanism.has_closures() || !Plan::new(self.mechanism, state, self.switched_off).is_whole() {
+        if self.mechanism.has_closures() || !Plan::new(&self.mechanism, state, &self.switched_off).is_whole() {
             return false;
         }
         *run = alone.clone().into();
@@ -91,6 +91,6 @@ impl Simulation<'_> {
         self.progress = None;
         self.known_start.forget();
         self.start = None;
-        self.end = state.time + self.options.duration;
+        self.end = state.time + self.duration;
     }
 }

@@ -107,7 +107,8 @@ impl Simulation<'_> {
     /// # Errors
     /// [`ControlError`]: the run fails, a freedom cannot be controlled, or a run of several islands has begun.
     pub fn run_under_continuous(&mut self, controller: &dyn ContinuousController) -> Result<(), ControlError> {
-        let mechanism = self.mechanism();
+        let held = self.mechanism.clone();
+        let mechanism: &Mechanism = &held;
         let freedoms = controller.freedoms(mechanism);
         for (place, &freedom) in freedoms.iter().enumerate() {
             let once = !freedoms[..place].contains(&freedom);

@@ -38,10 +38,10 @@ pub struct Finished {
     pub parts: (usize, usize),
 }
 
-impl<'s> Simulation<'s> {
+impl Simulation<'_> {
     /// The simulated mechanism.
-    pub fn mechanism(&self) -> &'s Mechanism {
-        self.mechanism
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
     }
 
     /// The state of the run.
@@ -76,14 +76,14 @@ impl<'s> Simulation<'s> {
 
     /// The accuracy up to the present time, for the whole or for each island that moves, or the reason why it is unknown.
     pub fn accuracies(&mut self) -> Vec<Result<Accuracy, UnknownAccuracy>> {
-        let told = self.integrators.told(self.mechanism, &self.state);
+        let told = self.integrators.told(&self.mechanism, &self.state);
         if told.is_empty() { self.unknown.clone() } else { told }
     }
 
     /// The figures so far.
     pub fn summary(&self) -> Summary {
         let mut summary = match &self.progress {
-            None => Course::new(self.mechanism, &self.state, 0.0, None).summary(),
+            None => Course::new(&self.mechanism, &self.state, 0.0, None).summary(),
             Some(Progress::Whole(course)) => course.summary(),
             Some(Progress::Islands(whole)) => whole.summary,
         };
@@ -95,7 +95,7 @@ impl<'s> Simulation<'s> {
     pub fn joint_statuses(&self) -> Vec<JointStatus> {
         match &self.integrators {
             Integrators::Whole(integrator) => (0..self.mechanism.bodies.len())
-                .map(|body| integrator.joint_status(self.mechanism, &self.state, body))
+                .map(|body| integrator.joint_status(&self.mechanism, &self.state, body))
                 .collect(),
             Integrators::Islands { islands, .. } => islands.joint_statuses(self.mechanism.bodies.len()),
         }
@@ -105,7 +105,7 @@ impl<'s> Simulation<'s> {
     pub fn contacts(&self) -> Vec<ContactPoint> {
         let mut points = Vec::new();
         match &self.integrators {
-            Integrators::Whole(integrator) => integrator.contacts(self.mechanism, &self.state, &mut points),
+            Integrators::Whole(integrator) => integrator.contacts(&self.mechanism, &self.state, &mut points),
             Integrators::Islands { islands, .. } => islands.contacts(&mut points),
         }
         points

@@ -5,6 +5,7 @@ use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
+use crate::simulation::method::held::Held;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::islands::Islands;
@@ -35,7 +36,10 @@ pub enum SimulationError {
     Mechanism(#[from] MechanismError),
 }
 
-/// The integrators.
+/// The integrators. A mechanism of one island that moves is not a list of one: its samples show the figures at the end of the last step, in
+/// logs and pages, and the samples of several islands, whose steps end at no common instant, show the figures of their own instant. A chain of
+/// 20 links alone and beside a pendulum at rest has the same motion to the last bit, and kinetic energies at samples up to 308 J apart, of 5411
+/// J (1 s).
 pub(crate) enum Integrators<'a> {
     Whole(EstimatedRun<'a>),
     Islands {
@@ -54,7 +58,7 @@ pub(crate) struct Wanted<'a> {
     /// Simulated time (s).
     pub duration: f64,
     /// A flag that ends the run beside it when it is set.
-    pub interrupt: Option<&'a AtomicBool>,
+    pub interrupt: Option<Held<'a, AtomicBool>>,
     /// The ranks of the closures of the whole mechanism at the start.
     pub counted: Option<Arc<Counted>>,
     /// Whether a program makes its steps, and may change it between them: it makes no estimate of its error.
@@ -165,7 +169,8 @@ impl<'a> Wanted<'a> {
         }
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));
         let (start, end) = (state.time, state.time + self.duration);
-        let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted, interrupt: self.interrupt, estimate };
+        let terms =
+            Terms { tolerance, start, end, kept: kept.to_vec(), counted, interrupt: self.interrupt.clone(), estimate };
         Ok((EstimatedRun::new(mechanism, terms)?, UnknownAccuracy::NotYet))
     }
 }

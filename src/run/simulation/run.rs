@@ -13,6 +13,7 @@ use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::state::State;
 use crate::simulation::integrators::{Accuracies, Integrators, SimulationError, Wanted};
 use crate::simulation::known_start::KnownStart;
+use crate::simulation::method::held::{Held, Owner};
 use crate::simulation::method::step_choice::StepChoice;
 use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
@@ -84,7 +85,7 @@ impl SimulationOptions<'_> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Simulation<'s> {
-    pub(super) mechanism: &'s Mechanism,
+    pub(super) mechanism: Held<'s, Mechanism>,
     pub(super) state: State,
     /// The state at the beginning of the run, if it may restart.
     pub(super) start: Option<State>,
@@ -97,9 +98,13 @@ pub struct Simulation<'s> {
     pub(super) unknown: Accuracies,
     /// Islands, and how many of them sleep, before small ones were put together.
     pub(super) parts: (usize, usize),
-    pub(super) options: RunOptions<'s>,
+    /// Simulated time (s), and samples per simulated second.
+    pub(super) duration: f64,
+    rate: Option<f64>,
+    /// Set from outside to end the run after its current step.
+    interrupt: Option<Held<'s, AtomicBool>>,
     /// Rules that leave nothing out.
-    pub(super) switched_off: &'s [Rule],
+    pub(super) switched_off: Vec<Rule>,
     pub(super) end: f64,
     observers: Vec<&'s mut dyn Observer>,
     /// Whether figures are wanted.
@@ -109,6 +114,21 @@ pub struct Simulation<'s> {
     pub(super) progress: Option<Progress>,
     /// The start of the run before, which may be the start of the next one.
     pub(super) known_start: KnownStart,
+}
+
+impl Simulation<'static> {
+    /// The same of a mechanism that the run holds a share of, so that it borrows nothing; `interrupt` replaces the flag of the options.
+    ///
+    /// # Errors
+    /// As of [`Simulation::new`].
+    pub(crate) fn owning(
+        mechanism: Owner<Mechanism>,
+        state: State,
+        options: SimulationOptions,
+        interrupt: Arc<AtomicBool>,
+    ) -> Result<Self, SimulationError> {
+        Self::of(Held::Shared(mechanism), state, options, Some(Held::Shared(interrupt)))
+    }
 }
 
 /// How far a run has come.
@@ -129,12 +149,22 @@ impl<'s> Simulation<'s> {
         state: State,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
-        let SimulationOptions { duration, steps, switched_off, interrupt, counted, stepped, figures } = options;
-        let plan = Plan::from_counted(mechanism, &state, switched_off, counted);
+        Self::of(Held::Lent(mechanism), state, options, options.interrupt.map(Held::Lent))
+    }
+
+    fn of(
+        mechanism: Held<'s, Mechanism>,
+        state: State,
+        options: SimulationOptions,
+        interrupt: Option<Held<'s, AtomicBool>>,
+    ) -> Result<Self, SimulationError> {
+        let SimulationOptions { duration, steps, switched_off, counted, stepped, figures, .. } = options;
+        let plan = Plan::from_counted(&mechanism, &state, switched_off, counted);
         let parts = (plan.islands.len(), plan.sleeping());
         let start = (!stepped && steps.tolerance().is_some()).then(|| state.clone());
-        let wanted = Wanted { choice: steps, duration, interrupt, counted: counted.cloned(), stepped };
-        let (integrators, unknown) = Integrators::new(mechanism, &state, plan, &wanted)?;
+        let wanted =
+            Wanted { choice: steps, duration, interrupt: interrupt.clone(), counted: counted.cloned(), stepped };
+        let (integrators, unknown) = Integrators::new(&mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,
             end: state.time + duration,
@@ -146,8 +176,10 @@ impl<'s> Simulation<'s> {
             choice: steps,
             unknown,
             parts,
-            options: RunOptions { duration, rate: None, interrupt },
-            switched_off,
+            duration,
+            rate: None,
+            interrupt,
+            switched_off: switched_off.to_vec(),
             observers: Vec::new(),
             figures,
             together: false,
@@ -164,7 +196,7 @@ impl<'s> Simulation<'s> {
     /// Sets the samples that observers see per simulated second; without this they see only the first and the last instant. Call it before the first
     /// step.
     pub fn sample_at(&mut self, rate: f64) {
-        self.options.rate = Some(rate);
+        self.rate = Some(rate);
     }
 
     /// Makes steps until `time` (s), exactly; not beyond the end of the run.
@@ -172,8 +204,13 @@ impl<'s> Simulation<'s> {
     /// # Errors
     /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
     pub fn step_to(&mut self, time: f64) -> Result<(), RunError> {
+        self.observed(|run, observers| run.step_before(time, observers))
+    }
+
+    /// The same before observers that the run does not hold.
+    pub(crate) fn step_before(&mut self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         self.settle();
-        self.proceed(time, None)
+        self.proceed(time, None, observers)
     }
 
     /// Makes steps to the end of the run.
@@ -181,12 +218,17 @@ impl<'s> Simulation<'s> {
     /// # Errors
     /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
     pub fn run(&mut self) -> Result<(), RunError> {
+        self.observed(|run, observers| run.run_before(observers))
+    }
+
+    /// The same before observers that the run does not hold.
+    pub(crate) fn run_before(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         if !self.efforts.is_empty() || self.progress.is_some() {
             self.settle();
         }
         loop {
-            match self.proceed(f64::INFINITY, None) {
-                Err(RunError::BeginsAgain { .. }) => self.begin_again()?,
+            match self.proceed(f64::INFINITY, None, observers) {
+                Err(RunError::BeginsAgain { .. }) => self.begin_again(observers)?,
                 ended => return ended,
             }
         }
@@ -195,19 +237,19 @@ impl<'s> Simulation<'s> {
     /// Decisions of a program in the meantime cannot be repeated.
     pub(super) fn settle(&mut self) {
         if self.start.take().is_some() {
-            self.integrators.settle(self.mechanism, &self.state);
+            self.integrators.settle(&self.mechanism, &self.state);
         }
     }
 
     /// Goes back to the start, with finer steps where they were too coarse.
-    fn begin_again(&mut self) -> Result<(), RunError> {
+    fn begin_again(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         let Some(start) = &self.start else { return Ok(()) };
         self.spent = self.summary().solve_cpu_seconds;
         self.state.copy_from(start);
         self.progress = None;
-        self.integrators.begin_again(self.mechanism, &self.state).map_err(|error| RunError::Observer(error.into()))?;
+        self.integrators.begin_again(&self.mechanism, &self.state).map_err(|error| RunError::Observer(error.into()))?;
         let method = self.description();
-        self.observers.iter_mut().try_for_each(|observer| observer.begin_again(&method)).map_err(RunError::Observer)
+        observers.iter_mut().try_for_each(|observer| observer.begin_again(&method)).map_err(RunError::Observer)
     }
 
     /// Makes the steps of all islands together from now on; `false` if they have begun apart.
@@ -219,7 +261,7 @@ impl<'s> Simulation<'s> {
             if self.progress.is_some() {
                 return Ok(false);
             }
-            self.integrators = Integrators::Whole(self.choice.integrator(self.mechanism, &[])?.into());
+            self.integrators = Integrators::Whole(self.choice.integrator(&self.mechanism, &[])?.into());
         }
         Ok(true)
     }
@@ -227,7 +269,15 @@ impl<'s> Simulation<'s> {
     /// Makes steps to the end of the run under efforts that follow the state.
     pub(crate) fn run_with_feedback(&mut self, feedback: &dyn Feedback) -> Result<(), RunError> {
         self.settle();
-        self.proceed(f64::INFINITY, Some(feedback))
+        self.observed(|run, observers| run.proceed(f64::INFINITY, Some(feedback), observers))
+    }
+
+    /// Does work before the observers that the run holds.
+    fn observed<R>(&mut self, work: impl FnOnce(&mut Self, &mut [&mut dyn Observer]) -> R) -> R {
+        let mut observers = std::mem::take(&mut self.observers);
+        let done = work(self, &mut observers);
+        self.observers = observers;
+        done
     }
 
     /// Does work that makes many short calls of [`Simulation::step_to`], whose CPU time is asked for once.
@@ -242,14 +292,20 @@ impl<'s> Simulation<'s> {
         done
     }
 
-    fn proceed(&mut self, until: f64, feedback: Option<&dyn Feedback>) -> Result<(), RunError> {
+    fn proceed(
+        &mut self,
+        until: f64,
+        feedback: Option<&dyn Feedback>,
+        watching: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
         let Simulation {
             mechanism,
             state,
             efforts,
             integrators,
-            options,
-            observers,
+            duration,
+            rate,
+            interrupt,
             figures,
             together,
             progress,
@@ -258,7 +314,8 @@ impl<'s> Simulation<'s> {
             ..
         } = self;
         let inputs = Inputs { feedback, ..Inputs::constant(efforts) };
-        let watching = &mut observers[..];
+        let mechanism: &Mechanism = mechanism;
+        let options = &RunOptions { duration: *duration, rate: *rate, interrupt: interrupt.as_deref() };
         match integrators {
             Integrators::Whole(integrator) => {
                 if progress.is_none() {

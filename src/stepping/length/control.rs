@@ -23,7 +23,8 @@
 //! require shorter steps all along.
 
 use crate::length::stage_choice::StageChoice;
-use crate::length::stepper::{Stepper, Stride, refusal};
+use crate::length::stepper::{Stepper, refusal};
+use crate::length::stride::Stride;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_mechanism::description::mechanism::Mechanism;

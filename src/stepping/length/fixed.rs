@@ -4,7 +4,8 @@
 //! that has come out on another branch of a singular position, which its energy shows, is treated the same way. If the shortest step fails, too, the
 //! run ends.
 
-use crate::length::stepper::{HALVINGS, Stepper, refusal};
+use crate::length::stepper::{Stepper, refusal};
+use crate::length::stride::HALVINGS;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;

@@ -16,3 +16,4 @@ pub mod reversible;
 pub mod stage_choice;
 #[doc(hidden)]
 pub mod stepper;
+pub(crate) mod stride;

@@ -16,7 +16,8 @@
 //! Source: E. Hairer and G. Söderlind, SIAM J. Sci. Comput. 26 (2005), with logarithms in place of reciprocals, which cannot
 //! lead to negative steps.
 
-use crate::length::stepper::{HALVINGS, Stepper, Stride, refusal};
+use crate::length::stepper::{Stepper, refusal};
+use crate::length::stride::{HALVINGS, Stride};
 use crate::watching::pace::{Pace, STEEPEST};
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;

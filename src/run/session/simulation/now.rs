@@ -14,7 +14,7 @@ impl Simulation {
     /// Time (s).
     pub fn time(&self) -> f64 {
         match (&self.running, &self.ended) {
-            (Some(running), _) => running.engine.with(|simulation| simulation.state().time).unwrap_or(self.begin),
+            (Some(running), _) => running.simulation.state().time,
             (_, Some(over)) => over.state.time,
             _ => self.begin,
         }
@@ -103,21 +103,15 @@ impl Simulation {
             Some(control) => Some(control.of_state()),
             None => self.efforts.as_deref(),
         };
-        let told = self
-            .running
-            .as_ref()
-            .and_then(|running| running.engine.with(|simulation| (simulation.joint_statuses(), simulation.contacts())));
-        let (statuses, contacts) = told.map_or((None, None), |(statuses, contacts)| (Some(statuses), Some(contacts)));
+        let simulation = self.running.as_ref().map(|running| &running.simulation);
+        let (statuses, contacts) = (simulation.map(|run| run.joint_statuses()), simulation.map(|run| run.contacts()));
         self.look(|state| Sensed::new(&self.model, state, efforts, statuses.as_deref(), contacts))
     }
 
     /// Calls a function with the present state.
     pub(super) fn look<R>(&self, look: impl FnOnce(&State) -> R) -> Result<R, Error> {
         match (&self.running, &self.ended) {
-            (Some(running), _) => {
-                let seen = running.engine.with(|simulation| look(simulation.state()));
-                seen.ok_or(Error::Over(self.begin))
-            }
+            (Some(running), _) => Ok(look(running.simulation.state())),
             (_, Some(over)) => Ok(look(&over.state)),
             _ => Ok(look(&self.started()?.state)),
         }

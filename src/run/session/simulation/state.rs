@@ -8,6 +8,7 @@ use crate::model::Start;
 use crate::session::description::STEPPED;
 use crate::session::error::Error;
 use crate::session::model::Model;
+use crate::session::running::Running;
 use crate::session::simulation::Simulation;
 use crate::session::state::State;
 use std::cell::OnceCell;
@@ -20,7 +21,7 @@ impl Simulation {
     /// Invalid settings, and a run that has ended.
     pub fn state(&mut self) -> Result<State, Error> {
         self.begin(STEPPED)?;
-        let kept = self.running.as_ref().and_then(|running| running.engine.with(|run| run.checkpoint()).flatten());
+        let kept = self.running.as_ref().and_then(|running| running.simulation.checkpoint());
         let kept = kept.ok_or(Error::Over(self.begin))?;
         Ok(State { model: self.model.clone(), kept, asked: self.control.as_ref().map(|control| control.ticks()) })
     }
@@ -44,11 +45,11 @@ impl Simulation {
             self.start_anew(state.time(), &q, &v)?;
             self.begin(STEPPED)?;
         }
-        let restored = self.running.as_mut().and_then(|running| {
+        let restored = self.running.as_mut().is_some_and(|running| {
             running.end = state.time() + running.duration;
-            running.engine.with_mut(|run| run.restore(&state.kept))
+            running.simulation.restore(&state.kept)
         });
-        if restored != Some(true) {
+        if !restored {
             return Err(Error::OtherSettings);
         }
         self.efforts = Some(state.kept.efforts().to_vec()).filter(|efforts| !efforts.is_empty());
@@ -110,10 +111,9 @@ impl Simulation {
 
     /// Ends the run without a report, and takes its observers back for the next one.
     fn take_observers(&mut self) {
-        let running = self.running.take().and_then(|running| running.engine.finish());
+        let running = self.running.take().map(Running::into_others);
         let ended = self.ended.take().map(|over| over.others);
-        let others = running.map(|(_, held)| held.watch.into_inner().others).or(ended);
-        self.observers.extend(others.into_iter().flatten());
+        self.observers.extend(running.or(ended).into_iter().flatten());
     }
 
     fn refuse_log(&self) -> Result<(), Error> {

@@ -41,7 +41,7 @@ impl Simulation {
             model.coordinates().efforts_of_state(model.description(), &state.position, efforts, &mut of_state)
         })?;
         if let Some(running) = &mut self.running {
-            running.engine.with_mut(|simulation| simulation.set_efforts(&of_state)).transpose()?;
+            running.simulation.set_efforts(&of_state)?;
         }
         self.efforts = Some(of_state);
         Ok(())
@@ -77,13 +77,7 @@ impl Simulation {
         self.aimed = true;
         self.begin(STEPPED)?;
         let Some(running) = &mut self.running else { return Err(Error::Over(self.begin)) };
-        let mut targets = targets.into_iter();
-        let aimed = running
-            .engine
-            .with_mut(|simulation| targets.try_for_each(|(motor, target)| simulation.set_target(motor, target)));
-        if let Some(Err(error)) = aimed {
-            return Err(error.into());
-        }
+        targets.into_iter().try_for_each(|(motor, target)| running.simulation.set_target(motor, target))?;
         Ok(())
     }
 
@@ -195,20 +189,16 @@ impl Simulation {
         let log = self.log.clone();
         let others = std::mem::take(&mut self.observers);
         let course = Course {
-            model,
-            settled,
-            state,
-            counted,
             kept: self.kept.clone(),
             interrupt: self.interrupt.clone(),
             others,
-            driven: stepped,
             stepped,
             aimed: self.aimed,
             figures: self.figures,
             efforts: self.efforts.as_deref(),
             log,
             origin,
+            ..Course::new(model, settled, state, counted)
         };
         self.running = Some(Running::begin(course)?);
         Ok(())
@@ -244,9 +234,8 @@ impl Simulation {
             (None, Some(of_state)) => Some(&of_state[..]),
             _ => None,
         };
-        let output = self.log.as_ref().map(|(path, _)| path.as_path());
-        let (finish, ended) = running.close(ended, of_state, output);
-        self.ended = finish;
+        let (finish, ended) = running.close(ended, of_state);
+        self.ended = Some(finish);
         ended
     }
 }

@@ -59,6 +59,7 @@ impl Beside {
             tolerance: terms.tolerance.max(ENERGY * stop),
             kept: terms.kept.clone(),
             counted: terms.counted.clone(),
+            interrupt: terms.interrupt.clone(),
             ..*terms
         };
         let run = coarser.run(mechanism, stop, stages).ok()?;

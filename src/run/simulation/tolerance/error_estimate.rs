@@ -31,7 +31,6 @@ use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::accuracy::{Accuracy, UnknownAccuracy, may_be_chaotic};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, OWN_ROUNDINGS};
-use crate::simulation::tolerance::event_order::first_difference;
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::tolerance::given_forces::GivenForces;
 use crate::simulation::tolerance::horizon::Horizon;
@@ -51,10 +50,10 @@ const LATER: f64 = 1.25;
 const STRIDE: usize = 4;
 /// A run whose steps fail with a coarse stop restarts with a stop smaller by this factor.
 const AFTER_FAILURE: f64 = 1e-3;
-/// A run that steps over events for this part of its time does not restart.
-const STEPPED_OVER: f64 = 1.0 / 8.0;
 /// In this first part of the run stability may change the stages: stiffness shows from the start, and a later restart is expensive.
 const EARLY: f64 = 1.0 / 16.0;
+
+mod opinions;
 
 /// How the error of a run is estimated.
 enum By {
@@ -65,9 +64,6 @@ enum By {
     /// Not any more.
     Nothing,
 }
-
-/// Begins a separate run beside one with this stop and these stages, from a state on.
-type Ask = fn(&Mechanism, &Terms, f64, StageChoice, &State) -> Option<Beside>;
 
 /// The estimate of the error of a run, whose integrator each of its functions is handed.
 pub struct ErrorEstimate<'a> {
@@ -280,72 +276,6 @@ impl<'a> ErrorEstimate<'a> {
                 beside.run.pass_horizon();
             }
         }
-    }
-
-    /// The stop with which the run restarts, if it is too coarse for its error (m) and for that of ringing (m), and may restart.
-    fn finer_stop(&mut self, state: &State, error: f64, ringing: f64, run: &RunIntegrator) -> Option<f64> {
-        if !self.may_begin_again || self.stop <= FINEST {
-            return None;
-        }
-        let predicted = self.forecast.too_coarse(state.time, self.steps, error, ringing)?;
-        self.gains_by_finer_steps(state, run).then(|| self.forecast.finer(predicted, self.begun > 1))
-    }
-
-    /// The distance by which the order of blows can have moved bodies or joints up to a state (m or rad): a finer run leaves out less, and shows it.
-    fn doubt(&self, state: &State, run: &RunIntegrator) -> f64 {
-        match &self.by {
-            By::Beside(beside) if beside.is_finer() => 0.0,
-            _ => run.doubt_of_blows(state.time),
-        }
-    }
-
-    /// The error of the run (m), from which the motion beside it is this far off (m), as another one tells it: a separate run instead of a carried
-    /// companion, a finer one instead of a coarser one. It stays beside the run if it is nearer, or refutes a doubt.
-    fn second_opinion(&mut self, mechanism: &Mechanism, state: &State, error: f64, run: &mut RunIntegrator) -> f64 {
-        let (Some(origin), false) = (&self.origin, self.asked) else { return error };
-        let (ask, carried): (Ask, bool) = match self.by {
-            By::Nothing => return error,
-            By::Carried => (Beside::coarser, true),
-            By::Beside(_) => (Beside::finer, false),
-        };
-        let Some(other) = ask(mechanism, &self.terms, self.stop, self.stages, origin) else { return error };
-        let off = error + self.doubt(state, run);
-        let before = std::mem::replace(&mut self.by, By::Beside(Box::new(other)));
-        match self.error(mechanism, state, run) {
-            Some(told) if told < off => {
-                self.asked = !carried;
-                if carried {
-                    run.leave_companion();
-                }
-                told
-            }
-            _ => {
-                self.asked = true;
-                self.by = before;
-                error
-            }
-        }
-    }
-
-    /// Whether finer steps may carry the run on to a state, as far as is known; it does not restart any more if they do not. Steps over events have the
-    /// length that the tolerance gives them, whatever the stop: where they are an eighth of the run so far, a finer stop has nothing to make better.
-    fn gains_by_finer_steps(&mut self, state: &State, run: &RunIntegrator) -> bool {
-        if run.description().first_order_time >= STEPPED_OVER * (state.time - self.terms.start) {
-            self.may_begin_again = false;
-            return false;
-        }
-        let Some(differ) = self.difference(run) else { return true };
-        self.may_begin_again = self.horizon.is_worth(differ, self.stop, self.terms.end - self.terms.start);
-        self.may_begin_again
-    }
-
-    /// When the run and its separate companion first meet different events (s). A companion that alone steps over events does not say which it met.
-    fn difference(&self, run: &RunIntegrator) -> Option<f64> {
-        let By::Beside(beside) = &self.by else { return None };
-        if beside.hides_events(run) {
-            return None;
-        }
-        first_difference(&self.events, &beside.events)
     }
 
     /// The estimated accuracy of the run up to this state, its end.

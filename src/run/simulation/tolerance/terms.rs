@@ -3,6 +3,7 @@
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
+use crate::simulation::method::held::Held;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::forecast::FINEST;
 use crate::stepping::integrator::MethodError;
@@ -24,7 +25,7 @@ pub struct Terms<'a> {
     /// The rank counts of the closures at the start.
     pub counted: Option<Arc<Counted>>,
     /// A flag that ends the run when it is set.
-    pub interrupt: Option<&'a AtomicBool>,
+    pub interrupt: Option<Held<'a, AtomicBool>>,
     /// Whether the run estimates its error.
     pub estimate: bool,
 }
@@ -48,7 +49,7 @@ impl Terms<'_> {
 
     /// Whether the flag is set.
     pub(crate) fn is_interrupted(&self) -> bool {
-        self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+        self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// The integrator with this iteration stop and these stages.
