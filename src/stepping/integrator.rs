@@ -180,7 +180,18 @@ impl Lobatto {
         self.stepper.step_count()
     }
 
-    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once.
+    /// Looks at the fastest mode in the state from which the first step of a motion begins, instead of the state after that step.
+    pub(crate) fn look_ahead(&mut self, mechanism: &Mechanism, state: &State) {
+        let driven = self.stepper.driven();
+        self.stepper.look_ahead(driven.as_deref().unwrap_or(mechanism), state);
+    }
+
+    /// Whether a step that is longer by a factor would have been accepted, too.
+    pub(crate) fn has_room(&self, factor: f64) -> bool {
+        matches!(&self.mode, Mode::Chosen(control) if control.has_room(factor))
+    }
+
+    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once. With `ahead` a first look at stability is at its start.
     ///
     /// # Errors
     /// The cost of a refused attempt, which leaves the state as it is.
@@ -190,10 +201,14 @@ impl Lobatto {
         inputs: Inputs,
         state: &mut State,
         until: f64,
+        ahead: bool,
     ) -> Result<StepOutcome, Cost> {
         // A force that jumps in between ends a step.
         if mechanism.next_instant(state.time) < until || self.meet(mechanism, inputs, state).is_err() {
             return Err(Cost::default());
+        }
+        if ahead {
+            self.look_ahead(mechanism, state);
         }
         let driven = self.stepper.driven();
         let Mode::Chosen(control) = &mut self.mode else { return Err(Cost::default()) };

@@ -395,6 +395,7 @@ impl Control {
         let mut outcome = StepOutcome { cost: Cost::of(attempt.iterations()), exact, ..StepOutcome::default() };
         let refused = match self.judge(&attempt, Some(energies), length, guess) {
             Decision::Retry { why, .. } => Some(why),
+            Decision::Accept if stepper.too_long_for_stability(mechanism, length).is_some() => Some(Rejected::NotSmooth),
             Decision::Accept => {
                 let accepted = stepper.keep(mechanism, state, length, until, &mut outcome);
                 accepted.is_err().then_some(Rejected::NotConverged)
@@ -413,6 +414,12 @@ impl Control {
     /// that changed the energy too much, steps with a large E often do so again.
     pub(crate) fn is_likely_kept(&self, legendre: f64) -> bool {
         legendre <= if self.memory.wary > 0 { LIKELY * self.wanted } else { self.limit }
+    }
+
+    /// Whether a step that is longer by a factor would have kept to the limit of E, too: E of the last one grows with the power of its degree.
+    pub(crate) fn has_room(&self, factor: f64) -> bool {
+        let degree = self.stages as i32;
+        self.memory.previous.is_some_and(|legendre| legendre * factor.powi(degree) <= self.limit)
     }
 
     /// Bounds the next step by one that is known to be stable (s).

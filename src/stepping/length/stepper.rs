@@ -79,6 +79,8 @@ pub(crate) struct Stepper {
     modes: Modes,
     /// The fastest mode at the end of the finished step, if that was looked at before it is accepted.
     seen: Option<Mode>,
+    /// The fastest mode where the motion begins, if that was looked at for its first step.
+    ahead: Option<Mode>,
     /// Start of the last step, for dense output.
     origin: State,
     /// The end of a step before it is accepted, and then the end of the last one.
@@ -120,6 +122,7 @@ impl Stepper {
             tableau,
             modes: Modes::new(mechanism),
             seen: None,
+            ahead: None,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
             length: 0.0,
@@ -204,6 +207,7 @@ impl Stepper {
             }
             self.watch.forget();
             self.modes.forget();
+            self.ahead = None;
             if let Some(known) = self.kernel.known() {
                 self.modes.heed(known);
                 self.ranks.hear(known.weak, state.time);
@@ -368,11 +372,22 @@ impl Stepper {
         self.watch.take_settling(state.time, tolerance)
     }
 
+    /// Looks at the fastest mode in the state from which the first step of a motion begins, if it is time to look after that step: whoever begins from
+    /// there again has looked already.
+    pub fn look_ahead(&mut self, mechanism: &Mechanism, state: &State) {
+        if self.ahead.is_none()
+            && self.watch.latest().is_none()
+            && let Some(iterations) = self.watch.is_due()
+        {
+            self.ahead = Some(self.modes.fastest(mechanism, state, iterations));
+        }
+    }
+
     /// The longest step that is safely stable (s), if the finished one of `length` seconds is beyond the limit, as far as is known when it is time to
     /// look: fast motions have grown in it.
     pub fn too_long_for_stability(&mut self, mechanism: &Mechanism, length: f64) -> Option<f64> {
         let iterations = self.watch.is_due()?;
-        let mode = self.modes.fastest(mechanism, &self.end, iterations);
+        let mode = self.ahead.take().unwrap_or_else(|| self.modes.fastest(mechanism, &self.end, iterations));
         self.seen = Some(mode);
         self.watch.beyond_limit(mode, length)
     }
