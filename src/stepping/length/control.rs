@@ -395,7 +395,9 @@ impl Control {
         let mut outcome = StepOutcome { cost: Cost::of(attempt.iterations()), exact, ..StepOutcome::default() };
         let refused = match self.judge(&attempt, Some(energies), length, guess) {
             Decision::Retry { why, .. } => Some(why),
-            Decision::Accept if stepper.too_long_for_stability(mechanism, length).is_some() => Some(Rejected::NotSmooth),
+            Decision::Accept if stepper.too_long_for_stability(mechanism, length).is_some() => {
+                Some(Rejected::NotSmooth)
+            }
             Decision::Accept => {
                 let accepted = stepper.keep(mechanism, state, length, until, &mut outcome);
                 accepted.is_err().then_some(Rejected::NotConverged)

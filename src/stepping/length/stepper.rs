@@ -17,7 +17,7 @@ use crate::watching::modes::Modes;
 use crate::watching::pace::Pace;
 use crate::watching::ranks::Ranks;
 use crate::watching::standstills::Standstills;
-use crate::watching::watch::{FIRST_LOOK, Mode, Watch};
+use crate::watching::watch::{FIRST_LOOK, Mode, Transient, Watch};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
@@ -79,8 +79,9 @@ pub(crate) struct Stepper {
     modes: Modes,
     /// The fastest mode at the end of the finished step, if that was looked at before it is accepted.
     seen: Option<Mode>,
-    /// The fastest mode where the motion begins, if that was looked at for its first step.
+    /// The fastest mode and what dampers are about to stop where the motion begins, if that was looked at for its first step.
     ahead: Option<Mode>,
+    ahead_of_dampers: Option<Option<Transient>>,
     /// Start of the last step, for dense output.
     origin: State,
     /// The end of a step before it is accepted, and then the end of the last one.
@@ -123,6 +124,7 @@ impl Stepper {
             modes: Modes::new(mechanism),
             seen: None,
             ahead: None,
+            ahead_of_dampers: None,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
             length: 0.0,
@@ -207,7 +209,7 @@ impl Stepper {
             }
             self.watch.forget();
             self.modes.forget();
-            self.ahead = None;
+            (self.ahead, self.ahead_of_dampers) = (None, None);
             if let Some(known) = self.kernel.known() {
                 self.modes.heed(known);
                 self.ranks.hear(known.weak, state.time);
@@ -372,14 +374,15 @@ impl Stepper {
         self.watch.take_settling(state.time, tolerance)
     }
 
-    /// Looks at the fastest mode in the state from which the first step of a motion begins, if it is time to look after that step: whoever begins from
-    /// there again has looked already.
+    /// Looks at the fastest mode, and at what dampers are about to stop, in the state from which the first step of a motion begins, if it is time to
+    /// look after that step: whoever begins from there again has looked already.
     pub fn look_ahead(&mut self, mechanism: &Mechanism, state: &State) {
         if self.ahead.is_none()
             && self.watch.latest().is_none()
             && let Some(iterations) = self.watch.is_due()
         {
             self.ahead = Some(self.modes.fastest(mechanism, state, iterations));
+            self.ahead_of_dampers = Some(self.modes.transient(mechanism, state));
         }
     }
 
@@ -494,8 +497,9 @@ impl Stepper {
         let mode = seen.take().unwrap_or_else(|| modes.fastest(mechanism, state, iterations));
         self.watch.see(mode, length, state.time);
         self.look_at_dampers(mechanism, state);
+        let ahead = self.ahead_of_dampers.take();
         if self.watch.listens()
-            && let Some(transient) = self.modes.transient(mechanism, state)
+            && let Some(transient) = ahead.unwrap_or_else(|| self.modes.transient(mechanism, state))
         {
             self.watch.hear(transient, length, state.time);
         }
