@@ -4,7 +4,7 @@
 //! [`crate::length::reversible`].
 
 use crate::length::companion::Companion;
-use crate::length::control::Control;
+use crate::length::control::{Beginning, Control};
 use crate::length::fixed::FixedSteps;
 use crate::length::reversible::Reversible;
 use crate::length::stepper::Stepper;
@@ -186,12 +186,7 @@ impl Lobatto {
         self.stepper.look_ahead(driven.as_deref().unwrap_or(mechanism), state);
     }
 
-    /// Whether a step that is longer by a factor would have been accepted, too.
-    pub(crate) fn has_room(&self, factor: f64) -> bool {
-        matches!(&self.mode, Mode::Chosen(control) if control.has_room(factor))
-    }
-
-    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once. With `ahead` a first look at stability is at its start.
+    /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once.
     ///
     /// # Errors
     /// The cost of a refused attempt, which leaves the state as it is.
@@ -201,18 +196,15 @@ impl Lobatto {
         inputs: Inputs,
         state: &mut State,
         until: f64,
-        ahead: bool,
+        begins: Beginning,
     ) -> Result<StepOutcome, Cost> {
         // A force that jumps in between ends a step.
         if mechanism.next_instant(state.time) < until || self.meet(mechanism, inputs, state).is_err() {
             return Err(Cost::default());
         }
-        if ahead {
-            self.look_ahead(mechanism, state);
-        }
         let driven = self.stepper.driven();
         let Mode::Chosen(control) = &mut self.mode else { return Err(Cost::default()) };
-        control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until)
+        control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until, begins)
     }
 
     /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.

@@ -12,8 +12,12 @@
 //! ([`crate::length::stage_choice`]). The local error is less than E²/100, so that ten thousand spans leave 3 % of T. A refused span is made with
 //! many stages. After each refusal in a row twice as many of the next spans are made with many stages. The order between events is the order of many
 //! stages, because spans are made with few stages only where both are below the tolerance.
+//!
+//! Where a program asks for all steps and closures couple the stages, the first span of a motion is tried as well. No h is known then, and E must leave
+//! room for a span that is four times as long: `64 E` is bounded.
 
 use crate::integrator::{Lobatto, MethodError};
+use crate::length::control::Beginning;
 use crate::length::stage_choice::StageChoice;
 use crate::recipe::{Recipe, Steps};
 use crate::step_maker::{PieceSteps, StepFigures, StepMaker, StepPace};
@@ -28,7 +32,8 @@ use catena_mechanism::motion::state::State;
 const IN_A_ROW: usize = 2;
 /// Spans that are made with many stages after a refusal.
 const WAIT: usize = 8;
-/// A span is short beside the steps of the motion, too, if three stages could have made one that is longer by this factor.
+/// A span is short beside the steps of a motion of which many stages have made none, if three stages could make one that is longer by this factor: E
+/// is 64 times smaller.
 const ROOM: f64 = 4.0;
 /// That number doubles with each refusal in a row, this often at most.
 const DOUBLINGS: u32 = 3;
@@ -39,9 +44,8 @@ pub struct SpanSteps {
     many: Lobatto,
     few: Option<Box<Lobatto>>,
     recipe: Recipe,
-    /// Whether three stages made the last step, and whether the last one that they made was short beside the steps of the motion.
+    /// Whether three stages made the last step.
     by_few: bool,
-    brief: bool,
     /// Whether the first span of a motion is tried with three stages: closures couple the stages, and a program asks for all steps. Many stages of trees
     /// side by side are as cheap as a span that is refused.
     at_once: bool,
@@ -70,7 +74,6 @@ impl SpanSteps {
             few: None,
             recipe,
             by_few: false,
-            brief: false,
             at_once,
             given: false,
             in_a_row: 0,
@@ -125,12 +128,10 @@ impl SpanSteps {
 
     /// Tries a span with three stages.
     fn try_few(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
-        let (ahead, since) = (self.at_once, state.time);
-        let few = self.few(mechanism)?;
-        match few.span(mechanism, inputs, state, until, ahead) {
+        let first = if self.is_within_a_step(until - state.time) { 1.0 } else { ROOM };
+        let begins = Beginning { ahead: self.at_once, room: first };
+        match self.few(mechanism)?.span(mechanism, inputs, state, until, begins) {
             Ok(made) => {
-                let room = few.has_room(ROOM);
-                self.brief = room || self.is_within_a_step(until - since);
                 self.refusals = 0;
                 Some(made)
             }
@@ -211,10 +212,6 @@ impl PieceSteps for SpanSteps {
     }
 
     fn is_short_span(&self) -> bool {
-        self.by_few && self.brief
-    }
-
-    fn has_few_stages(&self) -> bool {
         self.by_few
     }
 

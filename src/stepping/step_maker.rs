@@ -131,11 +131,6 @@ pub trait PieceSteps: StepMaker + Sync {
         false
     }
 
-    /// Whether the last step was a span to a given instant that few stages have made.
-    fn has_few_stages(&self) -> bool {
-        false
-    }
-
     /// Writes the forces (N) on the second ends of the closures at all stages of the last step but its end, stage after stage of each; whether it
     /// solved for them.
     fn closure_forces(&self, _forces: &mut Vec<[f64; 3]>) -> bool {

@@ -416,10 +416,9 @@ fn dropped(before: f64) -> (Model, Vec<f64>, Vec<f64>) {
 
 #[test]
 fn the_first_span_that_a_program_asks_for_has_three_stages_where_they_end_as_finer_steps_do() {
-    // It sways for half a second, the less the later.
-    for (before, tolerance, few) in
-        [(0.2, 1e-4, 1), (0.2, 1e-6, 0), (0.3, 1e-4, 1), (0.3, 1e-6, 0), (0.5, 1e-4, 1), (0.5, 1e-6, 1), (1.0, 1e-6, 1)]
-    {
+    // It sways for a second, the less the later.
+    let spans = [(0.2, 1e-4), (0.3, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (0.5, 1e-6), (1.0, 1e-6)];
+    let few = spans.map(|(before, tolerance)| {
         let (model, q, v) = dropped(before);
         let ended = |tolerance: f64| {
             let mut simulation = Simulation::new(&model).tolerance(tolerance).start_from(&q, &v).expect("a start");
@@ -430,9 +429,10 @@ fn the_first_span_that_a_program_asks_for_has_three_stages_where_they_end_as_fin
         let ((q, made), (reference, _)) = (ended(tolerance), ended(1e-11));
         let apart = q.iter().zip(&reference).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
         println!("{before} s, {tolerance}: {made} spans of three stages, {apart:e} apart");
-        assert_eq!(made, few, "{before} s, {tolerance}");
-        assert!(apart < 0.1 * tolerance, "{before} s, {tolerance}: {apart} apart");
-    }
+        assert!(apart < 1e-3 * tolerance, "{before} s, {tolerance}: {apart} apart");
+        made
+    });
+    assert_eq!(few, [0, 0, 0, 1, 0, 0]);
 }
 
 #[test]

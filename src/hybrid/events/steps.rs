@@ -278,7 +278,7 @@ impl Eventful {
         self.tally.steps += 1;
         self.tally.stepped += outcome.step;
         let short =
-            self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.has_few_stages());
+            self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_short_span());
         let ended = match (triggers.is_empty(), attempt.given && !short && self.counts_instants()) {
             (false, _) => Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION },
             (true, true) => Ended::AtInstant,

@@ -85,6 +85,15 @@ pub enum Decision {
     },
 }
 
+/// How a span may begin a motion.
+#[derive(Clone, Copy)]
+pub(crate) struct Beginning {
+    /// Whether a first look at stability is where it begins.
+    pub ahead: bool,
+    /// A step that is longer by this factor must be possible, too.
+    pub room: f64,
+}
+
 /// Chooses steps.
 #[derive(Clone)]
 pub struct Control {
@@ -366,7 +375,8 @@ impl Control {
         self.memory.step = self.memory.step.min(settling);
     }
 
-    /// Makes one step exactly to `until` (s), if it is accepted at once.
+    /// Makes one step exactly to `until` (s), if it is accepted at once, and one that is longer by a factor would keep to the limit of E, too: E grows with
+    /// the power of its degree.
     ///
     /// # Errors
     /// The cost of a refused attempt: nothing without an attempt.
@@ -377,6 +387,7 @@ impl Control {
         inputs: Inputs,
         state: &mut State,
         until: f64,
+        begins: Beginning,
     ) -> Result<StepOutcome, Cost> {
         let length = until - state.time;
         if length > stepper.watch.safe_step() || mechanism.resolved_step(state.time, length, until) < length {
@@ -391,6 +402,15 @@ impl Control {
             cost.reject(refusal(&attempt));
             return Err(cost);
         };
+        if begins.room > 1.0 && legendre * begins.room.powi(self.stages as i32) > self.limit {
+            self.forget();
+            let mut cost = Cost::of(attempt.iterations());
+            cost.reject(Rejected::NotSmooth);
+            return Err(cost);
+        }
+        if begins.ahead {
+            stepper.look_ahead(mechanism, state);
+        }
         let energies = stepper.finish(mechanism, state);
         let mut outcome = StepOutcome { cost: Cost::of(attempt.iterations()), exact, ..StepOutcome::default() };
         let refused = match self.judge(&attempt, Some(energies), length, guess) {
@@ -416,12 +436,6 @@ impl Control {
     /// that changed the energy too much, steps with a large E often do so again.
     pub(crate) fn is_likely_kept(&self, legendre: f64) -> bool {
         legendre <= if self.memory.wary > 0 { LIKELY * self.wanted } else { self.limit }
-    }
-
-    /// Whether a step that is longer by a factor would have kept to the limit of E, too: E of the last one grows with the power of its degree.
-    pub(crate) fn has_room(&self, factor: f64) -> bool {
-        let degree = self.stages as i32;
-        self.memory.previous.is_some_and(|legendre| legendre * factor.powi(degree) <= self.limit)
     }
 
     /// Bounds the next step by one that is known to be stable (s).
