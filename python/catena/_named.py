@@ -25,6 +25,12 @@ class NamedArray(np.ndarray):
         # Parts and results of arithmetic have other axes.
         self._places = None
 
+    def alike(self):
+        """Another array with the same numbers and names."""
+        array = np.array(self).view(NamedArray)
+        array._places = self._places
+        return array
+
     def _place(self, name):
         if self._places is None:
             raise InputError(f"this array has no names; ask the whole array for {name!r}")

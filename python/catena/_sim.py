@@ -130,7 +130,7 @@ class Sim:
     def state(self) -> State:
         """Where it is, as a value; assigned, the simulation goes on from there bit for bit."""
         run = self._here()
-        q, v = (NamedArray(np.array(array), places) for array, places in self._parts())
+        q, v = self._q.alike(), self._v.alike()
         efforts = None if self._efforts is None else self._efforts.copy()
         return State(self.model, self._time, q, v, efforts, dict(self._targets), run.state())
 
@@ -315,9 +315,6 @@ class Sim:
     def _look(self, run):
         self._time = run.time
         run.look(self._q, self._v)
-
-    def _parts(self):
-        return (self._q, self.model._inner.q_places()), (self._v, self.model._inner.v_places())
 
     def __repr__(self):
         return f"<catena.Sim of {self.model.name!r} at t = {self._time:.9g} s>"

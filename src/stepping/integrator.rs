@@ -4,7 +4,7 @@
 //! [`crate::length::reversible`].
 
 use crate::length::companion::Companion;
-use crate::length::control::Control;
+use crate::length::control::{Beginning, Control};
 use crate::length::fixed::FixedSteps;
 use crate::length::reversible::Reversible;
 use crate::length::stepper::Stepper;
@@ -180,6 +180,12 @@ impl Lobatto {
         self.stepper.step_count()
     }
 
+    /// Looks at the fastest mode in the state from which the first step of a motion begins, instead of the state after that step.
+    pub(crate) fn look_ahead(&mut self, mechanism: &Mechanism, state: &State) {
+        let driven = self.stepper.driven();
+        self.stepper.look_ahead(driven.as_deref().unwrap_or(mechanism), state);
+    }
+
     /// Makes one step exactly to `until` (s), with chosen steps, if it is accepted at once.
     ///
     /// # Errors
@@ -190,6 +196,7 @@ impl Lobatto {
         inputs: Inputs,
         state: &mut State,
         until: f64,
+        begins: Beginning,
     ) -> Result<StepOutcome, Cost> {
         // A force that jumps in between ends a step.
         if mechanism.next_instant(state.time) < until || self.meet(mechanism, inputs, state).is_err() {
@@ -197,7 +204,7 @@ impl Lobatto {
         }
         let driven = self.stepper.driven();
         let Mode::Chosen(control) = &mut self.mode else { return Err(Cost::default()) };
-        control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until)
+        control.span(&mut self.stepper, driven.as_deref().unwrap_or(mechanism), inputs, state, until, begins)
     }
 
     /// Gives up chosen steps that are shorter than this (s) and do not converge, from now on.

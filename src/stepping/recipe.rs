@@ -12,6 +12,8 @@ pub struct Recipe {
     pub steps: Steps,
     /// Disabled simplification rules.
     pub kept: Vec<Rule>,
+    /// Whether a program asks for every step: all of them end at instants that it gives.
+    pub asked_for: bool,
 }
 
 /// How steps are chosen.

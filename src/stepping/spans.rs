@@ -12,8 +12,12 @@
 //! ([`crate::length::stage_choice`]). The local error is less than E²/100, so that ten thousand spans leave 3 % of T. A refused span is made with
 //! many stages. After each refusal in a row twice as many of the next spans are made with many stages. The order between events is the order of many
 //! stages, because spans are made with few stages only where both are below the tolerance.
+//!
+//! Where a program asks for all steps and closures couple the stages, the first span of a motion is tried as well. No h is known then, and E must leave
+//! room for a span that is four times as long: `64 E` is bounded.
 
 use crate::integrator::{Lobatto, MethodError};
+use crate::length::control::Beginning;
 use crate::length::stage_choice::StageChoice;
 use crate::recipe::{Recipe, Steps};
 use crate::step_maker::{PieceSteps, StepFigures, StepMaker, StepPace};
@@ -28,6 +32,9 @@ use catena_mechanism::motion::state::State;
 const IN_A_ROW: usize = 2;
 /// Spans that are made with many stages after a refusal.
 const WAIT: usize = 8;
+/// A span is short beside the steps of a motion of which many stages have made none, if three stages could make one that is longer by this factor: E
+/// is 64 times smaller.
+const ROOM: f64 = 4.0;
 /// That number doubles with each refusal in a row, this often at most.
 const DOUBLINGS: u32 = 3;
 
@@ -39,6 +46,9 @@ pub struct SpanSteps {
     recipe: Recipe,
     /// Whether three stages made the last step.
     by_few: bool,
+    /// Whether the first span of a motion is tried with three stages: closures couple the stages, and a program asks for all steps. Many stages of trees
+    /// side by side are as cheap as a span that is refused.
+    at_once: bool,
     /// Whether a given instant bounds the next step.
     given: bool,
     /// Spans to given instants in a row that many stages have made in one step.
@@ -58,11 +68,13 @@ impl SpanSteps {
     pub fn new(mechanism: &Mechanism, recipe: &Recipe) -> Result<Self, MethodError> {
         let many = recipe.lobatto(mechanism)?;
         let recipe = recipe.clone();
+        let at_once = recipe.asked_for && mechanism.has_closures();
         Ok(SpanSteps {
             many,
             few: None,
             recipe,
             by_few: false,
+            at_once,
             given: false,
             in_a_row: 0,
             waits: 0,
@@ -83,24 +95,42 @@ impl SpanSteps {
         }
     }
 
-    /// Whether the span from a time to `until` (s) is to be tried with three stages.
+    /// Whether the span from a time to `until` (s) is to be tried with three stages. One that a program asks for before many stages have made a step
+    /// is tried, too.
     fn is_short(&self, time: f64, until: f64) -> bool {
-        let StepPace::Step { length, .. } = self.many.step_pace(0.0) else { return false };
+        let begun = matches!(self.many.step_pace(0.0), StepPace::Step { length, .. } if length > 0.0);
         self.given
-            && self.in_a_row >= IN_A_ROW
+            && (self.in_a_row >= IN_A_ROW || self.at_once)
             && self.waits == 0
-            && until - time < length
+            && (self.is_within_a_step(until - time) || self.at_once && !begun)
             && self.many.companion().is_none()
     }
 
-    /// Tries a span with three stages.
-    fn try_few(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+    /// Whether a span (s) is known to be shorter than the next step of many stages.
+    fn is_within_a_step(&self, span: f64) -> bool {
+        matches!(self.many.step_pace(0.0), StepPace::Step { length, .. } if span < length)
+    }
+
+    /// The scheme with three stages; `None` for given steps.
+    fn few(&mut self, mechanism: &Mechanism) -> Option<&mut Lobatto> {
         if self.few.is_none() {
             let Steps::Chosen { tolerance, stop, .. } = self.recipe.steps else { return None };
             let steps = Steps::Chosen { tolerance, stop, stages: StageChoice::Fewest };
             self.few = Recipe { steps, ..self.recipe.clone() }.lobatto(mechanism).ok().map(Box::new);
         }
-        match self.few.as_mut()?.span(mechanism, inputs, state, until) {
+        self.few.as_deref_mut()
+    }
+
+    /// The scheme with three stages, if the first span of a motion is tried with it.
+    fn few_to_begin(&mut self, mechanism: &Mechanism) -> Option<&mut Lobatto> {
+        if self.at_once && self.waits == 0 { self.few(mechanism) } else { None }
+    }
+
+    /// Tries a span with three stages.
+    fn try_few(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
+        let first = if self.is_within_a_step(until - state.time) { 1.0 } else { ROOM };
+        let begins = Beginning { ahead: self.at_once, room: first };
+        match self.few(mechanism)?.span(mechanism, inputs, state, until, begins) {
             Ok(made) => {
                 self.refusals = 0;
                 Some(made)
@@ -163,7 +193,10 @@ impl PieceSteps for SpanSteps {
 
     fn meet(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) {
         // An error is told by the step, which meets the state again.
-        let _ = self.many.meet_before(mechanism, inputs, state);
+        let _ = match self.few_to_begin(mechanism) {
+            Some(few) => few.meet_before(mechanism, inputs, state).map(|()| few.look_ahead(mechanism, state)),
+            None => self.many.meet_before(mechanism, inputs, state),
+        };
     }
 
     fn step_pace(&self, origin: f64) -> StepPace {
@@ -175,7 +208,7 @@ impl PieceSteps for SpanSteps {
     }
 
     fn expect_instant(&mut self, given: bool) {
-        self.given = given;
+        self.given = given || self.at_once;
     }
 
     fn is_short_span(&self) -> bool {

@@ -77,6 +77,7 @@ mod slides;
 mod slow_passes;
 mod throws;
 mod ticks;
+mod ties_and_sizes;
 mod toys;
 mod turnings;
 mod weights;

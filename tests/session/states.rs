@@ -404,3 +404,42 @@ fn runs_side_by_side_are_single_runs_bit_for_bit_whatever_the_number_of_threads(
     assert!(matches!(batch.step(0.02, &[0.0], &[]), Err(Error::Count { what: "efforts", .. })));
     assert!(batch.place(2, &q, &v).is_err());
 }
+
+/// A quadruped whose motors hold it on the floor, and where it is some time after it was dropped (s).
+fn dropped(before: f64) -> (Model, Vec<f64>, Vec<f64>) {
+    let model = Model::load(robot("quadruped_dropped.toml")).expect("a model");
+    let mut run = Simulation::new(&model).duration(before);
+    run.run().expect("it lands");
+    let (q, v) = run.coordinates().expect("coordinates");
+    (model, q, v)
+}
+
+#[test]
+fn the_first_span_that_a_program_asks_for_has_three_stages_where_they_end_as_finer_steps_do() {
+    // It sways for a second, the less the later.
+    let spans = [(0.2, 1e-4), (0.3, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (0.5, 1e-6), (1.0, 1e-6)];
+    let few = spans.map(|(before, tolerance)| {
+        let (model, q, v) = dropped(before);
+        let ended = |tolerance: f64| {
+            let mut simulation = Simulation::new(&model).tolerance(tolerance).start_from(&q, &v).expect("a start");
+            simulation.step_to(0.02).expect("a step");
+            let (q, _) = simulation.coordinates().expect("coordinates");
+            (q, simulation.finish().expect("a report").method.few_stage_steps)
+        };
+        let ((q, made), (reference, _)) = (ended(tolerance), ended(1e-11));
+        let apart = q.iter().zip(&reference).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+        println!("{before} s, {tolerance}: {made} spans of three stages, {apart:e} apart");
+        assert!(apart < 1e-3 * tolerance, "{before} s, {tolerance}: {apart} apart");
+        made
+    });
+    assert_eq!(few, [0, 0, 0, 1, 0, 0]);
+}
+
+#[test]
+fn a_first_span_that_three_stages_are_not_stable_in_has_many() {
+    // Its fastest mode has 106 rad/s: 0.05 s are 5.3 rad of it, and three stages are stable up to 2.8.
+    let (model, q, v) = dropped(2.0);
+    let mut simulation = Simulation::new(&model).tolerance(1e-4).start_from(&q, &v).expect("a start");
+    simulation.step_to(0.05).expect("a step");
+    assert_eq!(simulation.finish().expect("a report").method.few_stage_steps, 0);
+}

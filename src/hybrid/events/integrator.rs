@@ -125,6 +125,11 @@ impl Eventful {
         self.model.leave_of_impacts(part, least);
     }
 
+    /// A program asks for every step.
+    pub fn expect_to_be_asked(&mut self) {
+        self.model.recipe.expect_to_be_asked();
+    }
+
     /// Makes steps over events and jams longer by a factor, as in a run with which another is compared.
     pub fn coarsen_over_events(&mut self, factor: f64) {
         self.model.coarser = factor;

@@ -164,7 +164,7 @@ impl<'a> Wanted<'a> {
         };
         if self.stepped {
             let (stop, stages) = (first_stop(mechanism, tolerance), StageChoice::of(mechanism, tolerance));
-            let run = RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop, stages }, kept)?;
+            let run = RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop, stages }, kept)?.asked_for();
             return Ok((run.counted(counted).into(), UnknownAccuracy::Stepped));
         }
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));

@@ -86,6 +86,15 @@ pub enum Decision {
     },
 }
 
+/// How a span may begin a motion.
+#[derive(Clone, Copy)]
+pub(crate) struct Beginning {
+    /// Whether a first look at stability is where it begins.
+    pub ahead: bool,
+    /// A step that is longer by this factor must be possible, too.
+    pub room: f64,
+}
+
 /// Chooses steps.
 #[derive(Clone)]
 pub struct Control {
@@ -367,7 +376,8 @@ impl Control {
         self.memory.step = self.memory.step.min(settling);
     }
 
-    /// Makes one step exactly to `until` (s), if it is accepted at once.
+    /// Makes one step exactly to `until` (s), if it is accepted at once, and one that is longer by a factor would keep to the limit of E, too: E grows with
+    /// the power of its degree.
     ///
     /// # Errors
     /// The cost of a refused attempt: nothing without an attempt.
@@ -378,6 +388,7 @@ impl Control {
         inputs: Inputs,
         state: &mut State,
         until: f64,
+        begins: Beginning,
     ) -> Result<StepOutcome, Cost> {
         let length = until - state.time;
         if length > stepper.watch.safe_step() || mechanism.resolved_step(state.time, length, until) < length {
@@ -392,10 +403,22 @@ impl Control {
             cost.reject(refusal(&attempt));
             return Err(cost);
         };
+        if begins.room > 1.0 && legendre * begins.room.powi(self.stages as i32) > self.limit {
+            self.forget();
+            let mut cost = Cost::of(attempt.iterations());
+            cost.reject(Rejected::NotSmooth);
+            return Err(cost);
+        }
+        if begins.ahead {
+            stepper.look_ahead(mechanism, state);
+        }
         let energies = stepper.finish(mechanism, state);
         let mut outcome = StepOutcome { cost: Cost::of(attempt.iterations()), exact, ..StepOutcome::default() };
         let refused = match self.judge(&attempt, Some(energies), length, guess) {
             Decision::Retry { why, .. } => Some(why),
+            Decision::Accept if stepper.too_long_for_stability(mechanism, length).is_some() => {
+                Some(Rejected::NotSmooth)
+            }
             Decision::Accept => {
                 let accepted = stepper.keep(mechanism, state, length, until, &mut outcome);
                 accepted.is_err().then_some(Rejected::NotConverged)

@@ -16,7 +16,7 @@ use crate::length::outside::Outside;
 use crate::watching::modes::Modes;
 use crate::watching::ranks::Ranks;
 use crate::watching::standstills::Standstills;
-use crate::watching::watch::{Mode, Watch};
+use crate::watching::watch::{Mode, Transient, Watch};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
@@ -55,6 +55,9 @@ pub(crate) struct Stepper {
     modes: Modes,
     /// The fastest mode at the end of the finished step, if that was looked at before it is accepted.
     seen: Option<Mode>,
+    /// The fastest mode and what dampers are about to stop where the motion begins, if that was looked at for its first step.
+    ahead: Option<Mode>,
+    ahead_of_dampers: Option<Option<Transient>>,
     /// Start of the last step, for dense output.
     origin: State,
     /// The end of a step before it is accepted, and then the end of the last one.
@@ -96,6 +99,8 @@ impl Stepper {
             tableau,
             modes: Modes::new(mechanism),
             seen: None,
+            ahead: None,
+            ahead_of_dampers: None,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
             length: 0.0,

@@ -53,6 +53,13 @@ impl PieceRecipe {
         Ok(self.make(&nothing, &[])?.description())
     }
 
+    /// A program asks for every step.
+    pub fn expect_to_be_asked(&mut self) {
+        if let PieceRecipe::Lobatto(recipe) = self {
+            recipe.asked_for = true;
+        }
+    }
+
     /// Whether a rule is switched off.
     pub fn keeps(&self, rule: Rule) -> bool {
         matches!(self, PieceRecipe::Lobatto(recipe) if recipe.kept.contains(&rule))

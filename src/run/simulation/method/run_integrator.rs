@@ -54,7 +54,7 @@ impl RunIntegrator {
             let inside = RunIntegrator::new(locked.mechanism(), steps, kept)?.0;
             return Ok(RunIntegrator(Box::new(WithoutLocked::new(mechanism, locked, inside))));
         }
-        let recipe = Recipe { steps, kept: kept.to_vec() };
+        let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };
         if !mechanism.nonsmooth.is_empty() {
             return Ok(RunIntegrator(Box::new(Eventful::new(mechanism, recipe)?)));
         }
@@ -68,6 +68,13 @@ impl RunIntegrator {
     #[must_use]
     pub fn counted(mut self, counted: Option<Arc<Counted>>) -> Self {
         self.take_counted(counted);
+        self
+    }
+
+    /// The same for a program that asks for every step.
+    #[must_use]
+    pub(crate) fn asked_for(mut self) -> Self {
+        self.events_mut().into_iter().for_each(Eventful::expect_to_be_asked);
         self
     }
 

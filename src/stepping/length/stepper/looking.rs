@@ -28,11 +28,23 @@ impl Stepper {
         self.watch.take_settling(state.time, tolerance)
     }
 
+    /// Looks at the fastest mode, and at what dampers are about to stop, in the state from which the first step of a motion begins, if it is time to
+    /// look after that step: whoever begins from there again has looked already.
+    pub fn look_ahead(&mut self, mechanism: &Mechanism, state: &State) {
+        if self.ahead.is_none()
+            && self.watch.latest().is_none()
+            && let Some(iterations) = self.watch.is_due()
+        {
+            self.ahead = Some(self.modes.fastest(mechanism, state, iterations));
+            self.ahead_of_dampers = Some(self.modes.transient(mechanism, state));
+        }
+    }
+
     /// The longest step that is safely stable (s), if the finished one of `length` seconds is beyond the limit, as far as is known when it is time to
     /// look: fast motions have grown in it.
     pub fn too_long_for_stability(&mut self, mechanism: &Mechanism, length: f64) -> Option<f64> {
         let iterations = self.watch.is_due()?;
-        let mode = self.modes.fastest(mechanism, &self.end, iterations);
+        let mode = self.ahead.take().unwrap_or_else(|| self.modes.fastest(mechanism, &self.end, iterations));
         self.seen = Some(mode);
         self.watch.beyond_limit(mode, length)
     }
@@ -84,8 +96,9 @@ impl Stepper {
         let mode = seen.take().unwrap_or_else(|| modes.fastest(mechanism, state, iterations));
         self.watch.see(mode, length, state.time);
         self.look_at_dampers(mechanism, state);
+        let ahead = self.ahead_of_dampers.take();
         if self.watch.listens()
-            && let Some(transient) = self.modes.transient(mechanism, state)
+            && let Some(transient) = ahead.unwrap_or_else(|| self.modes.transient(mechanism, state))
         {
             self.watch.hear(transient, length, state.time);
         }

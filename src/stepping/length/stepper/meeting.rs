@@ -65,6 +65,7 @@ impl Stepper {
             }
             self.watch.forget();
             self.modes.forget();
+            (self.ahead, self.ahead_of_dampers) = (None, None);
             if let Some(known) = self.kernel.known() {
                 self.modes.heed(known);
                 self.ranks.hear(known.weak, state.time);
