@@ -95,10 +95,10 @@ fn a_block_that_a_growing_push_drives_out_of_a_vice_slides_as_its_closed_form() 
         for tolerance in [1e-3, 1e-6] {
             let end = run(&file, duration, tolerance);
             let off = apart(place(&end, "block"), [0.075, 0.0, expected]);
-            println!("{duration} s at {tolerance:e}: {off:e} m, {} steps", end.cost.steps);
+            println!("{duration} s at {tolerance:e}: {off:e} m, {} steps", end.steps);
             assert!(off <= tolerance, "{duration} s at {tolerance:e}: {off:e} m");
             // 15 to 30 steps; a thousand before.
-            assert!(end.cost.steps < 100, "{duration} s at {tolerance:e}: {} steps", end.cost.steps);
+            assert!(end.steps < 100, "{duration} s at {tolerance:e}: {} steps", end.steps);
         }
     }
 }
