@@ -296,7 +296,9 @@ fn numbers_that_belong_together_are_looked_at_when_all_are_set() {
     let refused = set(&[(times[0], 2.5)]).unwrap_err();
     assert!(refused.starts_with("scene.toml:"), "{refused}");
     assert!(
-        refused.contains("motor.arm/elbow.target.2.time = 2.5: its target: the time 2 s of entry 3 is not after 2.5 s"),
+        refused.contains(
+            "motor.arm/elbow.target.2.time = 2.5: its table over time: the time 2 s of entry 3 is not after 2.5 s"
+        ),
         "{refused}"
     );
     for (key, number, reason) in [

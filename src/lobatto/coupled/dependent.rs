@@ -85,12 +85,9 @@ impl Dependent {
                 None => found.push((vec![trees], of_these.collect())),
             }
         }
-        let rubs = |between: &[Ends]| {
-            let trees = |joint: &TouchJoint| sorted([first_of(joint.a.body), first_of(joint.b.body)]);
-            mechanism.rubbing().any(|joint| between.contains(&trees(joint)))
-        };
-        let around = join_around(mechanism, found);
-        let dependent = around.into_iter().filter(|(trees, rows)| rows.len() > INDEPENDENT && rubs(trees));
+        let trees = |joint: &TouchJoint| sorted([first_of(joint.a.body), first_of(joint.b.body)]);
+        found.retain(|(pair, _)| mechanism.rubbing().any(|joint| pair[0] == trees(joint)));
+        let dependent = join_around(mechanism, found).into_iter().filter(|(_, rows)| rows.len() > INDEPENDENT);
         dependent.map(|(trees, rows)| Dependent::of(mechanism, &trees, &rows)).collect()
     }
 
@@ -102,7 +99,7 @@ impl Dependent {
             trees.iter().flatten().flatten().copied().filter(|&first| is_floating(first)).collect();
         floating.sort_unstable();
         floating.dedup();
-        // Of two trees only the relative motion matters, and of one tree none at all.
+        // Two trees have a relative motion alone, and one tree has none.
         let alone = trees.len() == 1;
         floating.truncate(match trees {
             [[one, other]] if one == other => 0,
@@ -230,7 +227,8 @@ impl Dependent {
 }
 
 /// Puts the equations of all pairs together that lead from tree to tree, if they lead around: trees on the world count as the world, which ends the
-/// way.
+/// way. Pairs without sliding friction are not here: friction that holds shares no load with others
+/// (`doc/decisions/033-friction-that-holds.md`).
 fn join_around(mechanism: &Mechanism, mut found: Vec<(Vec<Ends>, Vec<Between>)>) -> Vec<(Vec<Ends>, Vec<Between>)> {
     let floating = |pair: &Ends| {
         let floats = |first: &usize| mechanism.bodies[*first].joint.kind == JointKind::Floating;

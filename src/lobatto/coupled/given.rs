@@ -7,7 +7,7 @@
 //!     (1 + m |τ|²/J) / M  [1/kg],        J = tr(J)/3,        M = min(100 m, whole), but no less than 1e-4 whole
 //! ```
 //!
-//! m is the mass of the body, `whole` that of its part ([`crate::coupled::joined`]); the value for a body alone is its mobility. A foot under a robot moves less easily
+//! m is the mass of the body, `whole` that of its part ([`crate::equations::origins`]); the value for a body alone is its mobility. A foot under a robot moves less easily
 //! than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as M/ε, beside which the
 //! inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses it.
 

@@ -18,7 +18,6 @@ pub mod dependent;
 pub mod equations;
 pub mod front;
 pub mod given;
-pub(crate) mod joined;
 pub mod known;
 pub mod lent;
 pub mod mixing;

@@ -7,7 +7,7 @@
 //!     s_i = (p_i × z_i, z_i) of a rotation about the axis z through p, (e_i, 0) of a translation along e
 //! ```
 //!
-//! about the common origin of the part of the body ([`crate::coupled::joined`]), x the centre of mass (m). D_ki is the derivative of the residual of row k (`equations/residual.rs`) by the twist at stage
+//! about the common origin of the part of the body ([`crate::equations::origins`]), x the centre of mass (m). D_ki is the derivative of the residual of row k (`equations/residual.rs`) by the twist at stage
 //! i, less the curvature.
 
 use crate::coupled::front::{Fronts, Screws, active};

@@ -7,7 +7,7 @@
 //!
 //! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] the applied
 //! forces, [`loops`] and [`spatial_loops`] the closures, [`touches`], [`braking`], `slips` and `turning` the contacts, `reeved` the ropes
-//! through several points.
+//! through several points, `origins` the points about which twists and wrenches are taken.
 
 pub mod braking;
 pub mod forces;
@@ -15,6 +15,7 @@ pub(crate) mod friction_moments;
 pub(crate) mod holding;
 pub(crate) mod loads;
 pub mod loops;
+pub(crate) mod origins;
 pub mod pivot;
 pub(crate) mod reeved;
 pub mod residual;

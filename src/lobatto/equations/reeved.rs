@@ -8,8 +8,8 @@
 //! P is from the common origin, u_j the direction from P_j to P_{j+1}. The multiplier of the rope is its tension, times h². A row of it touches as many
 //! bodies as it has eyelets on, and each of them has a gradient of its own. Source: [`catena_mechanism::motion::reeved`].
 
-use crate::coupled::joined::common_origin;
 use crate::equations::loops::Displaced;
+use crate::equations::origins::common_origin;
 use crate::equations::spatial_loops::{End, Moved};
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::euclidean::Euclidean;

@@ -8,8 +8,8 @@
 //!     u = column of R A       the axes x, y, z of the frame in the world
 //! ```
 
-use crate::coupled::joined::common_origin;
 use crate::equations::loops::{Displaced, Equation, LoopStart};
+use crate::equations::origins::common_origin;
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
 use crate::stages::start::Start;

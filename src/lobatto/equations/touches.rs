@@ -14,10 +14,10 @@
 //! Source: the forced scheme with constraints on velocities, L. O. Jay, SIAM J. Sci. Comput. 20 (1998); the gradients of gaps:
 //! [`catena_mechanism::description::contact`].
 
-use crate::coupled::joined::common_origin;
 use crate::equations::braking::{Braking, Lean, Slipping};
 use crate::equations::friction_moments::FrictionMoments;
 use crate::equations::loops::Displaced;
+use crate::equations::origins::common_origin;
 use crate::equations::reeved::SpatialRope;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::{End, Moved};

@@ -1,5 +1,5 @@
 //! The coupled system of [`crate::coupled::system`] in a plane: twists `η = (v, φ)` of three components about the common origin of the part of a body
-//! ([`crate::coupled::joined`]).
+//! ([`crate::equations::origins`]).
 //!
 //! ```text
 //!     D_ki = B_ki [ m           m J x_i                                            ]

@@ -9,8 +9,8 @@
 //!
 //! The equations are the same as in space: [`crate::equations::loops`].
 
-use crate::coupled::joined::common_origin;
 use crate::equations::loops::{Displaced, Equation, LoopStart};
+use crate::equations::origins::common_origin;
 use crate::numbers::lanes::Lanes;
 use crate::planar::algebra::Vector2;
 use crate::planar::body::{PlanarBody, turned};

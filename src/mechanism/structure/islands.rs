@@ -77,8 +77,8 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
     numbers
 }
 
-/// For every body the first of those to which its joints, closures, mimic relations and springs tie it now: pairs that may touch, and ropes that may
-/// go taut, tie nothing.
+/// For every body the first body to which its joints, closures, mimic relations and springs tie it now, without pairs that may touch and ropes that may
+/// go taut.
 pub fn first_of_tied(mechanism: &Mechanism) -> Vec<usize> {
     firsts_of(mechanism, std::iter::empty())
 }

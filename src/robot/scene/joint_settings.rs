@@ -107,16 +107,21 @@ impl TargetTable {
     /// The wrong entry, counted from 0, if the defect belongs to one, and the defect.
     pub(crate) fn target(&self) -> Result<Target, (Option<usize>, String)> {
         let target = Target::table(&self.points, self.interpolation).map_err(|error| {
-            let entry = match error {
-                TargetError::Empty => None,
-                TargetError::NotFinite { index, .. } | TargetError::Order { index, .. } => index.checked_sub(1),
+            let (entry, how) = match error {
+                TargetError::Empty => (None, ""),
+                TargetError::NotFinite { index, .. } => (index.checked_sub(1), ""),
+                TargetError::Order { index, time, before } if time == before => {
+                    (index.checked_sub(1), ", and interpolation = \"hold\" for jumps")
+                }
+                TargetError::Order { index, .. } => (index.checked_sub(1), ""),
             };
-            (entry, format!("its target: {error}"))
+            (entry, format!("its table over time: {error}{how}"))
         })?;
         for (before, pair) in self.points.windows(2).enumerate() {
             let middle = 0.5 * pair[0].0 + 0.5 * pair[1].0;
             if !target.value(middle).is_finite() || !target.rate(middle).is_finite() {
-                let reason = "its target changes so much from the entry before that its rate is infinite".to_string();
+                let reason =
+                    "its table over time changes so much from the entry before that its rate is infinite".to_string();
                 return Err((Some(before + 1), reason));
             }
         }

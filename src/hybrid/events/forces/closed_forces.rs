@@ -164,7 +164,7 @@ impl Closing {
     }
 
     /// For each block the size of the terms that cancel in its forces (N), and whether it is in free fall: both of all blocks that feel each other. A
-    /// heavy body says nothing of a light one beside it.
+    /// heavy body does not count for a light one beside it.
     fn sizes(&self, forces: &[f64]) -> (Vec<f64>, Vec<bool>) {
         let Closing { blocks, rows, offset, .. } = self;
         let ranges = self.ranges();

@@ -59,8 +59,8 @@ pub struct Closed {
     pub contact: Contact,
     /// The direction in which it begins to slide, in the world; `None` while it sticks or rolls.
     pub slides: Option<Vector3<f64>>,
-    /// Whether it sticks with all the friction that it has, because nothing accelerates the slip: as a box that rides on another one while the friction
-    /// is the same everywhere.
+    /// Whether it sticks with all the friction that it has, because its slip would not be accelerated: as a box that rides on another one while the
+    /// friction is the same everywhere.
     pub on_cone: bool,
     /// Its rolling and spinning friction.
     pub moments: Moments,

@@ -1,6 +1,8 @@
 //! The accuracy of a run as it estimated it itself, why that ends or is not known, and the warnings about it.
 
 use crate::mechanism::ground::words::rounded;
+use crate::mechanism::motion::integrator::MethodDescription;
+use crate::output::report::method::first_order_is_felt;
 use crate::output::report::rounding::{FarSpring, is_energy_rounding};
 use crate::simulation::{Accuracy, Finished, StepChoice, Summary, UnknownAccuracy};
 use serde::Serialize;
@@ -37,6 +39,9 @@ pub struct AccuracyReport {
     /// The time after which runs that differ by little meet other events (s).
     #[serde(skip)]
     events_differ: Option<f64>,
+    /// Whether steps of first order took a part of the run that its accuracy feels.
+    #[serde(skip)]
+    first_order: bool,
     /// Whether it can be told at all.
     #[serde(skip)]
     can_tell: bool,
@@ -97,6 +102,7 @@ impl AccuracyReport {
             amplifies: found.amplifies,
             parts: found.parted,
             events_differ: found.events_differ,
+            first_order: false,
             can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
             unbalanced: None,
         }
@@ -146,6 +152,7 @@ impl AccuracyReport {
             amplifies: all.iter().any(|one| !one.reached && one.amplifies),
             parts: all.iter().any(|one| one.parts),
             events_differ: all.iter().filter_map(|one| one.events_differ).min_by(f64::total_cmp),
+            first_order: false,
             can_tell: all.iter().all(|one| one.can_tell),
             is_early: all.iter().any(|one| one.is_early),
             unbalanced: None,
@@ -164,6 +171,11 @@ impl AccuracyReport {
     fn falls_short(&mut self) {
         self.reached = false;
         self.horizon.get_or_insert(Horizon::Growth);
+    }
+
+    /// Sees the steps of first order.
+    pub(crate) fn see_first_order(&mut self, method: &MethodDescription) {
+        self.first_order = first_order_is_felt(method);
     }
 
     /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as is estimated.
@@ -202,9 +214,13 @@ impl AccuracyReport {
                     self.estimated
                 ));
             }
-            if !self.amplifies {
+            // Nothing tells their errors from a growth of roundings.
+            let by_first_order = self.first_order && self.events_differ.is_none() && !self.parts;
+            if !self.amplifies || by_first_order {
+                let first_order = if by_first_order { ", to which steps of first order contribute" } else { "" };
                 return Some(format!(
-                    "{wanted:e} m holds until t = {until} s; later the estimated error is {:.1e} m: compare with a run of another --tolerance",
+                    "{wanted:e} m holds until t = {until} s; later the estimated error is {:.1e} m{first_order}: compare with a run of another \
+                     --tolerance",
                     self.estimated
                 ));
             }

@@ -5,6 +5,9 @@ use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Rin
 use crate::output::report::solvers::SolversReport;
 use serde::Serialize;
 
+/// Steps of first order that take less of the motion than this part of the accuracy, over 1 m/s, are not felt.
+const FELT: f64 = 1e-3;
+
 /// The scheme of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct MethodReport {
@@ -153,12 +156,19 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
     ))
 }
 
+/// Whether the accuracy of a run feels its steps of first order: what moves at 1 m/s goes on by more than a thousandth of it in them. Given steps have
+/// none, and feel all.
+pub(crate) fn first_order_is_felt(description: &MethodDescription) -> bool {
+    let time = description.first_order_time;
+    description.first_order_steps > 0 && description.tolerance.is_none_or(|tolerance| time > FELT * tolerance)
+}
+
 /// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s).
 pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
     let &MethodDescription { unsolved_contacts: unsolved, first_order_steps: steps, first_order_time: time, .. } =
         description;
     let asleep = description.first_order_asleep;
-    let crowded = (steps > 0).then(|| {
+    let crowded = first_order_is_felt(description).then(|| {
         let steps = counted(steps, "first-order step", "first-order steps");
         format!(
             "contacts changed faster than steps could follow: the run took {steps}, {} % of its time{}",
@@ -207,5 +217,18 @@ mod tests {
         assert_eq!(contains(warning(0, 5), parts), [true, false]);
         assert_eq!(contains(warning(2, 5), parts), [true, true]);
         assert_eq!(contains(warning(2, 0), parts), [false, true]);
+    }
+
+    #[test]
+    fn steps_of_first_order_in_which_nothing_moves_as_far_as_the_accuracy_are_not_said() {
+        let said = |first_order_time: f64, tolerance: Option<f64>| {
+            let method = MethodDescription::fixed("lobatto", 3, 4, 0.01);
+            unsolved_warning(&MethodDescription { first_order_steps: 1, first_order_time, tolerance, ..method }, 2.0)
+                .is_some()
+        };
+        // 1 m/s moves 1e-12 m in 1e-12 s, a part of 1e-6 of the accuracy.
+        assert!(!said(1e-12, Some(1e-6)));
+        assert!(said(1e-8, Some(1e-6)), "a hundredth of it");
+        assert!(said(1e-12, None), "given steps have no accuracy");
     }
 }
