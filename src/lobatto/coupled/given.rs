@@ -7,9 +7,10 @@
 //!     (1 + m |τ|²/J) / M  [1/kg],        J = tr(J)/3,        M = min(100 m, whole), but no less than 1e-4 whole
 //! ```
 //!
-//! m is the mass of the body, `whole` that of its part ([`crate::equations::origins`]); the value for a body alone is its mobility. A foot under a robot moves less easily
-//! than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as M/ε, beside which the
-//! inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses it.
+//! m is the mass of the body, `whole` the mass of its part ([`crate::equations::origins`]); the value for a body alone is its mobility. A foot under
+//! a robot moves less easily than alone, so the mobility of the foot alone would make its ε too large. But in the matrix the contact is as heavy as
+//! M/ε, beside which the inertia of a light body is rounded; and the ε of a feather would be a large part of the force with which the robot presses
+//! it.
 
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::structure::islands::first_of_tied;

@@ -9,7 +9,7 @@
 //! part of the bodies that these tie ([`catena_mechanism::structure::islands::first_of_tied`]) has an origin of its own, at the anchor of its first body. Far from a common one a small body would lose the
 //! digits of its inertia: of 1 cm at 60 m, seven of them.
 
-/// The common origin of the bodies at the ends of a closure, which are of one part, from those of all bodies (m). `None` is the world.
+/// The common origin of the bodies at the ends of a closure, which are of one part, from the origins of all bodies (m). `None` is the world.
 pub(crate) fn common_origin<const N: usize>(
     bodies: impl IntoIterator<Item = Option<usize>>,
     origins: &[[f64; N]],
