@@ -37,6 +37,14 @@ type Signed = (usize, f64);
 /// The row of an equation, and the bodies at its ends.
 type Between = (usize, Ends);
 
+/// Equations between pairs of trees.
+#[derive(Clone, Debug)]
+struct Group {
+    /// The trees, in order.
+    pairs: Vec<Ends>,
+    rows: Vec<Between>,
+}
+
 /// The equations between trees.
 #[derive(Clone, Debug)]
 pub(crate) struct Dependent {
@@ -68,47 +76,39 @@ struct JointColumn {
 impl Dependent {
     /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
-        let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
-        let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
-        let mut found: Vec<(Vec<Ends>, Vec<Between>)> = Vec::new();
+        let mut found: Vec<Group> = Vec::new();
         let is_reeved = |number: usize| {
             number.checked_sub(mechanism.loops.len()).is_some_and(|touch| mechanism.touches[touch].is_reeved())
         };
         let closures = mechanism.closing_ends().zip(rows_of_closure).enumerate();
         for (number, ([a, b], rows)) in closures.filter(|(number, _)| !is_reeved(*number)) {
-            let trees = sorted([first_of(a.body), first_of(b.body)]);
+            let pair = trees_of(mechanism, [a.body, b.body]);
             // The first row of a contact is its gap; a rolling contact has more rows, of rates.
             let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
             let of_these = rows.clone().take(count).map(|row| (row, [a.body, b.body]));
-            match found.iter_mut().find(|(known, _)| known[0] == trees) {
-                Some((_, all)) => all.extend(of_these),
-                None => found.push((vec![trees], of_these.collect())),
+            match found.iter_mut().find(|known| known.pairs == [pair]) {
+                Some(known) => known.rows.extend(of_these),
+                None => found.push(Group { pairs: vec![pair], rows: of_these.collect() }),
             }
         }
-        let trees = |joint: &TouchJoint| sorted([first_of(joint.a.body), first_of(joint.b.body)]);
-        found.retain(|(pair, _)| mechanism.rubbing().any(|joint| pair[0] == trees(joint)));
-        let dependent = join_around(mechanism, found).into_iter().filter(|(_, rows)| rows.len() > INDEPENDENT);
-        dependent.map(|(trees, rows)| Dependent::of(mechanism, &trees, &rows)).collect()
+        let slide = |joint: &TouchJoint| trees_of(mechanism, [joint.a.body, joint.b.body]);
+        found.retain(|group| mechanism.rubbing().any(|joint| group.pairs == [slide(joint)]));
+        let groups = join_around(mechanism, found).into_iter().filter(|group| group.rows.len() > INDEPENDENT);
+        groups.map(|group| Dependent::of(mechanism, &group)).collect()
     }
 
-    /// The group between these pairs of trees.
-    fn of(mechanism: &Mechanism, trees: &[Ends], rows: &[Between]) -> Self {
-        let is_floating = |body: usize| mechanism.bodies[body].joint.kind == JointKind::Floating;
-        let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
-        let mut floating: Vec<usize> =
-            trees.iter().flatten().flatten().copied().filter(|&first| is_floating(first)).collect();
+    /// The equations of a group.
+    fn of(mechanism: &Mechanism, Group { pairs, rows }: &Group) -> Self {
+        let mut floating: Vec<usize> = pairs.iter().flat_map(|pair| floating_trees(mechanism, pair)).collect();
         floating.sort_unstable();
         floating.dedup();
         // Two trees have a relative motion alone, and one tree has none.
-        let alone = trees.len() == 1;
-        floating.truncate(match trees {
-            [[one, other]] if one == other => 0,
-            [_] => 1,
-            _ => floating.len(),
-        });
-        let moved_by = |first: usize| {
+        if let [[one, other]] = pairs[..] {
+            floating.truncate(usize::from(one != other));
+        }
+        let moved_by = |tree: usize| {
             let of_row = |(number, (_, ends)): (usize, &Between)| {
-                let [a, b] = ends.map(|end| first_of(end) == Some(first));
+                let [a, b] = ends.map(|end| first_of_tree(mechanism, end) == Some(tree));
                 let sign = f64::from(u8::from(b)) - f64::from(u8::from(a));
                 (sign != 0.0).then_some((number, sign))
             };
@@ -119,8 +119,8 @@ impl Dependent {
         for (number, (_, ends)) in rows.iter().enumerate() {
             for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
                 for body in end.iter().flat_map(|&body| ancestors(mechanism, body)) {
-                    // The motions of a whole tree are known already.
-                    if is_floating(body) && !(alone && floats.is_empty()) {
+                    // The motions of a whole tree are known already, and move none of its own gaps.
+                    if is_floating(mechanism, body) {
                         continue;
                     }
                     for freedom in mechanism.bodies[body].joint.velocity_range() {
@@ -229,35 +229,55 @@ impl Dependent {
 /// Puts the equations of all pairs together that lead from tree to tree, if they lead around: trees on the world count as the world, which ends the
 /// way. Pairs without sliding friction are not here: friction that holds shares no load with others
 /// (`doc/decisions/033-friction-that-holds.md`).
-fn join_around(mechanism: &Mechanism, mut found: Vec<(Vec<Ends>, Vec<Between>)>) -> Vec<(Vec<Ends>, Vec<Between>)> {
-    let floating = |pair: &Ends| {
-        let floats = |first: &usize| mechanism.bodies[*first].joint.kind == JointKind::Floating;
-        pair.iter().flatten().copied().filter(floats).collect::<Vec<usize>>()
-    };
-    let mut joined: Vec<(Vec<Ends>, Vec<Between>)> = Vec::new();
+fn join_around(mechanism: &Mechanism, mut found: Vec<Group>) -> Vec<Group> {
+    let floating = |group: &Group| floating_trees(mechanism, &group.pairs[0]).collect::<Vec<usize>>();
+    let mut joined: Vec<Group> = Vec::new();
     while !found.is_empty() {
         let first = found.remove(0);
-        let mut nodes = floating(&first.0[0]);
+        let mut nodes = floating(&first);
         let mut part = vec![first];
-        while let Some(next) =
-            found.iter().position(|(pair, _)| floating(&pair[0]).iter().any(|own| nodes.contains(own)))
-        {
+        while let Some(next) = found.iter().position(|group| floating(group).iter().any(|own| nodes.contains(own))) {
             let next = found.remove(next);
-            nodes.extend(floating(&next.0[0]));
+            nodes.extend(floating(&next));
             part.push(next);
         }
         nodes.sort_unstable();
         nodes.dedup();
-        let on_world = part.iter().any(|(pair, _)| floating(&pair[0]).len() < 2);
+        let on_world = part.iter().any(|group| floating(group).len() < 2);
         // A graph without circles has one edge less than nodes.
         if part.len() < nodes.len() + usize::from(on_world) {
             joined.extend(part);
             continue;
         }
-        let (pairs, rows): (Vec<Vec<Ends>>, Vec<Vec<Between>>) = part.into_iter().unzip();
-        joined.push((pairs.concat(), rows.concat()));
+        let mut around = Group { pairs: Vec::new(), rows: Vec::new() };
+        for Group { pairs, rows } in part {
+            around.pairs.extend(pairs);
+            around.rows.extend(rows);
+        }
+        joined.push(around);
     }
     joined
+}
+
+/// The trees at the ends of an equation, in order.
+fn trees_of(mechanism: &Mechanism, ends: Ends) -> Ends {
+    let mut trees = ends.map(|end| first_of_tree(mechanism, end));
+    trees.sort_unstable();
+    trees
+}
+
+/// The first body of the tree of a body.
+fn first_of_tree(mechanism: &Mechanism, body: Option<usize>) -> Option<usize> {
+    body.and_then(|body| ancestors(mechanism, body).last())
+}
+
+/// The trees of a pair that can move as a whole.
+fn floating_trees(mechanism: &Mechanism, pair: &Ends) -> impl Iterator<Item = usize> {
+    pair.iter().flatten().copied().filter(|&first| is_floating(mechanism, first))
+}
+
+fn is_floating(mechanism: &Mechanism, body: usize) -> bool {
+    mechanism.bodies[body].joint.kind == JointKind::Floating
 }
 
 /// A body and its ancestors, up to the first of its tree.

@@ -155,9 +155,6 @@ impl Begun {
             Ok(accuracy) => (Some(accuracy), None),
             Err(reason) => (None, Some(NoAccuracyReport::new(choice, &reason))),
         };
-        if let Some(accuracy) = &mut accuracy {
-            accuracy.see_first_order(&finished.method);
-        }
         let of_accuracy: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
         if let (Some(accuracy), Some(far)) = (&mut accuracy, &account.far) {
             accuracy.see_rounding(far);

@@ -19,7 +19,7 @@
 use crate::events::effects::first_slips::Kept;
 use crate::events::effects::shared_pressures::solve_as_steps_share;
 use crate::events::finding::watched::Watched;
-use crate::events::forces::closed_forces::Chosen;
+use crate::events::forces::chosen::Chosen;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::cone::problem::{Answer, BlockState, Law, Unsolved};
 use crate::instant::dynamics::response::Response;
@@ -251,11 +251,6 @@ pub(crate) fn decide(
         found.rates[row].abs() > part * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest)
     };
     let moves = |row: usize| accelerates(row, ROUNDING);
-    // Forces across a slip that hold each other take friction by their square: where forces are not unique, their roundings do so, too.
-    let begins = blocks.iter().zip(&found.states).any(|(block, is)| {
-        matches!((block.of, block.law, is), (Of::Contact(_), Law::Contact { .. }, BlockState::Slips))
-    });
-    let ties = if begins && !Chosen::new(&blocks).is_unique(&rows.square) { TIED } else { ROUNDING };
     let ends = if is_flat { tipping_ends(&blocks, &found, candidates, moves) } else { Vec::new() };
     let (mut first, mut kept) = (0, Kept::default());
     let mut decided = None;
@@ -293,14 +288,19 @@ pub(crate) fn decide(
                 let [along, across] = tangents(&touch_motion(&contact.joint, &bodies).normal);
                 let tangential = |of: &[f64]| along * of[row + 1] + across * of[row + 2];
                 let yields = yielding.all || candidates[index].slides;
-                let begins = matches!(block.law, Law::Contact { .. }) && *is == BlockState::Slips && !yields;
-                let on_cone = begins && !(accelerates(row + 1, ties) || accelerates(row + 2, ties));
+                // Forces across a slip that hold each other take friction by their square: where forces are not unique, their roundings do so, too.
+                let slips = |part: f64| accelerates(row + 1, part) || accelerates(row + 2, part);
+                let on_cone = matches!(block.law, Law::Contact { .. })
+                    && *is == BlockState::Slips
+                    && !yields
+                    && !slips(TIED)
+                    && (!slips(ROUNDING) || !Chosen::new(&blocks).is_unique(&rows.square));
                 let slides = match block.law {
                     Law::Sliding { .. } => slip.try_normalize(0.0),
                     Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
+                    Law::Contact { .. } if on_cone => None,
                     // A contact that stays closed without pressing, as of a ball that falls along a wall, is not held by friction either. Friction is
                     // against the slip. It gives the better direction where the acceleration nearly cancels.
-                    Law::Contact { .. } if on_cone => None,
                     Law::Contact { .. } if *is == BlockState::Slips => {
                         let mobility = rows.square[(row + 1, row + 1)].max(rows.square[(row + 2, row + 2)]);
                         let (begins, rubs) = (tangential(&found.rates), tangential(&found.forces));

@@ -10,7 +10,7 @@
 //! iteration `t = a/|a|` alternates between two directions if friction exceeds the remaining acceleration. The law of the decision has many answers
 //! there, with a pressure for each. Its direction belongs to another answer than the steps take: a slip that began in it would turn at once, or stop.
 
-use crate::events::forces::closed_forces::Chosen;
+use crate::events::forces::chosen::Chosen;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of};
 use nalgebra::{DMatrix, DVector};

@@ -14,7 +14,7 @@
 
 use crate::events::effects::decision::Scene;
 use crate::events::effects::resting::{energy, give_rates};
-use crate::events::forces::closed_forces::Chosen;
+use crate::events::forces::chosen::Chosen;
 use crate::events::modes::tolerances::RATE_AFTER_IMPACT;
 use crate::instant::cone::impact::impact;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};

@@ -59,7 +59,7 @@ pub(crate) fn note_impacts(
     met: &Met,
     done: &mut Done,
 ) {
-    let mut pairs: PerPair<(f64, f64, bool)> = PerPair::default();
+    let mut pairs: PerPair<(f64, f64)> = PerPair::default();
     for ((meeting, &rate), &impulse) in met.meetings.iter().zip(met.rates).zip(met.impulses) {
         // A joint that is held both ways has met no limit.
         let bilateral = matches!(meeting.block.law, Law::Interval { lower: f64::NEG_INFINITY, .. });
@@ -78,16 +78,19 @@ pub(crate) fn note_impacts(
             }
             of @ (Of::Contact(_) | Of::Moment { .. }) => {
                 let Some(pair) = contacts.pair_of(of) else { continue };
-                let (sum, fastest, meets) = pairs.of(pair);
-                (*sum, *fastest) = (*sum + impulse, fastest.max(-rate));
-                *meets |= -rate > meeting.rest;
+                let (sum, fastest) = pairs.of(pair);
+                *sum += impulse;
+                // Roundings are no approach.
+                if -rate > meeting.rest {
+                    *fastest = fastest.max(-rate);
+                }
             }
         }
     }
-    for (pair, &(sum, rate, meets)) in pairs.iter().filter(|(_, (sum, ..))| *sum > 0.0) {
+    for (pair, &(sum, rate)) in pairs.iter().filter(|(_, (sum, _))| *sum > 0.0) {
         *done.pairs.of(pair) = true;
-        // A pair at rest, but for roundings, passes on the impulses of others.
-        if meets {
+        // A pair at rest passes on the impulses of others.
+        if rate > 0.0 {
             memory.remember(Of::Contact(pair), Side::Lower, time, rate);
             done.events.push(of_pair(scene, pair, time, EventKind::ContactImpact, Some(sum)));
         }

@@ -11,7 +11,7 @@
 //! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` and the added term vanishes. If some open, a small ε means that the others give way
 //! little.
 
-use crate::events::forces::closed_forces::implied;
+use crate::events::forces::chosen::implied;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::cone::solve_apart;
 use crate::instant::holding::blocks::{Block, Of};

@@ -13,10 +13,10 @@
 //! ([`crate::lobatto::coupled::dependent`]). If every contact sticks, the choice of λ does not change the motion. It is the least-norm one, and the
 //! question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
 
+use crate::events::forces::chosen::Chosen;
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::present::Present;
-use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
-use crate::instant::cone::least_norm::{least_norm, spread};
+use crate::instant::cone::apart::blocks_joined;
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::dynamics::response::Response;
@@ -28,11 +28,8 @@ use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::ops::Range;
-
-/// Held rows whose response is singular to this part are redundant.
-const SINGULAR: f64 = 1e-10;
 
 /// Bodies whose relative acceleration is below this part of their fall are in common free fall and do not press. Tilts of 1e-13 that an impact has
 /// left make this much of a spin.
@@ -55,22 +52,21 @@ pub(crate) struct ClosedForces {
     pub load: Load,
 }
 
-/// Held blocks at an instant, and which of them are in free fall with all that feels them.
+/// Held blocks at an instant, each with the size of the terms that cancel in its forces, and with whether it is in free fall with all that feels it.
 #[derive(Clone)]
 pub(crate) struct Load {
     pub held: Closing,
+    sizes: Vec<f64>,
     together: Vec<bool>,
 }
 
 impl Load {
     /// The largest margin of admissible forces, where they are not unique; zero of blocks that fall together. Blocks that feel each other have as much
-    /// more as the forces of their contacts are known, by the numbers of these (N).
-    pub fn margin(&self, known: impl Fn(usize) -> f64) -> f64 {
+    /// more as their forces are known, by the names and sizes of blocks (N).
+    pub fn margin(&self, known: impl Fn(Of, f64) -> f64) -> f64 {
         let laws = self.held.laws();
-        let problem = self.held.problem(&laws);
-        let more =
-            |block: usize| if let Of::Contact(contact) = self.held.blocks[block].of { known(contact) } else { 0.0 };
-        margin_or_clear(&problem, more, |block| self.together[block])
+        let more = |block: usize| known(self.held.blocks[block].of, self.sizes[block]);
+        margin_or_clear(&self.held.problem(&laws), more, |block| self.together[block])
     }
 }
 
@@ -186,10 +182,7 @@ impl Closing {
             equations.map(of_row).fold(0.0, f64::max)
         };
         let (mut sizes, mut all_fall) = (vec![0.0; blocks.len()], vec![false; blocks.len()]);
-        let joins = |one: usize, other: usize| {
-            ranges[one].clone().any(|row| ranges[other].clone().any(|column| rows.square[(row, column)] != 0.0))
-        };
-        for part in parts_joined(blocks.len(), joins) {
+        for part in blocks_joined(&rows.square, &ranges) {
             let together = part.iter().all(|&block| self.falls_along(&blocks[block], ranges[block].clone(), &falls));
             let most = part.iter().map(|&block| size(block, together)).fold(0.0, f64::max);
             part.into_iter().for_each(|block| (sizes[block], all_fall[block]) = (most, together));
@@ -243,7 +236,7 @@ pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> Cl
     let (sizes_of_blocks, together) = held.sizes(&forces);
     let (mut joints, mut contacts, mut weights, mut row) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let (mut moments, mut sizes): (Vec<[f64; 3]>, Vec<f64>) = (Vec::new(), Vec::new());
-    for (block, size) in blocks.iter().zip(sizes_of_blocks) {
+    for (block, &size) in blocks.iter().zip(&sizes_of_blocks) {
         match block.of {
             Of::Joint(index) => joints.push((index, forces[row], size)),
             Of::Contact(_) => {
@@ -261,7 +254,7 @@ pub(crate) fn closed_forces(at: &Present, mut held: Closing, unique: bool) -> Cl
         }
         row += block.rows.len();
     }
-    ClosedForces { joints, contacts, moments, weights, sizes, load: Load { held, together } }
+    ClosedForces { joints, contacts, moments, weights, sizes, load: Load { held, sizes: sizes_of_blocks, together } }
 }
 
 /// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of the terms that cancel in it.
@@ -374,179 +367,4 @@ impl Stop {
     pub fn time(&self) -> f64 {
         if self.falls > 0.0 { self.speed / self.falls } else { f64::INFINITY }
     }
-}
-
-/// Which rows are equations, and what their forces push with.
-#[derive(Clone)]
-pub(crate) struct Chosen {
-    /// The row of each equation, and the rows along which its force pushes as well, with what it is multiplied by: −μ t of a contact that slides, −ρ t
-    /// and −σ s of one that turns.
-    equations: Vec<(usize, Vec<(usize, f64)>)>,
-    /// Whether it is one of a contact.
-    touches: Vec<bool>,
-    /// The rows of moments that stand for normal forces, and the rows of those.
-    loads: Vec<[usize; 2]>,
-    rows: usize,
-}
-
-impl Chosen {
-    pub fn new(blocks: &[Block]) -> Self {
-        let (mut equations, mut touches, mut rows) = (Vec::<(usize, Vec<(usize, f64)>)>::new(), Vec::new(), 0);
-        let (mut normal, mut loads) = (0, Vec::new());
-        for block in blocks {
-            if let (Of::Moment { .. }, Some((normal, _))) = (block.of, equations.get(normal)) {
-                loads.push([rows, *normal]);
-            }
-            let pushes = |friction: f64, direction: [f64; 2]| {
-                [(rows + 1, -friction * direction[0]), (rows + 2, -friction * direction[1])]
-            };
-            match (block.of, block.law) {
-                // The normal force of its contact pushes along its rows.
-                (Of::Moment { .. }, Law::Sliding { friction, direction }) => {
-                    equations[normal].1.extend(pushes(friction, direction));
-                }
-                (Of::Moment { spinning, .. }, _) => {
-                    let count = if spinning { 1 } else { 2 };
-                    equations.extend((rows + 1..=rows + count).map(|row| (row, Vec::new())));
-                }
-                (_, Law::Sliding { friction, direction }) => {
-                    normal = equations.len();
-                    equations.push((rows, pushes(friction, direction).to_vec()));
-                }
-                _ => {
-                    normal = equations.len();
-                    equations.extend((rows..rows + block.rows.len()).map(|row| (row, Vec::new())));
-                }
-            }
-            touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
-            rows += block.rows.len();
-        }
-        Chosen { equations, touches, loads, rows }
-    }
-
-    /// Whether no rows imply others.
-    pub fn is_unique(&self, mobility: &DMatrix<f64>) -> bool {
-        is_regular(&self.square(mobility, false))
-    }
-
-    /// D̃, or without friction its symmetric part of the same rows.
-    fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
-        let count = self.equations.len();
-        DMatrix::from_fn(count, count, |row, column| {
-            let (row, (column, pushes)) = (self.equations[row].0, &self.equations[column]);
-            let along = mobility[(row, *column)];
-            let pushes = pushes.iter().filter(|_| friction);
-            pushes.fold(along, |along, (beside, factor)| along + factor * mobility[(row, *beside)])
-        })
-    }
-
-    /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units.
-    fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
-        let own = self.equations.iter().map(|(row, _)| mobility[(*row, *row)]);
-        own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
-    }
-
-    /// [`Chosen::square`], scaled.
-    fn scaled(&self, mobility: &DMatrix<f64>, friction: bool, scales: &[f64]) -> DMatrix<f64> {
-        let square = self.square(mobility, friction);
-        let entry = |row: usize, column: usize| square[(row, column)] * scales[row] * scales[column];
-        DMatrix::from_fn(square.nrows(), square.ncols(), entry)
-    }
-
-    /// The compliance that all contacts share: the mean of those of their normals.
-    fn even(&self, mobility: &DMatrix<f64>) -> f64 {
-        let of_contacts = self.equations.iter().zip(&self.touches).filter(|(_, touches)| **touches);
-        let (sum, contacts) =
-            of_contacts.fold((0.0, 0), |(sum, count), ((row, _), _)| (sum + mobility[(*row, *row)], count + 1));
-        sum / f64::from(contacts.max(1))
-    }
-
-    /// The combinations z of scaled rows of a part that vanish, and `C z` for the same compliance of all contacts, both in columns of length one.
-    fn spread(&self, part: &[usize], plain: DMatrix<f64>, scales: &[f64], even: f64) -> Option<[DMatrix<f64>; 2]> {
-        let columns = implied(plain)?;
-        let weighed = columns.iter().map(|column| {
-            let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
-            DVector::from_fn(part.len(), |place, _| column[place] * weight(part[place])).normalize()
-        });
-        let weighed: Vec<DVector<f64>> = weighed.collect();
-        let matrix =
-            |columns: &[DVector<f64>]| DMatrix::from_fn(part.len(), columns.len(), |row, index| columns[index][row]);
-        Some([matrix(&columns), matrix(&weighed)])
-    }
-
-    /// λ of all rows: part by part of those that do not feel each other.
-    pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
-        let count = self.equations.len();
-        if count == 0 {
-            return Vec::new();
-        }
-        let scales = self.scales(mobility);
-        let scaled = self.scaled(mobility, true, &scales);
-        let slides = !unique && self.equations.iter().any(|(_, pushes)| !pushes.is_empty());
-        let plain = slides.then(|| (self.scaled(mobility, false, &scales), self.even(mobility)));
-        let joins = |one: usize, other: usize| {
-            let joined = |matrix: &DMatrix<f64>| matrix[(one, other)] != 0.0 || matrix[(other, one)] != 0.0;
-            joined(&scaled) || plain.as_ref().is_some_and(|(plain, _)| joined(plain))
-        };
-        let mut solution = vec![0.0; count];
-        for part in parts_joined(count, joins) {
-            let own = sub_matrix(&scaled, &part);
-            let right =
-                DVector::from_fn(part.len(), |place, _| -offset[self.equations[part[place]].0] * scales[part[place]]);
-            let direct = if unique {
-                own.clone().lu().solve(&right)
-            } else if let Some((plain, even)) = &plain {
-                self.spread(&part, sub_matrix(plain, &part), &scales, *even).and_then(|[implied, weighed]| {
-                    let left = &right - &implied * (implied.transpose() * &right);
-                    (&own + implied * weighed.transpose()).lu().solve(&left)
-                })
-            } else {
-                None
-            };
-            let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
-            let found = direct.or_else(|| least_norm(&own, &right).map(|(solution, _)| solution));
-            found.into_iter().for_each(|found| {
-                part.iter().zip(found.iter()).for_each(|(&row, value)| solution[row] = *value);
-            });
-        }
-        let mut forces = vec![0.0; self.rows];
-        for (index, (row, pushes)) in self.equations.iter().enumerate() {
-            forces[*row] = solution[index] * scales[index];
-            for (beside, factor) in pushes {
-                forces[*beside] = factor * forces[*row];
-            }
-        }
-        self.loads.iter().for_each(|&[row, normal]| forces[row] = forces[normal]);
-        forces
-    }
-}
-
-/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal, part by part; `None` if a number is not finite.
-pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
-    if !scaled.iter().all(|value| value.is_finite()) {
-        return None;
-    }
-    let mut all = Vec::new();
-    for part in parts_of(&scaled) {
-        let eigen = sub_matrix(&scaled, &part).symmetric_eigen();
-        let least = SINGULAR * eigen.eigenvalues.max();
-        let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
-        all.extend(of_implied.map(|index| spread(&part, eigen.eigenvectors.column(index).iter(), scaled.nrows())));
-    }
-    Some(all)
-}
-
-/// Whether a response is regular, whatever the units of its rows.
-fn is_regular(square: &DMatrix<f64>) -> bool {
-    let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
-    if scale.contains(&0.0) {
-        return false;
-    }
-    let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
-        square[(row, column)] / (scale[row] * scale[column])
-    });
-    parts_of(&scaled).into_iter().all(|part| {
-        let values = sub_matrix(&scaled, &part).symmetric_eigenvalues();
-        values.min() > SINGULAR * values.max()
-    })
 }

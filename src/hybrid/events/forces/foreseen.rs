@@ -10,7 +10,8 @@
 //! with D̃, W and Y as in [`crate::events::forces::closed_forces`]. A force that is not calm, or not left after a jump, is worked out from the state
 //! instead. To work out all forces takes as long as half a step of three stages.
 
-use crate::events::forces::closed_forces::{Chosen, Closing};
+use crate::events::forces::chosen::Chosen;
+use crate::events::forces::closed_forces::Closing;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};

@@ -16,6 +16,7 @@ use crate::events::forces::returning::shares;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::Of;
 use crate::instant::holding::held::Held as Moving;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
@@ -365,7 +366,10 @@ impl Holding {
         if let How::Closed { last: Some(load), unique: false } = &self.how
             && !self.margin_known
         {
-            self.margin = load.margin(|contact| self.beyond_cone(contact));
+            self.margin = load.margin(|of, size| match of {
+                Of::Contact(contact) => self.beyond_cone(contact),
+                Of::Joint(_) | Of::Moment { .. } => CONTACT_ROUNDING * size,
+            });
             self.margin_known = true;
         }
     }

@@ -8,6 +8,7 @@
 
 use crate::instant::cone::problem::{Law, Problem};
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// A part of a problem: its blocks and rows in the whole, and its own data.
 pub(crate) struct Part {
@@ -27,11 +28,11 @@ impl Part {
 
 /// The parts of a problem; `None` if it does not fall apart.
 pub(crate) fn parts_apart(problem: &Problem) -> Option<Vec<Part>> {
-    let firsts = problem.starts();
-    let parts = Some(parts(problem, &firsts)).filter(|parts| parts.len() > 1)?;
+    let firsts = problem.starts().into_iter().zip(problem.laws);
+    let ranges: Vec<Range<usize>> = firsts.map(|(first, law)| first..first + law.rows()).collect();
+    let parts = Some(blocks_joined(problem.mobility, &ranges)).filter(|parts| parts.len() > 1)?;
     let part = |blocks: Vec<usize>| {
-        let of = |block: &usize| firsts[*block]..firsts[*block] + problem.laws[*block].rows();
-        let rows: Vec<usize> = blocks.iter().flat_map(of).collect();
+        let rows: Vec<usize> = blocks.iter().flat_map(|&block| ranges[block].clone()).collect();
         Part {
             mobility: sub_matrix(problem.mobility, &rows),
             free: rows.iter().map(|&row| problem.free[row]).collect(),
@@ -64,11 +65,10 @@ pub(crate) fn parts_of(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     parts_joined(matrix.nrows(), |row, column| matrix[(row, column)] != 0.0 || matrix[(column, row)] != 0.0)
 }
 
-/// The blocks that feel each other, in the order of their first.
-fn parts(problem: &Problem, firsts: &[usize]) -> Vec<Vec<usize>> {
-    let rows = |block: usize| firsts[block]..firsts[block] + problem.laws[block].rows();
-    parts_joined(firsts.len(), |one, other| {
-        rows(one).any(|row| rows(other).any(|column| problem.mobility[(row, column)] != 0.0))
+/// The blocks that feel each other, each with a range of rows, in the order of their first.
+pub(crate) fn blocks_joined(mobility: &DMatrix<f64>, ranges: &[Range<usize>]) -> Vec<Vec<usize>> {
+    parts_joined(ranges.len(), |one, other| {
+        ranges[one].clone().any(|row| ranges[other].clone().any(|column| mobility[(row, column)] != 0.0))
     })
 }
 

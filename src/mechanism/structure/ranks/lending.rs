@@ -7,10 +7,10 @@
 //!     H_xx + w_x,    w_x = 1e-4 / m_x,   m_x = [Z (Zᵀ H Z)⁻¹ Zᵀ]_xx,   Z: directions in which the closures let the mechanism move
 //! ```
 //!
-//! at most 1e-4 of the largest inertia of the bodies that are tied to each other. Iterations then leave some 1e-4 each, and converge to the exact solution. A freedom whose own inertia is not
-//! well below w_x gets no loan, so most mechanisms are solved as they stand. H is kept as a factor, `H = Bᵀ B` with a row for every component of
-//! every body's momentum, largest rows first, so that light bodies keep their digits beside heavy ones. Source: numerical experiments, in which six
-//! repetitions of the solve reach rounding at every mass ratio.
+//! at most 1e-4 of the largest inertia of the bodies that are tied to each other. Iterations then leave some 1e-4 each, and converge to the exact
+//! solution. A freedom whose own inertia is not well below w_x gets no loan, so most mechanisms are solved as they stand. H is kept as a factor,
+//! `H = Bᵀ B` with a row for every component of every body's momentum, largest rows first, so that light bodies keep their digits beside heavy ones.
+//! Source: numerical experiments, in which six repetitions of the solve reach rounding at every mass ratio.
 
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::mechanism::{Body, Mechanism};
@@ -32,13 +32,15 @@ const LARGEST: usize = 400;
 /// Inertia lent to every freedom [kg m² or kg]; empty if it is zero.
 pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<f64> {
     let count = mechanism.velocity_count;
-    let Some(free) = ranks.free.as_ref().filter(|_| count <= LARGEST && may_be_light(mechanism, ranks)) else {
+    let Some(free) = ranks.free.as_ref().filter(|_| count <= LARGEST) else { return Vec::new() };
+    let firsts = first_of_tied(mechanism);
+    if !may_be_light(mechanism, ranks, &firsts) {
         return Vec::new();
-    };
+    }
     let factor = factor(mechanism, state, &ranks.lengths);
     let units = DMatrix::identity(count, count);
     let directions = DMatrix::from_fn(count, free.len(), |row, column| free[column][row]);
-    let parts = part_of_freedoms(mechanism);
+    let parts = part_of_freedoms(mechanism, &firsts);
     let mut largest = vec![0.0_f64; mechanism.bodies.len()];
     for (column, &part) in factor.column_iter().zip(&parts) {
         largest[part] = largest[part].max(column.norm_squared());
@@ -55,26 +57,24 @@ pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<
     if lent.iter().all(|&inertia| inertia == 0.0) { Vec::new() } else { lent }
 }
 
-/// For every freedom the first body of the part of its body.
-fn part_of_freedoms(mechanism: &Mechanism) -> Vec<usize> {
-    let firsts = first_of_tied(mechanism);
+/// For every freedom the first body of the part of its body, from those of all bodies.
+fn part_of_freedoms(mechanism: &Mechanism, firsts: &[usize]) -> Vec<usize> {
     let mut parts = vec![0; mechanism.velocity_count];
-    for (body, first) in mechanism.bodies.iter().zip(firsts) {
+    for (body, &first) in mechanism.bodies.iter().zip(firsts) {
         parts[body.joint.velocity_range()].fill(first);
     }
     parts
 }
 
 /// Whether any body is light enough, beside another of its part, for a loan.
-fn may_be_light(mechanism: &Mechanism, ranks: &Ranks) -> bool {
+fn may_be_light(mechanism: &Mechanism, ranks: &Ranks, firsts: &[usize]) -> bool {
     let length = ranks.lengths.iter().fold(1.0_f64, |most, &length| most.max(length));
-    let firsts = first_of_tied(mechanism);
     let mut heaviest = vec![0.0_f64; firsts.len()];
-    for (body, &first) in mechanism.bodies.iter().zip(&firsts) {
+    for (body, &first) in mechanism.bodies.iter().zip(firsts) {
         heaviest[first] = heaviest[first].max(body.inertia.max().max(body.mass * length * length));
     }
     let lightness = |body: &Body| body.inertia.max().min(body.mass * length * length);
-    mechanism.bodies.iter().zip(&firsts).any(|(body, &first)| lightness(body) < SPREAD * heaviest[first])
+    mechanism.bodies.iter().zip(firsts).any(|(body, &first)| lightness(body) < SPREAD * heaviest[first])
 }
 
 /// `B`: the roots of the kinetic energy of every body for a unit of every freedom, largest rows first.

@@ -1,7 +1,6 @@
 //! The accuracy of a run as it estimated it itself, why that ends or is not known, and the warnings about it.
 
 use crate::mechanism::ground::words::rounded;
-use crate::mechanism::motion::integrator::MethodDescription;
 use crate::output::report::method::first_order_is_felt;
 use crate::output::report::rounding::{FarSpring, is_energy_rounding};
 use crate::simulation::{Accuracy, Finished, StepChoice, Summary, UnknownAccuracy};
@@ -122,10 +121,11 @@ impl AccuracyReport {
         };
         let islands: Vec<_> =
             run.accuracy.iter().map(|found| found.as_ref().map(report).map_err(Clone::clone)).collect();
-        match &islands[..] {
+        let report = match &islands[..] {
             [alone] if run.parts == (1, 0) => alone.clone(),
             _ => AccuracyReport::together(wanted, here, &islands),
-        }
+        };
+        Ok(AccuracyReport { first_order: first_order_is_felt(&run.method), ..report? })
     }
 
     /// Combines the reports of islands, in a run that has reached the time `here` (s).
@@ -173,11 +173,6 @@ impl AccuracyReport {
         self.horizon.get_or_insert(Horizon::Growth);
     }
 
-    /// Sees the steps of first order.
-    pub(crate) fn see_first_order(&mut self, method: &MethodDescription) {
-        self.first_order = first_order_is_felt(method);
-    }
-
     /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as is estimated.
     pub(crate) fn see_energy(&mut self, summary: &Summary) {
         let error = summary.max_relative_energy_error;
@@ -214,7 +209,7 @@ impl AccuracyReport {
                     self.estimated
                 ));
             }
-            // Nothing tells their errors from a growth of roundings.
+            // Their errors are not told apart from a growth of roundings.
             let by_first_order = self.first_order && self.events_differ.is_none() && !self.parts;
             if !self.amplifies || by_first_order {
                 let first_order = if by_first_order { ", to which steps of first order contribute" } else { "" };

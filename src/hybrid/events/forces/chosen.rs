@@ -1,0 +1,192 @@
+//! The forces that a choice of equations among the rows of blocks determines: which rows are equations, and what their forces push with.
+//!
+//! ```text
+//!     D̃ λ = −b,    D̃ = W Y W̃ᵀ            W, W̃, b: [`crate::events::forces::closed_forces`]
+//!     (D̃ + Z (C Z)ᵀ) λ = −(1 − Z Zᵀ) b     if zᵀ W = 0 for the columns z of Z, and a contact slides: then zᵀ C λ = 0
+//! ```
+//!
+//! in scaled rows, so that singularity does not depend on units.
+
+use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
+use crate::instant::cone::least_norm::{least_norm, spread};
+use crate::instant::cone::problem::Law;
+use crate::instant::holding::blocks::{Block, Of};
+use nalgebra::{DMatrix, DVector};
+
+/// Held rows whose response is singular to this part are redundant.
+const SINGULAR: f64 = 1e-10;
+
+/// Which rows are equations, and what their forces push with.
+#[derive(Clone)]
+pub(crate) struct Chosen {
+    /// The row of each equation, and the rows along which its force pushes as well, with what it is multiplied by: −μ t of a contact that slides, −ρ t
+    /// and −σ s of one that turns.
+    equations: Vec<(usize, Vec<(usize, f64)>)>,
+    /// Whether it is one of a contact.
+    touches: Vec<bool>,
+    /// The rows of moments that stand for normal forces, and the rows of those.
+    loads: Vec<[usize; 2]>,
+    rows: usize,
+}
+
+impl Chosen {
+    pub fn new(blocks: &[Block]) -> Self {
+        let (mut equations, mut touches, mut rows) = (Vec::<(usize, Vec<(usize, f64)>)>::new(), Vec::new(), 0);
+        let (mut normal, mut loads) = (0, Vec::new());
+        for block in blocks {
+            if let (Of::Moment { .. }, Some((normal, _))) = (block.of, equations.get(normal)) {
+                loads.push([rows, *normal]);
+            }
+            let pushes = |friction: f64, direction: [f64; 2]| {
+                [(rows + 1, -friction * direction[0]), (rows + 2, -friction * direction[1])]
+            };
+            match (block.of, block.law) {
+                // The normal force of its contact pushes along its rows.
+                (Of::Moment { .. }, Law::Sliding { friction, direction }) => {
+                    equations[normal].1.extend(pushes(friction, direction));
+                }
+                (Of::Moment { spinning, .. }, _) => {
+                    let count = if spinning { 1 } else { 2 };
+                    equations.extend((rows + 1..=rows + count).map(|row| (row, Vec::new())));
+                }
+                (_, Law::Sliding { friction, direction }) => {
+                    normal = equations.len();
+                    equations.push((rows, pushes(friction, direction).to_vec()));
+                }
+                _ => {
+                    normal = equations.len();
+                    equations.extend((rows..rows + block.rows.len()).map(|row| (row, Vec::new())));
+                }
+            }
+            touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
+            rows += block.rows.len();
+        }
+        Chosen { equations, touches, loads, rows }
+    }
+
+    /// Whether no rows imply others.
+    pub fn is_unique(&self, mobility: &DMatrix<f64>) -> bool {
+        is_regular(&self.square(mobility, false))
+    }
+
+    /// D̃, or without friction its symmetric part of the same rows.
+    fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
+        let count = self.equations.len();
+        DMatrix::from_fn(count, count, |row, column| {
+            let (row, (column, pushes)) = (self.equations[row].0, &self.equations[column]);
+            let along = mobility[(row, *column)];
+            let pushes = pushes.iter().filter(|_| friction);
+            pushes.fold(along, |along, (beside, factor)| along + factor * mobility[(row, *beside)])
+        })
+    }
+
+    /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units.
+    fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
+        let own = self.equations.iter().map(|(row, _)| mobility[(*row, *row)]);
+        own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
+    }
+
+    /// [`Chosen::square`], scaled.
+    fn scaled(&self, mobility: &DMatrix<f64>, friction: bool, scales: &[f64]) -> DMatrix<f64> {
+        let square = self.square(mobility, friction);
+        let entry = |row: usize, column: usize| square[(row, column)] * scales[row] * scales[column];
+        DMatrix::from_fn(square.nrows(), square.ncols(), entry)
+    }
+
+    /// The compliance that all contacts share: the mean of those of their normals.
+    fn even(&self, mobility: &DMatrix<f64>) -> f64 {
+        let of_contacts = self.equations.iter().zip(&self.touches).filter(|(_, touches)| **touches);
+        let (sum, contacts) =
+            of_contacts.fold((0.0, 0), |(sum, count), ((row, _), _)| (sum + mobility[(*row, *row)], count + 1));
+        sum / f64::from(contacts.max(1))
+    }
+
+    /// The combinations z of scaled rows of a part that vanish, and `C z` for the same compliance of all contacts, both in columns of length one.
+    fn spread(&self, part: &[usize], plain: DMatrix<f64>, scales: &[f64], even: f64) -> Option<[DMatrix<f64>; 2]> {
+        let columns = implied(plain)?;
+        let weighed = columns.iter().map(|column| {
+            let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
+            DVector::from_fn(part.len(), |place, _| column[place] * weight(part[place])).normalize()
+        });
+        let weighed: Vec<DVector<f64>> = weighed.collect();
+        let matrix =
+            |columns: &[DVector<f64>]| DMatrix::from_fn(part.len(), columns.len(), |row, index| columns[index][row]);
+        Some([matrix(&columns), matrix(&weighed)])
+    }
+
+    /// λ of all rows: part by part of those that do not feel each other.
+    pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
+        let count = self.equations.len();
+        if count == 0 {
+            return Vec::new();
+        }
+        let scales = self.scales(mobility);
+        let scaled = self.scaled(mobility, true, &scales);
+        let slides = !unique && self.equations.iter().any(|(_, pushes)| !pushes.is_empty());
+        let plain = slides.then(|| (self.scaled(mobility, false, &scales), self.even(mobility)));
+        let joins = |one: usize, other: usize| {
+            let joined = |matrix: &DMatrix<f64>| matrix[(one, other)] != 0.0 || matrix[(other, one)] != 0.0;
+            joined(&scaled) || plain.as_ref().is_some_and(|(plain, _)| joined(plain))
+        };
+        let mut solution = vec![0.0; count];
+        for part in parts_joined(count, joins) {
+            let own = sub_matrix(&scaled, &part);
+            let right =
+                DVector::from_fn(part.len(), |place, _| -offset[self.equations[part[place]].0] * scales[part[place]]);
+            let direct = if unique {
+                own.clone().lu().solve(&right)
+            } else if let Some((plain, even)) = &plain {
+                self.spread(&part, sub_matrix(plain, &part), &scales, *even).and_then(|[implied, weighed]| {
+                    let left = &right - &implied * (implied.transpose() * &right);
+                    (&own + implied * weighed.transpose()).lu().solve(&left)
+                })
+            } else {
+                None
+            };
+            let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
+            let found = direct.or_else(|| least_norm(&own, &right).map(|(solution, _)| solution));
+            found.into_iter().for_each(|found| {
+                part.iter().zip(found.iter()).for_each(|(&row, value)| solution[row] = *value);
+            });
+        }
+        let mut forces = vec![0.0; self.rows];
+        for (index, (row, pushes)) in self.equations.iter().enumerate() {
+            forces[*row] = solution[index] * scales[index];
+            for (beside, factor) in pushes {
+                forces[*beside] = factor * forces[*row];
+            }
+        }
+        self.loads.iter().for_each(|&[row, normal]| forces[row] = forces[normal]);
+        forces
+    }
+}
+
+/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal, part by part; `None` if a number is not finite.
+pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
+    if !scaled.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    let mut all = Vec::new();
+    for part in parts_of(&scaled) {
+        let eigen = sub_matrix(&scaled, &part).symmetric_eigen();
+        let least = SINGULAR * eigen.eigenvalues.max();
+        let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
+        all.extend(of_implied.map(|index| spread(&part, eigen.eigenvectors.column(index).iter(), scaled.nrows())));
+    }
+    Some(all)
+}
+
+/// Whether a response is regular, whatever the units of its rows.
+fn is_regular(square: &DMatrix<f64>) -> bool {
+    let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
+    if scale.contains(&0.0) {
+        return false;
+    }
+    let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
+        square[(row, column)] / (scale[row] * scale[column])
+    });
+    parts_of(&scaled).into_iter().all(|part| {
+        let values = sub_matrix(&scaled, &part).symmetric_eigenvalues();
+        values.min() > SINGULAR * values.max()
+    })
+}
