@@ -2,9 +2,9 @@
 //!
 //! If more than three contacts lie on one plane, some imply others: the contacts of a box, or of a car with four wheels. Let R (m × n) be the rates
 //! of all gaps between two trees of bodies at one stage, for each motion of these trees; or between more of them, where contacts lead around, as of a
-//! block between a wall and the jaw of a vice. The part of the gaps g that is orthogonal to the columns of
-//! R is changed by no motion. That part is rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a
-//! thousandth of the weight of a box. The friction of sliding contacts then turns the box.
+//! block between a wall and the jaw of a vice ([`crate::coupled::groups`]). The part of the gaps g that is orthogonal to the columns of R is changed by
+//! no motion. That part is rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a thousandth of the weight of
+//! a box. The friction of sliding contacts then turns the box.
 //!
 //! ```text
 //!     g ← Q Qᵀ g,     Q (m × r): an orthonormal basis of the columns of R      modified Gram–Schmidt, twice
@@ -18,10 +18,9 @@
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
+use crate::coupled::groups::{Between, Group, ancestors, first_of_tree, floating_trees, is_floating, sliding_groups};
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::elimination::TWIST;
-use catena_mechanism::description::contact::TouchJoint;
-use catena_mechanism::description::joint::JointKind;
 use catena_mechanism::description::mechanism::Mechanism;
 use std::ops::Range;
 
@@ -30,20 +29,8 @@ const INDEPENDENT: usize = 3;
 /// The rest of a column is rounding below this part of the largest of its kind, or of the terms that the rate of a joint is the sum of.
 const ROUNDING: f64 = 1e-9;
 
-/// The ends of an equation: trees, named by their first bodies, or bodies. And the number of an equation with 1 or −1.
-type Ends = [Option<usize>; 2];
+/// The number of an equation with 1 or −1.
 type Signed = (usize, f64);
-
-/// The row of an equation, and the bodies at its ends.
-type Between = (usize, Ends);
-
-/// Equations between pairs of trees.
-#[derive(Clone, Debug)]
-struct Group {
-    /// The trees, in order.
-    pairs: Vec<Ends>,
-    rows: Vec<Between>,
-}
 
 /// The equations between trees.
 #[derive(Clone, Debug)]
@@ -76,25 +63,8 @@ struct JointColumn {
 impl Dependent {
     /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
-        let mut found: Vec<Group> = Vec::new();
-        let is_reeved = |number: usize| {
-            number.checked_sub(mechanism.loops.len()).is_some_and(|touch| mechanism.touches[touch].is_reeved())
-        };
-        let closures = mechanism.closing_ends().zip(rows_of_closure).enumerate();
-        for (number, ([a, b], rows)) in closures.filter(|(number, _)| !is_reeved(*number)) {
-            let pair = trees_of(mechanism, [a.body, b.body]);
-            // The first row of a contact is its gap; a rolling contact has more rows, of rates.
-            let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
-            let of_these = rows.clone().take(count).map(|row| (row, [a.body, b.body]));
-            match found.iter_mut().find(|known| known.pairs == [pair]) {
-                Some(known) => known.rows.extend(of_these),
-                None => found.push(Group { pairs: vec![pair], rows: of_these.collect() }),
-            }
-        }
-        let slide = |joint: &TouchJoint| trees_of(mechanism, [joint.a.body, joint.b.body]);
-        found.retain(|group| mechanism.rubbing().any(|joint| group.pairs == [slide(joint)]));
-        let groups = join_around(mechanism, found).into_iter().filter(|group| group.rows.len() > INDEPENDENT);
-        groups.map(|group| Dependent::of(mechanism, &group)).collect()
+        let groups = sliding_groups(mechanism, rows_of_closure).into_iter();
+        groups.filter(|group| group.rows.len() > INDEPENDENT).map(|group| Dependent::of(mechanism, &group)).collect()
     }
 
     /// The equations of a group.
@@ -224,65 +194,6 @@ impl Dependent {
             }
         }
     }
-}
-
-/// Puts the equations of all pairs together that lead from tree to tree, if they lead around: trees on the world count as the world, which ends the
-/// way. Pairs without sliding friction are not here: friction that holds shares no load with others
-/// (`doc/decisions/033-friction-that-holds.md`).
-fn join_around(mechanism: &Mechanism, mut found: Vec<Group>) -> Vec<Group> {
-    let floating = |group: &Group| floating_trees(mechanism, &group.pairs[0]).collect::<Vec<usize>>();
-    let mut joined: Vec<Group> = Vec::new();
-    while !found.is_empty() {
-        let first = found.remove(0);
-        let mut nodes = floating(&first);
-        let mut part = vec![first];
-        while let Some(next) = found.iter().position(|group| floating(group).iter().any(|own| nodes.contains(own))) {
-            let next = found.remove(next);
-            nodes.extend(floating(&next));
-            part.push(next);
-        }
-        nodes.sort_unstable();
-        nodes.dedup();
-        let on_world = part.iter().any(|group| floating(group).len() < 2);
-        // A graph without circles has one edge less than nodes.
-        if part.len() < nodes.len() + usize::from(on_world) {
-            joined.extend(part);
-            continue;
-        }
-        let mut around = Group { pairs: Vec::new(), rows: Vec::new() };
-        for Group { pairs, rows } in part {
-            around.pairs.extend(pairs);
-            around.rows.extend(rows);
-        }
-        joined.push(around);
-    }
-    joined
-}
-
-/// The trees at the ends of an equation, in order.
-fn trees_of(mechanism: &Mechanism, ends: Ends) -> Ends {
-    let mut trees = ends.map(|end| first_of_tree(mechanism, end));
-    trees.sort_unstable();
-    trees
-}
-
-/// The first body of the tree of a body.
-fn first_of_tree(mechanism: &Mechanism, body: Option<usize>) -> Option<usize> {
-    body.and_then(|body| ancestors(mechanism, body).last())
-}
-
-/// The trees of a pair that can move as a whole.
-fn floating_trees(mechanism: &Mechanism, pair: &Ends) -> impl Iterator<Item = usize> {
-    pair.iter().flatten().copied().filter(|&first| is_floating(mechanism, first))
-}
-
-fn is_floating(mechanism: &Mechanism, body: usize) -> bool {
-    mechanism.bodies[body].joint.kind == JointKind::Floating
-}
-
-/// A body and its ancestors, up to the first of its tree.
-fn ancestors(mechanism: &Mechanism, body: usize) -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(body), |&body| mechanism.bodies[body].parent)
 }
 
 /// `g ← Q Qᵀ g`: replaces the columns by Q. Of each tree that floats three columns are forces and the next three torques, and `largest` has room for

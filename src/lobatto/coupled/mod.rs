@@ -18,6 +18,7 @@ pub mod dependent;
 pub mod equations;
 pub mod front;
 pub mod given;
+pub(crate) mod groups;
 pub mod known;
 pub mod lent;
 pub mod mixing;
