@@ -350,6 +350,8 @@ impl Integrator for Lobatto {
             first_order_asleep: 0.0,
             first_order_residual: 0.0,
             first_order_lift: 0.0,
+            over_slips_steps: 0,
+            over_slips_time: 0.0,
             few_stage_steps: 0,
             rebounds_left_out: 0,
             rebounds_energy: 0.0,

@@ -77,7 +77,14 @@ impl Integrator for Eventful {
         self.progress.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
         next = next.min(self.resolved_until(state.time, next));
         self.progress.stepped_over = None;
-        let advanced = match self.next_step(state) {
+        let mut kind = self.next_step(state);
+        let mut over_slips = None;
+        if kind == NextStep::OverSlips {
+            over_slips = self.begin_carefully(inputs, state, next);
+            kind = if over_slips.is_none() { self.next_step(state) } else { kind };
+        }
+        let advanced = match kind {
+            _ if let Some(outcome) = over_slips => Ok(outcome),
             NextStep::FirstOrder => {
                 self.trial.origin.copy_from(state);
                 Ok(self.stumble(inputs, state, next))
@@ -184,6 +191,7 @@ impl Integrator for Eventful {
         description.unsolved_contacts = self.tally.unsolved;
         description.contact_solvers = self.tally.solvers;
         (description.first_order_steps, description.first_order_time) = self.tally.first_order;
+        (description.over_slips_steps, description.over_slips_time) = self.tally.over_slips;
         description.first_order_asleep = self.tally.asleep;
         (description.first_order_residual, description.first_order_lift) = self.tally.crowd_figures;
         (description.rebounds_left_out, description.rebounds_energy) = self.tally.cut;

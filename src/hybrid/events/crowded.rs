@@ -51,6 +51,13 @@ const USUAL: f64 = 8.0;
 /// Exact steps that cost less than this stay (s for a second of the motion).
 const CHEAP: f64 = 1.0;
 
+/// A step over events: its end, its length (s) and figures.
+pub(super) struct Attempted {
+    pub end: State,
+    pub step: f64,
+    pub made: Made,
+}
+
 impl Eventful {
     /// The length of steps over events (s), and whether they keep to the tolerance, which asks for nothing beyond the horizon.
     fn crowd_length(&self) -> (f64, bool) {
@@ -79,7 +86,7 @@ impl Eventful {
     }
 
     /// Whether steps over events leave something out: rolling and spinning friction, and ropes through several points.
-    fn needs_events(&self) -> bool {
+    pub(super) fn needs_events(&self) -> bool {
         self.model.touching.pairs.need_events()
     }
 
@@ -89,7 +96,12 @@ impl Eventful {
         if self.workspaces.crowd.is_none() || !keeps || self.needs_events() {
             return None;
         }
-        Some(LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) / ITERATION)
+        Some(self.labour_of_crowds(length, CHEAP))
+    }
+
+    /// The labour that is as dear as steps over events of this length (s), and no cheaper than a cost (s for a second of the motion).
+    pub(super) fn labour_of_crowds(&self, length: f64, cheap: f64) -> f64 {
+        LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(cheap) / ITERATION
     }
 
     /// The expected cost of steps of this length (s) and iterations for a second of the motion (s).
@@ -143,8 +155,14 @@ impl Eventful {
         }
         let next = self.model.next_instant(state.time, until);
         let (length, _) = self.crowd_length();
-        let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, next, self.model.coarser * length) else {
+        let made = if self.progress.is_careful {
+            self.step_carefully(inputs, state, next)
+        } else {
+            self.step_in_crowd(inputs, state, next, self.model.coarser * length)
+        };
+        let Some((mut outcome, made)) = made else {
             self.progress.in_crowd = false;
+            self.progress.is_careful = false;
             self.pass_anew(inputs, state);
             return None;
         };
@@ -159,7 +177,10 @@ impl Eventful {
     }
 
     /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
-    fn is_over(&mut self, made: &Made, length: f64) -> bool {
+    pub(super) fn is_over(&mut self, made: &Made, length: f64) -> bool {
+        if self.progress.is_careful {
+            return self.progress.crowding.is_calm(made.closed);
+        }
         let rates = self.model.whole.velocity_count as f64;
         let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2) + decision(made.held);
         let over = self.cost_of_crowds(length, (made.iterations as f64).min(USUAL));
@@ -167,8 +188,9 @@ impl Eventful {
     }
 
     /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.
-    fn leave_crowd(&mut self, inputs: Inputs, state: &mut State, outcome: &mut StepOutcome) {
+    pub(super) fn leave_crowd(&mut self, inputs: Inputs, state: &mut State, outcome: &mut StepOutcome) {
         self.progress.in_crowd = false;
+        self.progress.is_careful = false;
         self.progress.crowding.leave(state.time);
         let before = energy(&self.model.whole, state).total();
         self.previous.outside.clear();
@@ -205,15 +227,28 @@ impl Eventful {
         until: f64,
         length: f64,
     ) -> Option<(StepOutcome, Made)> {
+        let made = self.attempt_in_crowd(inputs, state, until, length)?;
+        Some((self.take_from_crowd(state, &made), made.made))
+    }
+
+    /// Makes such a step from a state, and keeps nothing of it but what the steps after it begin with.
+    pub(super) fn attempt_in_crowd(
+        &mut self,
+        inputs: Inputs,
+        state: &State,
+        until: f64,
+        length: f64,
+    ) -> Option<Attempted> {
         self.trial.origin.copy_from(state);
         let Eventful {
             model: HybridModel { whole, elements, touching, recipe, .. },
             workspaces: Workspaces { response, crowd, .. },
             mode,
+            progress,
             ..
         } = self;
         let crowd = crowd.as_mut()?;
-        if recipe.keeps(Rule::Sleep) {
+        if recipe.keeps(Rule::Sleep) || progress.is_careful {
             crowd.keep_awake();
         }
         let mut forces = |at: &State, accelerations: &mut [f64], efforts: &mut [f64]| {
@@ -240,7 +275,13 @@ impl Eventful {
         let made = crowd.step(scene, &mut forces, &mut end, step, evenly)?;
         // The end is a given instant to the last bit.
         end.time = if step == rest { until } else { end.time };
-        state.copy_from(&end);
+        Some(Attempted { end, step, made })
+    }
+
+    /// Takes such a step from the origin of the trial.
+    pub(super) fn take_from_crowd(&mut self, state: &mut State, attempted: &Attempted) -> StepOutcome {
+        let &Attempted { ref end, step, made } = attempted;
+        state.copy_from(end);
         for index in 0..self.model.elements.motors.len() {
             let motor = &self.model.elements.motors[index];
             if motor.period > 0.0 && motor.next_instant(self.trial.origin.time) <= state.time {
@@ -252,7 +293,8 @@ impl Eventful {
         self.tally.unsolved += unsolved;
         self.trial.overlap = self.trial.overlap.max(overlap);
         self.tally.crowd_figures = (self.tally.crowd_figures.0.max(residual), self.tally.crowd_figures.1.max(lifted));
-        self.tally.first_order = (self.tally.first_order.0 + 1, self.tally.first_order.1 + step);
+        let kind = if self.progress.is_careful { &mut self.tally.over_slips } else { &mut self.tally.first_order };
+        *kind = (kind.0 + 1, kind.1 + step);
         self.tally.asleep += slept * step;
         // Nothing moves in a step in which all sleep.
         self.tally.smeared[0] += if slept < 1.0 { step * step } else { 0.0 };
@@ -264,7 +306,7 @@ impl Eventful {
         self.tally.stepped += step;
         let impacts = lost - dissipated - friction;
         let exchange = Exchange { work, dissipated, friction, impacts };
-        Some((StepOutcome::new(step, iterations, exchange), made))
+        StepOutcome::new(step, iterations, exchange)
     }
 
     /// Adds the contacts that press at the end of a step of a crowd, with their mean forces in it; `false` if the run is in no crowd.

@@ -30,6 +30,7 @@
 
 mod as_integrator;
 mod ballistic;
+mod careful;
 mod changed_efforts;
 mod closing;
 mod closing_pairs;

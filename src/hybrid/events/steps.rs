@@ -5,6 +5,7 @@
 //!                                                   └▶ a bracket: located (location.rs)
 //! ```
 
+use crate::events::careful::MOST;
 use crate::events::crowded::{ITERATION, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
@@ -67,7 +68,7 @@ impl Eventful {
         let since = state.time;
         let mut until = match next {
             NextStep::Passing { at_most } => until.min(since + at_most),
-            NextStep::Watched | NextStep::FirstOrder => until,
+            NextStep::Watched | NextStep::OverSlips | NextStep::FirstOrder => until,
         };
         loop {
             let mut attempt = self.begin_attempt(inputs, state, until, matches!(next, NextStep::Passing { .. }));
@@ -236,6 +237,7 @@ impl Eventful {
     ) {
         let (since, passing) = (attempt.since, attempt.passing);
         let at_start = ending.is_at_start();
+        let known = self.tally.events.len();
         self.trace_step(state, &ending);
         if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
@@ -280,8 +282,12 @@ impl Eventful {
         let short =
             self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_short_span());
         let ended = match (triggers.is_empty(), attempt.given && !short && self.counts_instants()) {
-            (false, _) => Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION },
+            (false, _) => {
+                let impact = self.tally.events.iter().skip(known).any(|event| event.impulse.is_some());
+                Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION, impact }
+            }
             (true, true) => Ended::AtInstant,
+            (true, false) if outcome.step < MOST && self.slides() => Ended::AtSlip,
             (true, false) => Ended::Smoothly,
         };
         self.note_labour(since, outcome.cost.iterations, attempt.unknowns, ended);

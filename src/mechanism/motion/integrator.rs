@@ -48,6 +48,9 @@ pub struct MethodDescription {
     /// The largest residual of the law of contact in them, as a part of the largest impulse, and the largest overlap that was moved apart (m).
     pub first_order_residual: f64,
     pub first_order_lift: f64,
+    /// Steps of second order where slips changed so often that exact steps were dear, and the time that they took of the motion (s).
+    pub over_slips_steps: usize,
+    pub over_slips_time: f64,
     /// Steps with three stages, in spans between given instants that are short beside the steps of the method.
     pub few_stage_steps: usize,
     /// Number of rebounds left out there and in crowds of impacts, and the energy that they would have given back (J).
@@ -77,6 +80,8 @@ impl MethodDescription {
             first_order_asleep: 0.0,
             first_order_residual: 0.0,
             first_order_lift: 0.0,
+            over_slips_steps: 0,
+            over_slips_time: 0.0,
             few_stage_steps: 0,
             rebounds_left_out: 0,
             rebounds_energy: 0.0,

@@ -61,13 +61,16 @@ pub(crate) struct Crowding {
     spell: (f64, f64),
 }
 
-/// Work of iterations, work of decisions of modes in the same unit, events, and instants in all at which a motion breaks, since a time (s).
+/// Work of iterations, work of decisions of modes in the same unit, events and impacts among them, instants in all at which a motion breaks, and steps
+/// that slips have made short, since a time (s).
 #[derive(Clone, Copy, Debug)]
 struct Labour {
     work: f64,
     decided: f64,
     events: usize,
+    impacts: usize,
     breaks: usize,
+    slips: usize,
     since: f64,
 }
 
@@ -78,15 +81,25 @@ pub(crate) enum Ended {
     Smoothly,
     /// At a given instant, to which few stages were not enough.
     AtInstant,
-    /// With a decision of this work, as iterations.
-    AtEvent { decided: f64 },
+    /// Soon, with contacts that slide: slips turn or stop.
+    AtSlip,
+    /// With a decision of this work, as iterations, and an impact or without one.
+    AtEvent { decided: f64, impact: bool },
 }
 
 impl Crowding {
     /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
-        labour: Labour { work: 0.0, decided: 0.0, events: 0, breaks: 0, since: f64::NEG_INFINITY },
+        labour: Labour {
+            work: 0.0,
+            decided: 0.0,
+            events: 0,
+            impacts: 0,
+            breaks: 0,
+            slips: 0,
+            since: f64::NEG_INFINITY,
+        },
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -108,11 +121,24 @@ impl Crowding {
             *labour = Labour { since: time, ..Crowding::CALM.labour };
         }
         labour.work += iterations as f64 * (unknowns as f64).powi(2);
-        labour.breaks += usize::from(ended != Ended::Smoothly);
-        if let Ended::AtEvent { decided } = ended {
+        labour.breaks += usize::from(!matches!(ended, Ended::Smoothly | Ended::AtSlip));
+        labour.slips += usize::from(ended == Ended::AtSlip);
+        if let Ended::AtEvent { decided, impact } = ended {
             labour.events += 1;
+            labour.impacts += usize::from(impact);
             labour.decided += decided;
         }
+    }
+
+    /// Whether the labour that is counted now is more than this, among events or slips that break the motion, and without impacts.
+    pub fn is_dear_without_impacts(&self, bearable: f64) -> bool {
+        let Labour { work, decided, impacts, breaks, slips, .. } = self.labour;
+        impacts == 0 && breaks + slips >= LABOUR_EVENTS && work + decided > bearable
+    }
+
+    /// Counts the labour anew.
+    pub fn forget_labour(&mut self) {
+        self.labour = Crowding::CALM.labour;
     }
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
@@ -268,7 +294,7 @@ mod tests {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
                     let at_event = events && steps % 2 == 0;
-                    let ended = if at_event { Ended::AtEvent { decided: 0.0 } } else { Ended::AtInstant };
+                    let ended = if at_event { Ended::AtEvent { decided: 0.0, impact: true } } else { Ended::AtInstant };
                     crowding.labour(time, 10, 100, ended);
                     (steps, time) = (steps + 1, time + 5e-5);
                 }
@@ -290,9 +316,14 @@ mod tests {
                 crowding.count(1e-3 * f64::from(tick), 1, bearable)
             })
         };
-        assert!(crowded(Ended::AtInstant, Some(1e5)) && crowded(Ended::AtEvent { decided: 0.0 }, Some(1e5)));
+        assert!(
+            crowded(Ended::AtInstant, Some(1e5)) && crowded(Ended::AtEvent { decided: 0.0, impact: true }, Some(1e5))
+        );
         assert!(!crowded(Ended::Smoothly, Some(1e5)) && !crowded(Ended::AtInstant, None));
-        assert!(!crowded(Ended::AtInstant, Some(2.5e5)) && crowded(Ended::AtEvent { decided: 1e4 }, Some(2.5e5)));
+        assert!(
+            !crowded(Ended::AtInstant, Some(2.5e5))
+                && crowded(Ended::AtEvent { decided: 1e4, impact: true }, Some(2.5e5))
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! Invariants: `asleep` only if all bodies rest and nothing acts that changes with time; `quiet` counts steps at rest in a row; `in_crowd` only for
 //! mechanisms that have a workspace for steps over many impacts.
 
+use crate::events::careful::FIRST;
 use crate::events::parts::crowding::Crowding;
 use crate::events::parts::repeats::Repeats;
 use crate::instant::holding::blocks::Of;
@@ -34,6 +35,9 @@ pub(crate) struct Progress {
     pub crowding: Crowding,
     /// Whether the run makes steps over many impacts now.
     pub in_crowd: bool,
+    /// Whether they are those that keep to the tolerance by an estimate of their own, and the length of the next one (s).
+    pub is_careful: bool,
+    pub careful: f64,
     /// Whether the error of the run is estimated, which steps over events end.
     pub estimated: bool,
     /// Whether runs that differ by roundings have met other events before, so that no step can be accurate.
@@ -60,6 +64,8 @@ impl Progress {
             passes: Vec::new(),
             crowding: Crowding::CALM,
             in_crowd: false,
+            is_careful: false,
+            careful: FIRST,
             estimated: false,
             beyond_horizon: false,
             undecided: false,

@@ -20,6 +20,8 @@ pub(crate) struct Tally {
     pub stepped: f64,
     /// Steps of first order, and how long they were together (s).
     pub first_order: (usize, f64),
+    /// Steps over slips, and how long they were together (s).
+    pub over_slips: (usize, f64),
     /// How long bodies slept in steps of first order, in the mean over all bodies (s).
     pub asleep: f64,
     /// `Σ h²` of the steps over events among them (s²), and `Σ h` of those in the place of steps that jam (s): the errors that they add are in

@@ -32,6 +32,8 @@ pub struct MethodReport {
     pub reversible_resets: Option<usize>,
     /// The steps of first order.
     pub crowd: CrowdReport,
+    /// The steps over slips.
+    pub over_slips: OverSlipsReport,
     /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
     pub few_stage_steps: usize,
     /// How often each contact solver has solved a problem of an event.
@@ -53,6 +55,17 @@ pub struct CrowdReport {
     pub asleep_share: f64,
     /// The largest overlap that they moved apart (m).
     pub lift: f64,
+}
+
+/// The steps that keep to the tolerance by an estimate of their own, where slips change so often that exact steps are dear.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OverSlipsReport {
+    /// Their number.
+    pub steps: usize,
+    /// The part of the motion's time that they took.
+    pub time_share: f64,
+    /// Their order of convergence.
+    pub order: usize,
 }
 
 /// How near a step came to the limit of linear stability.
@@ -88,6 +101,15 @@ impl MethodReport {
             digits: description.digits,
             reversible_resets: description.reversible_resets,
             crowd: CrowdReport::new(description, duration),
+            over_slips: OverSlipsReport {
+                steps: description.over_slips_steps,
+                time_share: if description.over_slips_time > 0.0 {
+                    description.over_slips_time / duration
+                } else {
+                    0.0
+                },
+                order: 2,
+            },
             few_stage_steps: description.few_stage_steps,
             contact_solvers: SolversReport(description.contact_solvers),
         }

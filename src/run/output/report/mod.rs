@@ -25,7 +25,7 @@ pub(crate) use contact::{pair_count, pair_name, pair_names};
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use from_log::{ERROR_AT_START, FromLog, UNKNOWN};
-pub use method::{CrowdReport, FrequencyReport, MethodReport};
+pub use method::{CrowdReport, FrequencyReport, MethodReport, OverSlipsReport};
 pub(crate) use method::{ringing_warning, singular_warning, unsolved_warning};
 pub use places::joint_reports;
 pub use places::{JointReport, LinkReport, LoopReport, Numbers};

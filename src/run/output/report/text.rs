@@ -1,6 +1,7 @@
 //! The report as lines for people.
 
 use crate::mechanism::ground::words::{counted, decimals, rounded};
+use crate::output::report::method::OverSlipsReport;
 use crate::output::report::{Report, StepErrorReport};
 use std::fmt;
 
@@ -65,13 +66,23 @@ impl fmt::Display for Report {
             (Some(tolerance), _) => {
                 write!(out, "tolerance {tolerance:e}, mean step {step} ms")?;
                 match method.few_stage_steps {
-                    0 => writeln!(out)?,
-                    few => writeln!(
+                    0 => {}
+                    few => write!(
                         out,
                         "; {} between given instants with 3 stages, order 4",
                         counted(few, "step", "steps")
                     )?,
                 }
+                match method.over_slips {
+                    OverSlipsReport { steps: 0, .. } => {}
+                    OverSlipsReport { steps, time_share, order } => write!(
+                        out,
+                        "; {} over slips, {} % of the time, order {order}",
+                        counted(steps, "step", "steps"),
+                        rounded(100.0 * time_share)
+                    )?,
+                }
+                writeln!(out)?;
             }
             (None, Some(resets)) => {
                 writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset", "resets"))?;

@@ -157,6 +157,8 @@ impl<'a> Islands<'a> {
             together.unsolved_contacts += one.unsolved_contacts;
             together.contact_solvers.add(&one.contact_solvers);
             together.first_order_steps += one.first_order_steps;
+            together.over_slips_steps += one.over_slips_steps;
+            together.over_slips_time = together.over_slips_time.max(one.over_slips_time);
             together.few_stage_steps += one.few_stage_steps;
             together.rebounds_left_out += one.rebounds_left_out;
             together.rebounds_energy += one.rebounds_energy;

@@ -129,9 +129,10 @@ impl Beside {
         longer.max(1.0).powi(2 - 2 * stages as i32)
     }
 
-    /// Whether it alone steps over events, so that it does not say which events it has met.
+    /// Whether it alone steps over events, or any of both runs steps over slips, so that they do not say which events they have met.
     pub(crate) fn hides_events(&self, finer: &RunIntegrator) -> bool {
-        self.run.smeared()[0] > 0.0 && finer.smeared()[0] == 0.0
+        let over_slips = |run: &RunIntegrator| run.description().over_slips_steps > 0;
+        self.run.smeared()[0] > 0.0 && finer.smeared()[0] == 0.0 || over_slips(&self.run) || over_slips(finer)
     }
 
     /// Advances to a time (s), at which a step ends. The steps of the finer run do not end there, so the steps of the two runs differ.
