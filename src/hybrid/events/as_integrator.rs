@@ -98,12 +98,19 @@ impl Integrator for Eventful {
                 | StepError::TurnedTooFar { .. }
                 | StepError::Unstable { .. },
             ) if !self.model.touching.pairs.is_empty() => {
-                if self.slides() {
+                let start = self.trial.origin.clone();
+                let again = self.progress.crowding.jams_again(start.time);
+                let careful = self.slides() && again && self.may_step_carefully();
+                state.copy_from(&start);
+                if careful && let Some(outcome) = self.begin_carefully(inputs, state, next) {
+                    outcome
+                } else if self.slides() {
                     self.progress.crowding.jam(self.trial.origin.time);
+                    self.stumble(inputs, state, next)
                 } else {
                     self.progress.crowding.fail(self.trial.origin.time);
+                    self.stumble(inputs, state, next)
                 }
-                self.stumble(inputs, state, next)
             }
             Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. } | StepError::TurnedTooFar { .. })
                 if self.model.touching.pairs.is_empty() =>

@@ -9,7 +9,7 @@
 //!
 //! e/h is an error of the velocity, which may carry on for a second and more: it is what counts where a slip stops.
 //!
-//! An impact ends them: no length of at least 10 µs keeps to the tolerance there, and the exact steps locate it. A slip of 1e-6 m/s, as of the feet of a
+//! They are made where all slips are slower than a thousandth of the largest speed so far, and no impacts are met. An impact ends them: no length of at least 10 µs keeps to the tolerance there, and the exact steps locate it. A slip of 1e-6 m/s, as of the feet of a
 //! robot that shifts its weight, turns in microseconds, so that exact steps are as short; it moves nothing that anybody sees.
 
 use crate::events::crowd::step::Made;
@@ -23,9 +23,8 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
 
-/// Lengths of steps (s): the least, the first, and the most.
-pub(super) const LEAST: f64 = 1e-5;
-pub(super) const FIRST: f64 = 5e-4;
+/// Lengths of steps (s): the least and the most.
+const LEAST: f64 = 1e-5;
 pub(super) const MOST: f64 = 2e-3;
 /// b [1/s], and the part of it that a next length aims at.
 const BY_TIME: f64 = 0.2;
@@ -34,22 +33,41 @@ const AIM: f64 = 0.5;
 const LONGER: f64 = 2.0;
 const SHORTER: [f64; 2] = [0.1, 0.5];
 
-/// Exact steps that cost less than this stay (s for a second of the motion).
-const CHEAP: f64 = 0.2;
+/// A slip that is slower than this part of the largest speed so far is slow.
+const SLOW: f64 = 1e-3;
 
 impl Eventful {
     /// Whether exact steps are dearer than such steps would be where no impacts are met.
     pub(super) fn slips_are_dear(&self) -> bool {
+        let Progress { crowding, careful, .. } = &self.progress;
+        self.may_step_carefully() && crowding.is_dear(self.labour_of_crowds(*careful))
+    }
+
+    /// Whether such steps may keep to a tolerance: slips are slow, and no impacts are met now.
+    pub(super) fn may_step_carefully(&self) -> bool {
         let HybridModel { touching, recipe, .. } = &self.model;
-        let Progress { crowding, beyond_horizon, careful, .. } = &self.progress;
+        let Progress { crowding, beyond_horizon, .. } = &self.progress;
         let may = !(touching.pairs.is_empty() || *beyond_horizon || recipe.keeps(Rule::Crowds) || self.needs_events());
         let can = self.workspaces.crowd.is_some() && recipe.tolerance().is_some();
-        may && can && crowding.is_dear_without_impacts(self.labour_of_crowds(*careful, CHEAP))
+        may && can && !crowding.is_lively()
+    }
+
+    /// Whether a slip was not slow where the last step began.
+    pub(super) fn slips_fast(&self) -> bool {
+        let slow = SLOW * self.memory.fastest;
+        let mut slides =
+            self.mode.contacts.iter().zip(&self.trial.begins).filter(|(closed, _)| closed.slides.is_some());
+        slides.any(|(_, slip)| slip.norm() > slow)
     }
 
     /// Begins such steps with one from a state towards `until`; `None` if none keeps to the tolerance, which is not tried soon again.
     pub(super) fn begin_carefully(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
         self.progress.is_careful = true;
+        if std::env::var_os("TR").is_some() {
+            eprintln!(
+                state.time, self.progress.crowding, self.trial.begins, self.memory.fastest
+            );
+        }
         let Some((mut outcome, made)) = self.step_carefully(inputs, state, until) else {
             self.progress.is_careful = false;
             self.progress.crowding.forget_labour();

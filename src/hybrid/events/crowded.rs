@@ -96,12 +96,12 @@ impl Eventful {
         if self.workspaces.crowd.is_none() || !keeps || self.needs_events() {
             return None;
         }
-        Some(self.labour_of_crowds(length, CHEAP))
+        Some(self.labour_of_crowds(length))
     }
 
-    /// The labour that is as dear as steps over events of this length (s), and no cheaper than a cost (s for a second of the motion).
-    pub(super) fn labour_of_crowds(&self, length: f64, cheap: f64) -> f64 {
-        LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(cheap) / ITERATION
+    /// The labour that is dearer than steps over events of this length (s), in the time in which it is counted.
+    pub(super) fn labour_of_crowds(&self, length: f64) -> f64 {
+        LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) / ITERATION
     }
 
     /// The expected cost of steps of this length (s) and iterations for a second of the motion (s).

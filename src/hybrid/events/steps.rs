@@ -237,7 +237,7 @@ impl Eventful {
     ) {
         let (since, passing) = (attempt.since, attempt.passing);
         let at_start = ending.is_at_start();
-        let known = self.tally.events.len();
+        let (known, fast) = (self.tally.events.len(), self.slips_fast());
         self.trace_step(state, &ending);
         if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
@@ -291,6 +291,9 @@ impl Eventful {
             (true, false) => Ended::Smoothly,
         };
         self.note_labour(since, outcome.cost.iterations, attempt.unknowns, ended);
+        if fast {
+            self.progress.crowding.note_lively(since);
+        }
     }
 
     /// Remembers the largest rates, speeds and kinetic energy at the end of a step.

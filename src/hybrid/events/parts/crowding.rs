@@ -61,14 +61,14 @@ pub(crate) struct Crowding {
     spell: (f64, f64),
 }
 
-/// Work of iterations, work of decisions of modes in the same unit, events and impacts among them, instants in all at which a motion breaks, and steps
+/// Work of iterations, work of decisions of modes in the same unit, events, impacts and slips that are not slow, instants in all at which a motion breaks, and steps
 /// that slips have made short, since a time (s).
 #[derive(Clone, Copy, Debug)]
 struct Labour {
     work: f64,
     decided: f64,
     events: usize,
-    impacts: usize,
+    lively: usize,
     breaks: usize,
     slips: usize,
     since: f64,
@@ -91,15 +91,7 @@ impl Crowding {
     /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
-        labour: Labour {
-            work: 0.0,
-            decided: 0.0,
-            events: 0,
-            impacts: 0,
-            breaks: 0,
-            slips: 0,
-            since: f64::NEG_INFINITY,
-        },
+        labour: Labour { work: 0.0, decided: 0.0, events: 0, lively: 0, breaks: 0, slips: 0, since: f64::NEG_INFINITY },
         left: 0,
         made: 0,
         ended: f64::NEG_INFINITY,
@@ -125,15 +117,25 @@ impl Crowding {
         labour.slips += usize::from(ended == Ended::AtSlip);
         if let Ended::AtEvent { decided, impact } = ended {
             labour.events += 1;
-            labour.impacts += usize::from(impact);
+            labour.lively += usize::from(impact);
             labour.decided += decided;
         }
     }
 
-    /// Whether the labour that is counted now is more than this, among events or slips that break the motion, and without impacts.
-    pub fn is_dear_without_impacts(&self, bearable: f64) -> bool {
-        let Labour { work, decided, impacts, breaks, slips, .. } = self.labour;
-        impacts == 0 && breaks + slips >= LABOUR_EVENTS && work + decided > bearable
+    /// Whether the labour that is counted now is more than this, among events or slips that break the motion.
+    pub fn is_dear(&self, bearable: f64) -> bool {
+        let Labour { work, decided, breaks, slips, .. } = self.labour;
+        breaks + slips >= LABOUR_EVENTS && work + decided > bearable
+    }
+
+    /// Notes a step that begins at a time (s) with a slip that is not slow.
+    pub fn note_lively(&mut self, time: f64) {
+        self.labour.lively += usize::from(time - self.labour.since <= LABOUR_WITHIN);
+    }
+
+    /// Whether impacts or slips that are not slow are among what is counted now.
+    pub fn is_lively(&self) -> bool {
+        self.labour.lively > 0
     }
 
     /// Counts the labour anew.
@@ -181,9 +183,7 @@ impl Crowding {
     /// A step that begins at a time (s), in which contacts slide, could not be solved. A jam is over in a moment, and is left by a step of first
     /// order that is hardly longer.
     pub fn jam(&mut self, time: f64) {
-        let (length, ended) = self.jam;
-        let again = time - ended <= SOON * length;
-        let length = if again { JAM_LONGER * length } else { JAM_STEP };
+        let length = if self.jams_again(time) { JAM_LONGER * self.jam.0 } else { JAM_STEP };
         if length >= STEP {
             self.fail(time);
         } else {
@@ -191,6 +191,12 @@ impl Crowding {
             // The events that led to it are over, and so is most of the time in which they count.
             self.counts[0] = (0, time);
         }
+    }
+
+    /// Whether a slip that jams at a time (s) follows another one soon.
+    pub fn jams_again(&self, time: f64) -> bool {
+        let (length, ended) = self.jam;
+        time - ended <= SOON * length
     }
 
     /// Whether the next step of first order is one in the place of a step that jams.

@@ -3,12 +3,14 @@
 //! Invariants: `asleep` only if all bodies rest and nothing acts that changes with time; `quiet` counts steps at rest in a row; `in_crowd` only for
 //! mechanisms that have a workspace for steps over many impacts.
 
-use crate::events::careful::FIRST;
 use crate::events::parts::crowding::Crowding;
 use crate::events::parts::repeats::Repeats;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
+
+/// The length of the first step over slips (s).
+const FIRST: f64 = 5e-4;
 
 /// A slip that passes near its stop, as it was in the last step.
 #[derive(Clone, Copy, Debug)]

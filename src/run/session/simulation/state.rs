@@ -7,6 +7,7 @@
 use crate::model::Start;
 use crate::session::description::STEPPED;
 use crate::session::error::Error;
+use crate::session::held_start::motors_from;
 use crate::session::model::Model;
 use crate::session::running::Running;
 use crate::session::simulation::Simulation;
@@ -87,8 +88,11 @@ impl Simulation {
         motion.time = time;
         let mut started = self.model.loaded().settled(motion, &Start::default())?;
         started.state.time = time;
-        let placed =
-            started.warnings.is_empty() && self.running.as_mut().is_some_and(|running| running.place(&started.state));
+        // Motors that hold their joints where a run starts are other ones from another start.
+        let held = motors_from(self.model.description(), &started.state);
+        let motors = &self.model.description().mechanism.nonsmooth.motors;
+        let known = started.warnings.is_empty() && held.is_none_or(|held| held == *motors);
+        let placed = known && self.running.as_mut().is_some_and(|running| running.place(&started.state));
         self.efforts = None;
         if !placed {
             self.take_observers();
