@@ -131,6 +131,11 @@ pub trait PieceSteps: StepMaker + Sync {
         false
     }
 
+    /// Whether it was made with the fewest stages, for which steps of first order are no cheaper.
+    fn is_cheap_span(&self) -> bool {
+        false
+    }
+
     /// Writes the forces (N) on the second ends of the closures at all stages of the last step but its end, stage after stage of each; whether it
     /// solved for them.
     fn closure_forces(&self, _forces: &mut Vec<[f64; 3]>) -> bool {

@@ -73,10 +73,10 @@ fn from_tick_to_tick(mut place: f64, ticks: Range<i32>, acceleration: impl Fn(f6
 }
 
 #[test]
-fn spans_between_ticks_have_three_stages_and_end_within_the_tolerance_of_steps_of_nine() {
+fn spans_between_ticks_have_few_stages_and_end_within_the_tolerance_of_steps_of_nine() {
     let exact = standing(fixed(9, 1e-3));
     assert_eq!(exact.method.few_stage_steps, 0, "given steps are as given");
-    for (tolerance, least) in [(1e-3, 250), (1e-6, 150), (1e-9, 0)] {
+    for (tolerance, least) in [(1e-3, 250), (1e-6, 250), (1e-9, 150)] {
         let found = standing(StepChoice::Unestimated(tolerance));
         let off = found.state.position.iter().zip(&exact.state.position).map(|(a, b)| (a - b).abs());
         let off = off.fold(0.0, f64::max);
@@ -84,7 +84,7 @@ fn spans_between_ticks_have_three_stages_and_end_within_the_tolerance_of_steps_o
         assert!(off < tolerance, "{tolerance:e}: {off:e}");
         assert_eq!(found.summary.events, exact.summary.events, "{tolerance:e}");
         assert!(found.summary.contact.penetration <= 1e-12);
-        // 300 ticks and some events. The finest tolerance leaves no span to three stages while the robot lands.
+        // 300 ticks and some events. While the robot lands, fine tolerances leave spans to five stages that three refuse.
         assert!(found.method.few_stage_steps >= least, "{}", found.method.few_stage_steps);
     }
 }

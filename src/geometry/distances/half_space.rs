@@ -101,6 +101,44 @@ impl HalfSpace {
         Some(lowest_of(&mut std::iter::once(lowest).chain(beside)))
     }
 
+    /// The least slope over the surface of the lines from touching vertices of a polytope to open vertices beside them; `None` for other
+    /// cores. Each of these is seen from the touching vertex over which it is steepest. A body that turns about its touching vertices by no more than
+    /// this angle (rad) brings no other vertex to the surface: a line at the slope sin α turns by α to get there, and the first vertex to touch is
+    /// beside one that does.
+    pub fn least_slope_beside(
+        &self,
+        b: &Convex,
+        closed: impl Iterator<Item = FeatureId> + Clone,
+        rotation: &Matrix3<f64>,
+    ) -> Option<f64> {
+        let Core::Polytope(polytope) = &b.core else { return None };
+        let count = polytope.vertices.len();
+        let closed = closed.map(move |feature| match feature {
+            FeatureId::Vertex(vertex) if (vertex as usize) < count => Some(vertex as usize),
+            _ => None,
+        });
+        if !closed.clone().all(|vertex| vertex.is_some()) {
+            return None;
+        }
+        let closed = closed.flatten();
+        let up = rotation.tr_mul(&self.normal);
+        let slope = |from: usize, to: usize| {
+            let line = polytope.vertices[to] - polytope.vertices[from];
+            up.dot(&line) / line.norm()
+        };
+        let steepest = |to: usize| closed.clone().map(|from| slope(from, to)).fold(f64::NEG_INFINITY, f64::max);
+        let least = |others: &mut dyn Iterator<Item = usize>| {
+            let open = others.filter(|other| closed.clone().all(|vertex| vertex != *other));
+            open.map(steepest).fold(f64::INFINITY, f64::min)
+        };
+        Some(if polytope.neighbours.are_known() {
+            let neighbours = |vertex: usize| polytope.neighbours.of(vertex).iter().map(|&next| next as usize);
+            least(&mut closed.clone().flat_map(neighbours))
+        } else {
+            least(&mut (0..count))
+        })
+    }
+
     /// A point (m) over the surface.
     fn candidate(&self, q: Vector3<f64>, feature: FeatureId) -> Candidate {
         let separation = self.normal.dot(&(q - self.point));

@@ -132,4 +132,14 @@ impl PairGeometry {
         let names = closed.iter().map(|place| if self.exchanged { place.a } else { place.b });
         half_space.lowest_but(&self.second, names, &rotation, &translation)
     }
+
+    /// The angle (rad) up to which the two may turn about these vertices on a half space before any other vertex touches it, at least; `None` unless
+    /// one shape is a half space and the other touches it with vertices of flat faces alone.
+    pub fn turns_at_least(&self, closed: impl Iterator<Item = PlaceId> + Clone, a: &Pose, b: &Pose) -> Option<f64> {
+        let First::HalfSpace(half_space) = &self.first else { return None };
+        let (_, (rotation, _)) = self.relative(a, b);
+        let exchanged = self.exchanged;
+        let names = closed.map(move |place| if exchanged { place.a } else { place.b });
+        half_space.least_slope_beside(&self.second, names, &rotation)
+    }
 }

@@ -91,6 +91,8 @@ pub struct Convex {
     pub centre: Vector3<f64>,
     /// Distance of its farthest point from the centre (m).
     pub size: f64,
+    /// Radius of a ball about the centre that fits in the core (m): all pairs of a shape ask for it.
+    inside: f64,
 }
 
 impl Cylinder {
@@ -147,7 +149,10 @@ impl Convex {
         let count = polytope.vertices.len().max(1) as f64;
         let centre = polytope.vertices.iter().sum::<Vector3<f64>>() / count;
         let farthest = polytope.vertices.iter().map(|vertex| (vertex - centre).norm()).fold(0.0, f64::max);
-        Convex { core: Core::Polytope(polytope), radius, centre, size: farthest + radius }
+        let depth = |face: &Face| face.normal.dot(&(polytope.vertices[face.corners[0]] - centre));
+        let least = polytope.faces.iter().map(depth).fold(f64::INFINITY, f64::min);
+        let inside = if least.is_finite() { least.max(0.0) } else { 0.0 };
+        Convex { core: Core::Polytope(polytope), radius, centre, size: farthest + radius, inside }
     }
 
     /// Distance of its farthest point from the origin of the body (m), or a little more.
@@ -167,16 +172,7 @@ impl Convex {
 
     /// Diameter of a ball that fits in about the centre (m): in every direction the shape is at least as wide.
     pub fn breadth(&self) -> f64 {
-        let inside = match &self.core {
-            Core::Polytope(polytope) => {
-                let depth = |face: &Face| face.normal.dot(&(polytope.vertices[face.corners[0]] - self.centre));
-                let least = polytope.faces.iter().map(depth).fold(f64::INFINITY, f64::min);
-                if least.is_finite() { least.max(0.0) } else { 0.0 }
-            }
-            Core::Cylinder(cylinder) => cylinder.radius.min(cylinder.half),
-            Core::Ellipsoid(ellipsoid) => ellipsoid.radii.min(),
-        };
-        2.0 * (inside + self.radius)
+        2.0 * (self.inside + self.radius)
     }
 
     /// The same as [`Convex::new`], and the same hull for the same points and pose.
@@ -212,7 +208,8 @@ impl Convex {
             Shape::Cylinder { radius, half } => {
                 let (radius, half) = (positive("radius", *radius)?, positive("half length", *half)?);
                 let cylinder = Cylinder { centre: origin, axis, radius, half };
-                Convex { core: Core::Cylinder(cylinder), radius: 0.0, centre: origin, size: radius.hypot(half) }
+                let (size, inside) = (radius.hypot(half), radius.min(half));
+                Convex { core: Core::Cylinder(cylinder), radius: 0.0, centre: origin, size, inside }
             }
             Shape::Box { half } => {
                 let half =
@@ -226,7 +223,8 @@ impl Convex {
                     positive("third radius", radii.z)?,
                 );
                 let ellipsoid = Ellipsoid { centre: origin, axes: *pose.rotation.matrix(), radii };
-                Convex { core: Core::Ellipsoid(ellipsoid), radius: 0.0, centre: origin, size: radii.max() }
+                let (size, inside) = (radii.max(), radii.min());
+                Convex { core: Core::Ellipsoid(ellipsoid), radius: 0.0, centre: origin, size, inside }
             }
             Shape::Hull(points) => Convex::of_hull(points, pose)?,
         }))

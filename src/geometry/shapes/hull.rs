@@ -10,7 +10,7 @@ use catena_mechanism::description::contact::Surface;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::try_convex_hull;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// Meshes of more triangles take too long.
 const MOST_TRIANGLES: usize = 2_000_000;
@@ -133,11 +133,7 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
         let [a, b, c] = corners.map(|corner| vertices[corner]);
         (b - a).cross(&(c - a))
     };
-    let edges = triangles
-        .iter()
-        .enumerate()
-        .flat_map(|(number, corners)| (0..3).map(move |side| ([corners[side], corners[(side + 1) % 3]], number)));
-    let beside: HashMap<[usize; 2], usize> = edges.collect();
+    let beside = Sides::of(&triangles, vertices.len());
     // The largest triangles begin, so that a face has the plane of its best-known part.
     let areas: Vec<f64> = triangles.iter().map(|corners| doubled(corners).norm()).collect();
     let mut order: Vec<usize> = (0..triangles.len()).collect();
@@ -160,7 +156,7 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
         while place < members.len() {
             let corners = triangles[members[place]];
             for side in 0..3 {
-                let other = beside.get(&[corners[(side + 1) % 3], corners[side]]).copied();
+                let other = beside.of_side(corners[(side + 1) % 3], corners[side]);
                 if let Some(other) = other.filter(|&other| face_of[other] == usize::MAX)
                     && triangles[other].iter().all(|&corner| on_plane(corner))
                     && !(areas[other] > 1e-9 * size * size && doubled(&triangles[other]).dot(&normal) < 0.0)
@@ -177,6 +173,39 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
     match polytope.edges.iter().all(|edge| edge.faces.is_some()) {
         true => Ok(polytope),
         false => Err(GeometryError::Hull { reason: "its surface is not closed".into() }),
+    }
+}
+
+/// The triangles by their directed sides, corner after corner.
+struct Sides {
+    starts: Vec<usize>,
+    /// The second corner of each side, and the number of its triangle.
+    all: Vec<(usize, usize)>,
+}
+
+impl Sides {
+    /// The sides of triangles, whose corners are below a number.
+    fn of(triangles: &[[usize; 3]], corners: usize) -> Self {
+        let mut starts = vec![0; corners + 1];
+        triangles.iter().flatten().for_each(|&corner| starts[corner + 1] += 1);
+        for corner in 0..corners {
+            starts[corner + 1] += starts[corner];
+        }
+        let mut places = starts.clone();
+        let mut all = vec![(0, 0); 3 * triangles.len()];
+        for (number, own) in triangles.iter().enumerate() {
+            for side in 0..3 {
+                all[places[own[side]]] = (own[(side + 1) % 3], number);
+                places[own[side]] += 1;
+            }
+        }
+        Sides { starts, all }
+    }
+
+    /// The last triangle with a side from a corner to another.
+    fn of_side(&self, from: usize, to: usize) -> Option<usize> {
+        let own = &self.all[self.starts[from]..self.starts[from + 1]];
+        own.iter().rev().find(|(corner, _)| *corner == to).map(|(_, number)| *number)
     }
 }
 

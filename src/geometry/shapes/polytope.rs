@@ -4,7 +4,6 @@
 
 use crate::shapes::neighbours::Neighbours;
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
 
 /// A straight edge.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,19 +70,19 @@ impl Polytope {
 
     /// The polytope of these vertices (m) and faces, each counterclockwise from outside; every edge belongs to two faces.
     pub fn of_faces(vertices: Vec<Vector3<f64>>, faces: Vec<Face>) -> Self {
-        let mut found: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
-        for (number, face) in faces.iter().enumerate() {
-            for (place, &corner) in face.corners.iter().enumerate() {
-                let next = face.corners[(place + 1) % face.corners.len()];
-                found.entry([corner.min(next), corner.max(next)]).or_default().push(number);
-            }
-        }
-        let edge = |(ends, faces): ([usize; 2], Vec<usize>)| Edge {
-            ends,
-            faces: (faces.len() == 2).then(|| [faces[0], faces[1]]),
+        let sides = faces.iter().enumerate().flat_map(|(number, face)| {
+            let count = face.corners.len();
+            (0..count).map(move |place| (face.corners[place], face.corners[(place + 1) % count], number))
+        });
+        let mut sides: Vec<([usize; 2], usize)> =
+            sides.map(|(corner, next, number)| ([corner.min(next), corner.max(next)], number)).collect();
+        sides.sort_unstable();
+        let edge = |sides: &[([usize; 2], usize)]| Edge {
+            ends: sides[0].0,
+            faces: (sides.len() == 2).then(|| [sides[0].1, sides[1].1]),
             open: true,
         };
-        let edges: Vec<Edge> = found.into_iter().map(edge).collect();
+        let edges: Vec<Edge> = sides.chunk_by(|one, other| one.0 == other.0).map(edge).collect();
         let neighbours = Neighbours::new(&vertices, edges.iter().map(|edge| edge.ends));
         let directions = if vertices.len() <= FEW { directions(&vertices, &edges) } else { Vec::new() };
         Polytope { vertices, edges, faces, neighbours, directions }

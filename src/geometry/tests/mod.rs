@@ -10,3 +10,4 @@ mod meshes;
 mod pieces;
 mod refused;
 pub(crate) mod scenes;
+mod turning;

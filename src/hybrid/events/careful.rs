@@ -63,11 +63,6 @@ impl Eventful {
     /// Begins such steps with one from a state towards `until`; `None` if none keeps to the tolerance, which is not tried soon again.
     pub(super) fn begin_carefully(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
         self.progress.is_careful = true;
-        if std::env::var_os("TR").is_some() {
-            eprintln!(
-                state.time, self.progress.crowding, self.trial.begins, self.memory.fastest
-            );
-        }
         let Some((mut outcome, made)) = self.step_carefully(inputs, state, until) else {
             self.progress.is_careful = false;
             self.progress.crowding.forget_labour();

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!     rest of the reserve of a pair > 0                           ─▶ it cannot close: nothing is looked at         finding/reserves.rs
+//!     ω h < least slope beside its closed vertices on a half space ─▶ no other vertex can touch                 closing_pairs.rs
 //!     otherwise φ over the stretches of the step                  ─▶ a bracket, or a cover without a hole          finding/approach.rs
 //! ```
 //!
@@ -48,6 +49,11 @@ impl Eventful {
             let Some(watched) = self.open_pair(pair) else { continue };
             // The only contact of balls is held: no other features can meet.
             if self.model.touching.pairs[pair].has_one_place() && self.is_closed(pair) {
+                self.trial.covers.push((watched, Cover { until: end, least: f64::INFINITY }));
+                continue;
+            }
+            let ends_it = known.is_some_and(|known| known.watched == watched);
+            if !ends_it && self.turns_about_its_contacts(pair, &speeds, end - since) {
                 self.trial.covers.push((watched, Cover { until: end, least: f64::INFINITY }));
                 continue;
             }
@@ -134,6 +140,17 @@ impl Eventful {
             return None;
         }
         self.trial.reserves.lasts(pair, length * speeds.closing_of(of))
+    }
+
+    /// Whether a pair that is closed at vertices on a half space turns too little about them in the last step, of this length (s), for any other of its
+    /// vertices to touch.
+    fn turns_about_its_contacts(&self, pair: usize, speeds: &Speeds, length: f64) -> bool {
+        if self.trial.fresh_pairs.holds(pair) {
+            return false;
+        }
+        let closed = self.mode.contacts.iter().map(|closed| &closed.contact).filter(|contact| contact.pair == pair);
+        let least = self.model.touching.turns_at_least(pair, closed, speeds.first());
+        least.is_some_and(|least| length * speeds.turning_of(&self.model.touching.pairs[pair]) < least)
     }
 
     /// Whether the last step is a span that is short beside the steps of the motion.

@@ -279,9 +279,9 @@ impl Eventful {
         }
         self.tally.steps += 1;
         self.tally.stepped += outcome.step;
-        let short =
-            self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_short_span());
-        let ended = match (triggers.is_empty(), attempt.given && !short && self.counts_instants()) {
+        let cheap =
+            self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_cheap_span());
+        let ended = match (triggers.is_empty(), attempt.given && !cheap && self.counts_instants()) {
             (false, _) => {
                 let impact = self.tally.events.iter().skip(known).any(|event| event.impulse.is_some());
                 Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION, impact }

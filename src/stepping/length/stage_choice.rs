@@ -45,6 +45,8 @@ const SMALLEST_IN_A_PLANE: usize = 6;
 pub enum StageChoice {
     /// Three, in spans that given instants bound ([`crate::spans`]).
     Fewest,
+    /// Five, in such spans.
+    Fewer,
     /// Five.
     Few,
     /// Nine.
@@ -67,7 +69,7 @@ impl StageChoice {
     pub fn count(self) -> usize {
         match self {
             StageChoice::Fewest => 3,
-            StageChoice::Few => 5,
+            StageChoice::Fewer | StageChoice::Few => 5,
             StageChoice::Many => 9,
         }
     }
@@ -84,8 +86,8 @@ impl StageChoice {
     pub(crate) fn wanted_share(self) -> f64 {
         match self {
             // No companion sees the truncation of such spans. It is less than E²/100 in each (a landing quadruped: E²/800), so that ten
-            // thousand of them leave 3 % of the tolerance.
-            StageChoice::Fewest => 0.34,
+            // thousand of them leave 3 % of the tolerance. That of five stages is smaller still for the same E.
+            StageChoice::Fewest | StageChoice::Fewer => 0.34,
             StageChoice::Few => 0.5,
             StageChoice::Many => 0.03,
         }

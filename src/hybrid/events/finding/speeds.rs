@@ -94,6 +94,20 @@ impl Speeds {
         pair.parts.iter().map(|(bodies, reach)| self.changing(*bodies, *reach, length)).sum()
     }
 
+    /// The angular speed of the bodies of a pair seen from each other [rad/s].
+    pub fn turning_of(&self, pair: &Pair) -> f64 {
+        let [a, b] = pair.bodies;
+        let turns = |sample: usize| relative([self.at(sample, a), self.at(sample, b)])[1];
+        let (mut fastest, mut changes) = (0.0_f64, 0.0_f64);
+        let mut before: Option<Vector3<f64>> = None;
+        for turns in self.samples().map(turns) {
+            fastest = fastest.max(turns.norm());
+            changes = changes.max(before.map_or(0.0, |before| (turns - before).norm()));
+            before = Some(turns);
+        }
+        FASTER * fastest + CHANGING * changes
+    }
+
     /// V of two bodies with their reaches [m/s].
     fn closing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2]) -> f64 {
         match (a, b) {

@@ -252,6 +252,20 @@ impl Touching {
         least
     }
 
+    /// The angle (rad) up to which a pair may turn about its closed vertices on a half space before anything else of it touches, at least; `None` for
+    /// other shapes and contacts.
+    pub fn turns_at_least<'c>(
+        &self,
+        pair: usize,
+        closed: impl Iterator<Item = &'c Contact> + Clone,
+        bodies: &[BodyState],
+    ) -> Option<f64> {
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        let places = closed.map(|contact| contact.features);
+        let on_vertices = rope.is_none() && places.clone().next().is_some();
+        on_vertices.then(|| geometry.turns_at_least(places, &pose(*a, bodies), &pose(*b, bodies))).flatten()
+    }
+
     /// How far inside its features a contact is; negative where others are nearer.
     pub fn margin(&self, contact: &Contact, bodies: &[BodyState]) -> f64 {
         let Pair { geometry, bodies: [a, b], .. } = &self.pairs[contact.pair];

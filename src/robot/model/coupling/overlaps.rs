@@ -12,7 +12,7 @@ use crate::mechanism::ground::words::counted;
 use crate::mechanism::motion::energy::violation;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::model::description::chain_reach::ball_about;
+use crate::model::description::chain_reach::{Ball, ball_about};
 use crate::model::description::contact_pairs::{LeftOutPair, are_wanted};
 use crate::model::description::never_touch::NeverTouch;
 use crate::model::description::robot_model::Model;
@@ -61,6 +61,8 @@ impl Model {
     /// Links of one robot that overlap at the start and at position zero.
     fn overlapping(&self, start: &State) -> Vec<[String; 2]> {
         let bodies = body_states(&self.mechanism, start);
+        // Each is worked out once: a mesh has many points, and a pair with each other link.
+        let mut balls = vec![None; self.mechanism.nonsmooth.colliders.len()];
         let mut zero = None;
         let mut links: Vec<[String; 2]> = Vec::new();
         // The links of a robot follow each other.
@@ -69,8 +71,12 @@ impl Model {
             let names = self.names(&pair);
             if !links.iter().any(|known| *known == names)
                 && !are_wanted(&self.contact.settings, names)
-                && self.overlaps(&pair, &bodies)
-                && self.overlaps(&pair, zero.get_or_insert_with(|| self.bodies_at_zero()).as_deref().unwrap_or(&bodies))
+                && self.overlaps(&pair, &mut balls, &bodies)
+                && self.overlaps(
+                    &pair,
+                    &mut balls,
+                    zero.get_or_insert_with(|| self.bodies_at_zero()).as_deref().unwrap_or(&bodies),
+                )
             {
                 links.push(names.map(str::to_string));
             }
@@ -94,11 +100,13 @@ impl Model {
         [pair.a, pair.b].map(|of| self.mechanism.nonsmooth.colliders[of].name.as_str())
     }
 
-    /// Whether the shapes of a pair overlap where the bodies are.
-    fn overlaps(&self, pair: &ContactPair, bodies: &[BodyState]) -> bool {
+    /// Whether the shapes of a pair overlap where the bodies are; the balls about colliders are kept.
+    fn overlaps(&self, pair: &ContactPair, known: &mut [Option<Ball>], bodies: &[BodyState]) -> bool {
         let colliders = [pair.a, pair.b].map(|of| &self.mechanism.nonsmooth.colliders[of]);
-        let balls = colliders.map(|collider| {
-            let (ball, body) = (ball_about(collider), collider.body.map_or(&WORLD, |body| &bodies[body]));
+        let balls = [pair.a, pair.b].map(|of| {
+            let collider = &self.mechanism.nonsmooth.colliders[of];
+            let ball = *known[of].get_or_insert_with(|| ball_about(collider));
+            let body = collider.body.map_or(&WORLD, |body| &bodies[body]);
             (body.position + body.rotation * ball.center, ball.radius)
         });
         if (balls[0].0 - balls[1].0).norm() > balls[0].1 + balls[1].1 {
