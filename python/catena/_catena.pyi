@@ -31,7 +31,7 @@ class Model:
         without: list[str],
         packages: dict[str, Path],
         params: dict[str, float],
-        hold: tuple[float | None, float | None] | None,
+        hold: tuple[float | None, float | None, float | None] | None,
         keyframe: str | None,
     ) -> None: ...
     def logged(self, log: Path, time: float | None) -> tuple[Numbers, Numbers]: ...

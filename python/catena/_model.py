@@ -42,7 +42,8 @@ def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contac
     without : what is left out: ``"limits"``, ``"friction"``, ``"damping"``, ``"motors"``, ``"contact"``
     packages : folders of ROS packages by name
     params : numbers by key path, as of :meth:`Model.with_params`
-    hold : True, and motors hold all joints that have none where a run starts; ``{"kp": 100, "kd": 5}`` gives them gains [N m/rad or N/m, N m s/rad or N s/m]
+    hold : True, and motors hold all joints that have none where a run starts; ``{"kp": 100, "kd": 5}`` gives them gains [N m/rad or N/m, N m s/rad or N s/m],
+        and ``"gravity": 1`` an effort that holds the weight besides. A second run, a start that is set and a pickle that is read hold where they begin
     keyframe : the name of a keyframe of a model of MuJoCo to start with
 
     Raises
@@ -76,14 +77,14 @@ def _gains(hold):
     if hold is None or hold is False:
         return None
     if hold is True:
-        return (None, None)
+        return (None, None, None)
     try:
         gains = {str(name): float(gain) for name, gain in dict(hold).items()}
     except (TypeError, ValueError):
         raise InputError(f"hold is {hold!r}: give True, or gains such as {{'kp': 100, 'kd': 5}}") from None
-    if unknown := set(gains) - {"kp", "kd"}:
-        raise InputError(f"hold has no gain {sorted(unknown)[0]!r}: give kp and kd")
-    return (gains.get("kp"), gains.get("kd"))
+    if unknown := set(gains) - {"kp", "kd", "gravity"}:
+        raise InputError(f"hold has no gain {sorted(unknown)[0]!r}: give kp, kd and gravity")
+    return (gains.get("kp"), gains.get("kd"), gains.get("gravity"))
 
 
 def _params(params):

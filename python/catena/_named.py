@@ -21,6 +21,10 @@ class NamedArray(np.ndarray):
         array._places = {name: (first, last) for name, first, last in places}
         return array
 
+    def __array_wrap__(self, array, context=None, return_scalar=False):
+        # A sum or a largest entry is a number.
+        return array[()] if array.ndim == 0 else super().__array_wrap__(array, context, return_scalar)
+
     def __array_finalize__(self, other):
         # Parts and results of arithmetic have other axes.
         self._places = None

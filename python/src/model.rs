@@ -62,12 +62,12 @@ impl Model {
         without: Vec<String>,
         packages: BTreeMap<String, PathBuf>,
         params: BTreeMap<String, f64>,
-        hold: Option<(Option<f64>, Option<f64>)>,
+        hold: Option<(Option<f64>, Option<f64>, Option<f64>)>,
         keyframe: Option<String>,
     ) -> PyResult<Self> {
         let mut loader = Loader::default();
-        if let Some((kp, kd)) = hold {
-            loader = loader.hold(Hold { kp, kd, ..Hold::default() });
+        if let Some((kp, kd, gravity)) = hold {
+            loader = loader.hold(Hold { kp, kd, gravity });
         }
         if let Some(name) = keyframe {
             loader = loader.keyframe(&name);

@@ -50,6 +50,34 @@ def test_many_environments_are_single_ones_bit_for_bit_and_begin_again_by_themse
     assert envs.observation_space.contains(seen.astype(np.float64)) and envs.action_space.shape == (3, 1)
 
 
+def test_motors_that_hold_a_start_are_those_of_the_episode_in_one_environment_and_in_many(robots):
+    # Their gains follow from the inertias where an episode begins: the second episode, and all but one of many, had the motors of the first.
+    model = catena.load(robots / "double_pendulum.urdf", hold=True)
+    of_file, rest = model.start()
+
+    def start(rng):
+        q = of_file.copy()
+        q[:] = rng.uniform(-0.5, 0.5, len(q))
+        return q, rest.copy()
+
+    task = Task(model, 0.02, model.motor_names, 0.5, lambda q, v, action: 0.0 * q[..., 0], action="targets", start=start, tolerance=1e-6)
+    many, single = VectorEnv(task, 3), Env(task)
+    seen, _ = many.reset(seed=1)
+    actions = np.random.default_rng(0).uniform(-0.5, 0.5, (5, 3, 2))
+    for step in actions:
+        seen = many.step(step)[0]
+    for index in range(3):
+        begun, _ = single.reset(seed=1 + index)
+        sim = catena.Sim(model, tolerance=1e-6)
+        sim.q, sim.v = begun[:2], begun[2:]
+        for step in actions:
+            own = single.step(step[index])[0]
+            sim.set_targets(step[index])
+            sim.step(0.02)
+        assert np.array_equal(seen[index], own)
+        assert np.array_equal(own, np.concatenate([sim.q, sim.v]))
+
+
 def test_episodes_are_truncated_after_their_steps(balance):
     env = Env(Task(balance.task().model, 0.01, ["slide"], 1.0, lambda q, v, action: 0.0, steps=3))
     env.reset(seed=0)

@@ -261,3 +261,22 @@ def test_a_run_has_its_derivatives_by_start_and_numbers(double_pendulum):
     end = [double_pendulum.with_params({"lower_arm.mass": mass + by}).sensitivity([], duration=0.4, stages=5, step=0.05).q[-1] for by in (-1e-3, 1e-3)]
     # Central differences: the second order of 1e-4 of the mass.
     assert np.allclose((end[1] - end[0]) / 2e-3, run.dq[-1][:, 1], rtol=1e-6, atol=1e-8)
+
+
+def test_sums_and_extremes_of_named_numbers_are_numbers_and_parts_are_arrays(robots):
+    sim = catena.Sim(catena.load(robots / "double_pendulum.urdf"))
+    sim.v[:] = [1.25, -2.5]
+    assert round(sim.v.sum(), 1) == -1.2 and f"{sim.v.max():.2f}" == "1.25"
+    assert isinstance(sim.v @ sim.v, float) and isinstance(sim.v.mean(), float)
+    assert (2 * sim.v).shape == (2,) and isinstance(sim.v[:1], np.ndarray)
+
+
+def test_motors_that_hold_may_hold_the_weight_besides(robots):
+    hanging = catena.load(robots / "double_pendulum.urdf", hold={"kp": 50, "kd": 5, "gravity": 1})
+    sim = catena.Sim(hanging)
+    sim.q[:] = [0.7, 0.2]
+    sim.run(0.5)
+    # It is held where it began, without giving way.
+    assert np.allclose(sim.q, [0.7, 0.2], atol=1e-9)
+    with pytest.raises(catena.InputError, match="give kp, kd and gravity"):
+        catena.load(robots / "double_pendulum.urdf", hold={"ki": 1})

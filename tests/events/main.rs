@@ -75,6 +75,7 @@ mod short_events;
 mod singular_places;
 mod slides;
 mod slow_passes;
+mod slow_slips;
 mod throws;
 mod ticks;
 mod ties_and_sizes;

@@ -9,8 +9,9 @@
 //!
 //! e/h is an error of the velocity, which may carry on for a second and more: it is what counts where a slip stops.
 //!
-//! They are made where all slips are slower than a thousandth of the largest speed so far, and no impacts are met. An impact ends them: no length of at least 10 µs keeps to the tolerance there, and the exact steps locate it. A slip of 1e-6 m/s, as of the feet of a
-//! robot that shifts its weight, turns in microseconds, so that exact steps are as short; it moves nothing that anybody sees.
+//! They are made where all slips are slower than a thousandth of the largest speed so far, and no impacts are met. An impact ends them: no length of at
+//! least 10 µs keeps to the tolerance there, and the exact steps locate it. A slip of 1e-6 m/s, as of the feet of a robot that shifts its weight, turns in
+//! microseconds, so that exact steps are as short; it moves nothing that anybody sees.
 
 use crate::events::crowd::step::Made;
 use crate::events::crowded::Attempted;
@@ -32,7 +33,6 @@ const AIM: f64 = 0.5;
 /// A next length is at most this much longer; a step that is made again is shorter at least and at most by these factors.
 const LONGER: f64 = 2.0;
 const SHORTER: [f64; 2] = [0.1, 0.5];
-
 /// A slip that is slower than this part of the largest speed so far is slow.
 const SLOW: f64 = 1e-3;
 
@@ -49,7 +49,9 @@ impl Eventful {
         let Progress { crowding, beyond_horizon, .. } = &self.progress;
         let may = !(touching.pairs.is_empty() || *beyond_horizon || recipe.keeps(Rule::Crowds) || self.needs_events());
         let can = self.workspaces.crowd.is_some() && recipe.tolerance().is_some();
-        may && can && !crowding.is_lively()
+        // Steps over all events that keep to the tolerance, too, and are as long, are left less often.
+        let (length, keeps) = self.crowd_length();
+        may && can && !crowding.is_lively() && !(keeps && length >= MOST)
     }
 
     /// Whether a slip was not slow where the last step began.

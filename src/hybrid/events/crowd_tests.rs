@@ -335,6 +335,32 @@ fn run_with(
 }
 
 #[test]
+fn a_step_of_a_rounding_of_the_time_leaves_nothing_to_the_step_after_it() {
+    // Two boxes on each other that slide: steps of 1 ms, one of 1e-15 s, as where steps end a rounding before a given instant, and one of 1 ms.
+    let mechanism = boxes(2, Vector3::repeat(0.1), 0.3, 0.0);
+    let (elements, touching) = (Elements::new(&mechanism), Touching::new(&mechanism));
+    let mut response = Response::new(&mechanism);
+    let scene = Scene { whole: &mechanism, elements: &elements, touching: &touching };
+    let mut run = |steps: &[f64]| {
+        let mut state = State::zero(&mechanism);
+        (0..2).for_each(|body| put(&mut state, body, [0.01 * body as f64, 0.0, 0.1 + 0.2 * body as f64], [0.0; 3]));
+        state.velocity[0] = 1.0;
+        let mut crowd = Crowd::new(&mechanism).expect("trees");
+        let mut forces = |at: &State, accelerations: &mut [f64], efforts: &mut [f64]| {
+            response.accelerations(at, efforts, accelerations)
+        };
+        let step = |&step: &f64| crowd.step(scene, &mut forces, &mut state, step, false).expect("a step");
+        let made: Vec<Made> = steps.iter().map(step).collect();
+        (made[made.len() - 1], state)
+    };
+    let ((plain, end), (after, other)) = (run(&[1e-3; 4]), run(&[1e-3, 1e-3, 1e-3, 1e-15, 1e-3]));
+    assert_eq!(after.candidates, plain.candidates);
+    assert!(after.iterations <= 4 * plain.iterations + 20, "{} and {}", after.iterations, plain.iterations);
+    let off = end.position.iter().zip(&other.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off <= 1e-9, "{off:e}");
+}
+
+#[test]
 fn a_stack_sleeps_until_a_box_strikes_it_and_another_one_sleeps_on() {
     // Boxes of 0.2 m: three on each other, two on each other 2 m beside them, and one that falls by 0.6 m onto the three, off their middle.
     let mechanism = boxes(6, Vector3::repeat(0.1), 0.5, 0.0);

@@ -4,7 +4,7 @@
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
 //!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
 //!               10 ms;  or as in `crowding.rs`, if such crowds follow soon
-//!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins                   cost of its decision (s)
+//!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins; > 3 s, if they do not keep to it      cost of its decision (s)
 //!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
 //! ```
 //!
@@ -42,6 +42,8 @@ const STEP: f64 = 4e-7;
 const CALM_STEPS: f64 = 200.0;
 /// c_d (s).
 const DECISION: f64 = 4e-8;
+/// A step that would leave less than this part of its length goes to the end: gaps are velocities of any size in a step of roundings of the time.
+const SLIVER: f64 = 1e-6;
 /// A step is made shorter by this factor, this often at most.
 const SHORTER: f64 = 0.25;
 const SHORTENED: usize = 4;
@@ -50,6 +52,8 @@ const OVERHEAD: f64 = 5.0;
 const USUAL: f64 = 8.0;
 /// Exact steps that cost less than this stay (s for a second of the motion).
 const CHEAP: f64 = 1.0;
+/// The same of the decision of a start where steps over events do not keep to the tolerance (s): what rests may never move.
+const PATIENT: f64 = 3.0;
 
 /// A step over events: its end, its length (s) and figures.
 pub(super) struct Attempted {
@@ -60,7 +64,7 @@ pub(super) struct Attempted {
 
 impl Eventful {
     /// The length of steps over events (s), and whether they keep to the tolerance, which asks for nothing beyond the horizon.
-    fn crowd_length(&self) -> (f64, bool) {
+    pub(super) fn crowd_length(&self) -> (f64, bool) {
         let mass: f64 = self.model.whole.bodies.iter().map(|body| body.mass).sum();
         let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.model.whole.gravity.norm());
         let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
@@ -111,14 +115,15 @@ impl Eventful {
 
     /// Begins a run in a crowd, if the decision of its start costs more than to step over events; `false` otherwise.
     pub(super) fn begin_in_crowd(&mut self, state: &State) -> bool {
-        let (length, _) = self.crowd_length();
+        let (length, keeps) = self.crowd_length();
         let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
         if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.needs_events() {
             return false;
         }
         let scene = Scene { whole, elements, touching };
         let held = self.workspaces.crowd.as_mut().and_then(|crowd| crowd.held_at(scene, state, length));
-        if decision(held.unwrap_or(0)) <= (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) {
+        let cheap = if keeps { CHEAP } else { PATIENT };
+        if decision(held.unwrap_or(0)) <= (2.0 * self.cost_of_crowds(length, USUAL)).max(cheap) {
             return false;
         }
         self.workspaces.leave_companion();
@@ -270,7 +275,8 @@ impl Eventful {
         let constant = elements.motors.iter().all(|motor| motor.target.is_constant()) && !whole.changes();
         let evenly = inputs.feedback.is_none() && constant;
         let rest = until - state.time;
-        let step = if evenly && crowd.sleeps(state, &mut forces) { rest } else { length.min(rest) };
+        let asleep = evenly && crowd.sleeps(state, &mut forces);
+        let step = if asleep || rest < (1.0 + SLIVER) * length { rest } else { length };
         let mut end = state.clone();
         let made = crowd.step(scene, &mut forces, &mut end, step, evenly)?;
         // The end is a given instant to the last bit.

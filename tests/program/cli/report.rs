@@ -16,7 +16,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0,
             "max_frequency_step": null, "digits": 16, "reversible_resets": null,
             "crowd": {"steps": 0, "time_share": 0, "order": 0, "worst_residual": 0, "asleep_share": 0, "lift": 0},
-            "few_stage_steps": 0, "contact_solvers": {}},
+            "over_slips": {"steps": 0, "time_share": 0, "order": 0}, "few_stage_steps": 0, "contact_solvers": {}},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0,
             "islands": 0, "sleeping_islands": 0},
         "steps": 0, "iterations": 0, "kept_factor_iterations": 0, "rejected_steps": 0,

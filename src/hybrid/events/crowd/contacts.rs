@@ -31,6 +31,8 @@ pub(super) const CLOSED: f64 = 1e-9;
 const NEARLY: f64 = 1e-6;
 /// Speeds grow in a step by this factor at most; more is found out at its end.
 const FASTER: f64 = 1.25;
+/// Impulses of a step that was shorter by more than this factor are roundings.
+const LONGEST: f64 = 1e6;
 /// Margins are larger than bounds by this factor, for roundings.
 const ROUNDED: f64 = 1.0 + 1e-12;
 /// A limit is looked at from this rate on [rad/s or m/s].
@@ -288,8 +290,10 @@ impl Contacts {
         self.list[number].sides.iter().flatten().map(along).sum()
     }
 
-    /// Takes impulses and curvatures from the candidates of the step before, which lasted this long (s), for steps that are longer by a factor.
+    /// Takes impulses and curvatures from the candidates of the step before, which lasted this long (s), for steps that are longer by a factor. Those of a
+    /// step that was far shorter are roundings, and are left out.
     pub fn warm(&mut self, before: &Contacts, step: f64, longer: f64, trees: &Trees) {
+        let longer = if longer > LONGEST { 0.0 } else { longer };
         let mut keys: Vec<(Key, usize)> =
             before.list.iter().enumerate().map(|(number, candidate)| (candidate.key, number)).collect();
         keys.sort_unstable();
