@@ -83,13 +83,13 @@ impl Integrator for Eventful {
             over_slips = self.begin_carefully(inputs, state, next);
             kind = if over_slips.is_none() { self.next_step(state) } else { kind };
         }
-        let advanced = match kind {
-            _ if let Some(outcome) = over_slips => Ok(outcome),
-            NextStep::FirstOrder => {
+        let advanced = match (over_slips, kind) {
+            (Some(outcome), _) => Ok(outcome),
+            (None, NextStep::FirstOrder) => {
                 self.trial.origin.copy_from(state);
                 Ok(self.stumble(inputs, state, next))
             }
-            smooth => self.advance(inputs, state, next, smooth),
+            (None, smooth) => self.advance(inputs, state, next, smooth),
         };
         let mut outcome = match advanced {
             Err(
