@@ -12,6 +12,7 @@ use crate::features::both::Candidate;
 use crate::features::feature::{FeatureId, Part, contact_features, part};
 use crate::features::meet::{Guess, meet};
 use crate::shapes::convex::{Convex, Core};
+use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
 /// A half space in the frame of its body.
@@ -86,19 +87,18 @@ impl HalfSpace {
             let q = rotation * polytope.vertices[vertex] + translation;
             self.normal.dot(&(q - self.point)) - b.radius
         };
-        let lowest_of = |vertices: &mut dyn Iterator<Item = usize>| {
-            vertices.filter(|&vertex| !is_closed(vertex)).map(height).fold(f64::INFINITY, f64::min)
+        let mut least = f64::INFINITY;
+        let mut see = |vertex: usize| {
+            if !is_closed(vertex) {
+                least = least.min(height(vertex));
+            }
         };
-        if !polytope.neighbours.are_known() {
-            return Some(lowest_of(&mut (0..polytope.vertices.len())));
+        if polytope.neighbours.are_known() {
+            see(polytope.support_vertex(&-rotation.tr_mul(&self.normal)));
         }
-        let lowest = polytope.support_vertex(&-rotation.tr_mul(&self.normal));
-        let beside = closed.clone().filter_map(|feature| match feature {
-            FeatureId::Vertex(vertex) if (vertex as usize) < polytope.vertices.len() => Some(vertex as usize),
-            _ => None,
-        });
-        let beside = beside.flat_map(|vertex| polytope.neighbours.of(vertex).iter().map(|&next| next as usize));
-        Some(lowest_of(&mut std::iter::once(lowest).chain(beside)))
+        let known = closed.clone().filter_map(|feature| vertex_of(polytope, feature));
+        polytope.neighbours.see_beside(known, polytope.vertices.len(), see);
+        Some(least)
     }
 
     /// The least slope over the surface of the lines from touching vertices of a polytope to open vertices beside them; `None` for other
@@ -112,11 +112,7 @@ impl HalfSpace {
         rotation: &Matrix3<f64>,
     ) -> Option<f64> {
         let Core::Polytope(polytope) = &b.core else { return None };
-        let count = polytope.vertices.len();
-        let closed = closed.map(move |feature| match feature {
-            FeatureId::Vertex(vertex) if (vertex as usize) < count => Some(vertex as usize),
-            _ => None,
-        });
+        let closed = closed.map(|feature| vertex_of(polytope, feature));
         if !closed.clone().all(|vertex| vertex.is_some()) {
             return None;
         }
@@ -127,16 +123,13 @@ impl HalfSpace {
             up.dot(&line) / line.norm()
         };
         let steepest = |to: usize| closed.clone().map(|from| slope(from, to)).fold(f64::NEG_INFINITY, f64::max);
-        let least = |others: &mut dyn Iterator<Item = usize>| {
-            let open = others.filter(|other| closed.clone().all(|vertex| vertex != *other));
-            open.map(steepest).fold(f64::INFINITY, f64::min)
-        };
-        Some(if polytope.neighbours.are_known() {
-            let neighbours = |vertex: usize| polytope.neighbours.of(vertex).iter().map(|&next| next as usize);
-            least(&mut closed.clone().flat_map(neighbours))
-        } else {
-            least(&mut (0..count))
-        })
+        let mut least = f64::INFINITY;
+        polytope.neighbours.see_beside(closed.clone(), polytope.vertices.len(), |other| {
+            if closed.clone().all(|vertex| vertex != other) {
+                least = least.min(steepest(other));
+            }
+        });
+        Some(least)
     }
 
     /// A point (m) over the surface.
@@ -144,5 +137,13 @@ impl HalfSpace {
         let separation = self.normal.dot(&(q - self.point));
         let points = [q - self.normal * separation, q];
         Candidate { normal: self.normal, points, features: [FeatureId::Face(0), feature], separation }
+    }
+}
+
+/// The number of a vertex of a polytope; `None` for other features.
+fn vertex_of(polytope: &Polytope, feature: FeatureId) -> Option<usize> {
+    match feature {
+        FeatureId::Vertex(vertex) if (vertex as usize) < polytope.vertices.len() => Some(vertex as usize),
+        _ => None,
     }
 }

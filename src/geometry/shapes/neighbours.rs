@@ -71,6 +71,15 @@ impl Neighbours {
         &self.all[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 
+    /// Sees the neighbours of these vertices, or all of this number where they are not known.
+    pub fn see_beside(&self, these: impl Iterator<Item = usize>, count: usize, mut see: impl FnMut(usize)) {
+        if self.are_known() {
+            these.for_each(|vertex| self.of(vertex).iter().for_each(|&next| see(next as usize)));
+        } else {
+            (0..count).for_each(see);
+        }
+    }
+
     /// The vertex that is farthest along a direction; the first of several. They have to be known.
     pub fn support(&self, vertices: &[Vector3<f64>], direction: &Vector3<f64>) -> usize {
         let along = |vertex: u32| direction.dot(&vertices[vertex as usize]);

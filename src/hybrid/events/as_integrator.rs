@@ -77,19 +77,16 @@ impl Integrator for Eventful {
         self.progress.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
         next = next.min(self.resolved_until(state.time, next));
         self.progress.stepped_over = None;
-        let mut kind = self.next_step(state);
-        let mut over_slips = None;
-        if kind == NextStep::OverSlips {
-            over_slips = self.begin_carefully(inputs, state, next);
-            kind = if over_slips.is_none() { self.next_step(state) } else { kind };
-        }
-        let advanced = match (over_slips, kind) {
-            (Some(outcome), _) => Ok(outcome),
-            (None, NextStep::FirstOrder) => {
-                self.trial.origin.copy_from(state);
-                Ok(self.stumble(inputs, state, next))
-            }
-            (None, smooth) => self.advance(inputs, state, next, smooth),
+        let over_slips = if self.slips_are_dear() { self.begin_carefully(inputs, state, next) } else { None };
+        let advanced = match over_slips {
+            Some(outcome) => Ok(outcome),
+            None => match self.next_step(state) {
+                NextStep::FirstOrder => {
+                    self.trial.origin.copy_from(state);
+                    Ok(self.stumble(inputs, state, next))
+                }
+                smooth => self.advance(inputs, state, next, smooth),
+            },
         };
         let mut outcome = match advanced {
             Err(
@@ -98,18 +95,19 @@ impl Integrator for Eventful {
                 | StepError::TurnedTooFar { .. }
                 | StepError::Unstable { .. },
             ) if !self.model.touching.pairs.is_empty() => {
-                let start = self.trial.origin.clone();
-                let again = self.progress.crowding.jams_again(start.time);
-                let careful = self.slides() && again && self.may_step_carefully();
-                state.copy_from(&start);
-                if careful && let Some(outcome) = self.begin_carefully(inputs, state, next) {
-                    outcome
-                } else if self.slides() {
-                    self.progress.crowding.jam(self.trial.origin.time);
-                    self.stumble(inputs, state, next)
-                } else {
-                    self.progress.crowding.fail(self.trial.origin.time);
-                    self.stumble(inputs, state, next)
+                state.copy_from(&self.trial.origin);
+                let (since, slides) = (state.time, self.slides());
+                let again = slides && self.progress.crowding.jams_again(since) && self.may_step_carefully();
+                match if again { self.begin_carefully(inputs, state, next) } else { None } {
+                    Some(outcome) => outcome,
+                    None => {
+                        if slides {
+                            self.progress.crowding.jam(since);
+                        } else {
+                            self.progress.crowding.fail(since);
+                        }
+                        self.stumble(inputs, state, next)
+                    }
                 }
             }
             Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. } | StepError::TurnedTooFar { .. })

@@ -11,7 +11,7 @@
 //!
 //! They are made where all slips are slower than a thousandth of the largest speed so far, and no impacts are met. An impact ends them: no length of at
 //! least 10 µs keeps to the tolerance there, and the exact steps locate it. A slip of 1e-6 m/s, as of the feet of a robot that shifts its weight, turns in
-//! microseconds, so that exact steps are as short; it moves nothing that anybody sees.
+//! microseconds, so that exact steps are as short, and moves its foot by a micrometre in a second.
 
 use crate::events::crowd::step::Made;
 use crate::events::crowded::Attempted;
@@ -40,7 +40,7 @@ impl Eventful {
     /// Whether exact steps are dearer than such steps would be where no impacts are met.
     pub(super) fn slips_are_dear(&self) -> bool {
         let Progress { crowding, careful, .. } = &self.progress;
-        self.may_step_carefully() && crowding.is_dear(self.labour_of_crowds(*careful))
+        crowding.is_dear(self.labour_of_crowds(*careful)) && self.may_step_carefully()
     }
 
     /// Whether such steps may keep to a tolerance: slips are slow, and no impacts are met now.
@@ -94,20 +94,21 @@ impl Eventful {
                 Some(attempted) => (self.error_of(state, attempted), attempted.step),
                 None => (f64::INFINITY, length),
             };
-            if error <= BY_TIME * made * tolerance
+            let allowed = BY_TIME * made * tolerance;
+            let longer = (AIM * allowed / error).sqrt();
+            if error <= allowed
                 && let Some(attempted) = attempted
             {
                 self.tally.left_of_steps += error;
                 // One that ends at a given instant says little of longer ones.
-                let next = made * (AIM * BY_TIME * made * tolerance / error).sqrt().clamp(SHORTER[1], LONGER);
+                let next = made * longer.clamp(SHORTER[1], LONGER);
                 self.progress.careful = if made < length { next.max(length) } else { next }.clamp(LEAST, MOST);
-                return Some((self.take_from_crowd(state, &attempted), attempted.made));
+                return Some(self.take_from_crowd(state, &attempted));
             }
             if made <= LEAST {
                 return None;
             }
-            let part = (AIM * BY_TIME * made * tolerance / error).sqrt().clamp(SHORTER[0], SHORTER[1]);
-            length = (part * made).max(LEAST);
+            length = (longer.clamp(SHORTER[0], SHORTER[1]) * made).max(LEAST);
         }
     }
 

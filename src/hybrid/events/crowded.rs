@@ -221,22 +221,12 @@ impl Eventful {
         length: f64,
     ) -> Option<(StepOutcome, Made)> {
         let length = length.min(until - state.time);
-        (0..=SHORTENED).find_map(|times| self.try_in_crowd(inputs, state, until, length * SHORTER.powi(times as i32)))
+        let shorter = |times: usize| length * SHORTER.powi(times as i32);
+        let attempted = (0..=SHORTENED).find_map(|times| self.attempt_in_crowd(inputs, state, until, shorter(times)));
+        attempted.map(|attempted| self.take_from_crowd(state, &attempted))
     }
 
-    /// The same of this length alone.
-    fn try_in_crowd(
-        &mut self,
-        inputs: Inputs,
-        state: &mut State,
-        until: f64,
-        length: f64,
-    ) -> Option<(StepOutcome, Made)> {
-        let made = self.attempt_in_crowd(inputs, state, until, length)?;
-        Some((self.take_from_crowd(state, &made), made.made))
-    }
-
-    /// Makes such a step from a state, and keeps nothing of it but what the steps after it begin with.
+    /// Makes a step of at most this length (s) from a state; the run does not go on from its end until it is taken.
     pub(super) fn attempt_in_crowd(
         &mut self,
         inputs: Inputs,
@@ -285,7 +275,7 @@ impl Eventful {
     }
 
     /// Takes such a step from the origin of the trial.
-    pub(super) fn take_from_crowd(&mut self, state: &mut State, attempted: &Attempted) -> StepOutcome {
+    pub(super) fn take_from_crowd(&mut self, state: &mut State, attempted: &Attempted) -> (StepOutcome, Made) {
         let &Attempted { ref end, step, made } = attempted;
         state.copy_from(end);
         for index in 0..self.model.elements.motors.len() {
@@ -312,7 +302,7 @@ impl Eventful {
         self.tally.stepped += step;
         let impacts = lost - dissipated - friction;
         let exchange = Exchange { work, dissipated, friction, impacts };
-        StepOutcome::new(step, iterations, exchange)
+        (StepOutcome::new(step, iterations, exchange), made)
     }
 
     /// Adds the contacts that press at the end of a step of a crowd, with their mean forces in it; `false` if the run is in no crowd.

@@ -14,8 +14,6 @@ pub(super) enum NextStep {
     Watched,
     /// Some are not, because their last events have left the mode as it was, or come back; the step is no longer than this (s).
     Passing { at_most: f64 },
-    /// One that keeps to the tolerance by an estimate of its own, because slips change so often that exact steps are dear ([`crate::events::careful`]).
-    OverSlips,
     /// Of first order: events crowd, or no mode was decided.
     FirstOrder,
 }
@@ -56,9 +54,6 @@ impl Ending {
 impl Eventful {
     /// Decides from the steps before of which kind the next one is, and counts it among those that may crowd.
     pub(super) fn next_step(&mut self, state: &State) -> NextStep {
-        if self.slips_are_dear() {
-            return NextStep::OverSlips;
-        }
         if self.is_crowded(state) {
             return NextStep::FirstOrder;
         }

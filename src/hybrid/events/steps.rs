@@ -68,7 +68,7 @@ impl Eventful {
         let since = state.time;
         let mut until = match next {
             NextStep::Passing { at_most } => until.min(since + at_most),
-            NextStep::Watched | NextStep::OverSlips | NextStep::FirstOrder => until,
+            NextStep::Watched | NextStep::FirstOrder => until,
         };
         loop {
             let mut attempt = self.begin_attempt(inputs, state, until, matches!(next, NextStep::Passing { .. }));

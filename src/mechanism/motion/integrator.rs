@@ -51,7 +51,7 @@ pub struct MethodDescription {
     /// Steps of second order where slips changed so often that exact steps were dear, and the time that they took of the motion (s).
     pub over_slips_steps: usize,
     pub over_slips_time: f64,
-    /// Steps with three stages, in spans between given instants that are short beside the steps of the method.
+    /// Steps with three stages or five, in spans between given instants that are short beside the steps of the method.
     pub few_stage_steps: usize,
     /// Number of rebounds left out there and in crowds of impacts, and the energy that they would have given back (J).
     pub rebounds_left_out: usize,

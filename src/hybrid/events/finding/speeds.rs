@@ -94,18 +94,10 @@ impl Speeds {
         pair.parts.iter().map(|(bodies, reach)| self.changing(*bodies, *reach, length)).sum()
     }
 
-    /// The angular speed of the bodies of a pair seen from each other [rad/s].
+    /// The same bound of the angular speed of the bodies of a pair seen from each other [rad/s].
     pub fn turning_of(&self, pair: &Pair) -> f64 {
         let [a, b] = pair.bodies;
-        let turns = |sample: usize| relative([self.at(sample, a), self.at(sample, b)])[1];
-        let (mut fastest, mut changes) = (0.0_f64, 0.0_f64);
-        let mut before: Option<Vector3<f64>> = None;
-        for turns in self.samples().map(turns) {
-            fastest = fastest.max(turns.norm());
-            changes = changes.max(before.map_or(0.0, |before| (turns - before).norm()));
-            before = Some(turns);
-        }
-        FASTER * fastest + CHANGING * changes
+        fastest(self.samples().map(|sample| [self.at(sample, a), self.at(sample, b)]), [0.0, 1.0])
     }
 
     /// V of two bodies with their reaches [m/s].
@@ -124,7 +116,7 @@ impl Speeds {
             let later = self.samples().skip(1);
             let rates = self.samples().zip(later).map(|(from, to)| {
                 let states = [from, to].map(|sample| [self.at(sample, own), self.at(sample, other)]);
-                change(states.map(relative), reach) * SAMPLES as f64 / ((to - from) as f64 * length)
+                change(states.map(relative), [1.0, reach]) * SAMPLES as f64 / ((to - from) as f64 * length)
             });
             rates.fold(0.0, f64::max)
         };
@@ -138,28 +130,29 @@ impl Speeds {
     /// V of a body with its reach, seen from another, or from the world [m/s].
     pub fn seen_from(&self, body: Option<usize>, other: Option<usize>, reach: f64) -> f64 {
         let states = self.samples().map(|sample| [self.at(sample, body), self.at(sample, other)]);
-        fastest(states, reach)
+        fastest(states, [1.0, reach])
     }
 }
 
-/// V over the time between states of a body, with its reach (m), and of another from which it is seen [m/s].
-fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, reach: f64) -> f64 {
+/// V over the time between states of a body, and of another from which it is seen [m/s]; u counts with a weight of 1, and ω with the reach (m).
+fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, weights: [f64; 2]) -> f64 {
     let (mut speed, mut turning, mut changes) = (0.0_f64, 0.0_f64, 0.0_f64);
     let mut before: Option<[Vector3<f64>; 2]> = None;
     for states in states {
         let [moves, turns] = relative(states);
         (speed, turning) = (speed.max(moves.norm()), turning.max(turns.norm()));
         if let Some(before) = before {
-            changes = changes.max(change([before, [moves, turns]], reach));
+            changes = changes.max(change([before, [moves, turns]], weights));
         }
         before = Some([moves, turns]);
     }
-    FASTER * (speed + times_reach(turning, reach)) + CHANGING * changes
+    let [along, reach] = weights;
+    FASTER * (along * speed + times_reach(turning, reach)) + CHANGING * changes
 }
 
-/// The change of u and ω between two instants, at the reach (m) [m/s].
-fn change([[moved, turned], [moves, turns]]: [[Vector3<f64>; 2]; 2], reach: f64) -> f64 {
-    (moves - moved).norm() + times_reach((turns - turned).norm(), reach)
+/// The change of u and ω between two instants, with these weights [m/s].
+fn change([[moved, turned], [moves, turns]]: [[Vector3<f64>; 2]; 2], [along, reach]: [f64; 2]) -> f64 {
+    along * (moves - moved).norm() + times_reach((turns - turned).norm(), reach)
 }
 
 /// The speed that turning gives a point at the reach (m), zero without turning [m/s].

@@ -24,7 +24,7 @@ pub(crate) struct Tally {
     pub over_slips: (usize, f64),
     /// How long bodies slept in steps of first order, in the mean over all bodies (s).
     pub asleep: f64,
-    /// `Σ h²` of the steps over events among them (s²), and `Σ h` of those in the place of steps that jam (s): the errors that they add are in
+    /// `Σ h²` of the steps over events and over slips among them (s²), and `Σ h` of those in the place of steps that jam (s): the errors that they add are in
     /// proportion to them.
     pub smeared: [f64; 2],
     /// The largest residual and the largest lift of steps over many impacts (m).

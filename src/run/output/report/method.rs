@@ -34,7 +34,7 @@ pub struct MethodReport {
     pub crowd: CrowdReport,
     /// The steps over slips.
     pub over_slips: OverSlipsReport,
-    /// Steps with three stages, in spans between given instants such as ticks that are short beside the steps of the tolerance.
+    /// Steps with three stages or five, in spans between given instants such as ticks that are short beside the steps of the tolerance.
     pub few_stage_steps: usize,
     /// How often each contact solver has solved a problem of an event.
     pub contact_solvers: SolversReport,
@@ -103,11 +103,7 @@ impl MethodReport {
             crowd: CrowdReport::new(description, duration),
             over_slips: OverSlipsReport {
                 steps: description.over_slips_steps,
-                time_share: if description.over_slips_time > 0.0 {
-                    description.over_slips_time / duration
-                } else {
-                    0.0
-                },
+                time_share: share(description.over_slips_time, duration),
                 order: 2,
             },
             few_stage_steps: description.few_stage_steps,
@@ -138,16 +134,20 @@ impl MethodReport {
 
 impl CrowdReport {
     fn new(description: &MethodDescription, duration: f64) -> Self {
-        let share = |time: f64| if time > 0.0 { time / duration } else { 0.0 };
         CrowdReport {
             steps: description.first_order_steps,
-            time_share: share(description.first_order_time),
+            time_share: share(description.first_order_time, duration),
             order: 1,
             worst_residual: description.first_order_residual,
-            asleep_share: share(description.first_order_asleep),
+            asleep_share: share(description.first_order_asleep, duration),
             lift: description.first_order_lift,
         }
     }
+}
+
+/// The part of a duration that a time is; zero of an empty run.
+fn share(time: f64, duration: f64) -> f64 {
+    if time > 0.0 { time / duration } else { 0.0 }
 }
 
 /// The warning of steps that are too long for a damper to stop a motion.

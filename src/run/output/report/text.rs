@@ -67,11 +67,9 @@ impl fmt::Display for Report {
                 write!(out, "tolerance {tolerance:e}, mean step {step} ms")?;
                 match method.few_stage_steps {
                     0 => {}
-                    few => write!(
-                        out,
-                        "; {} between given instants with 3 stages, order 4",
-                        counted(few, "step", "steps")
-                    )?,
+                    few => {
+                        write!(out, "; {} between given instants with 3 or 5 stages", counted(few, "step", "steps"))?
+                    }
                 }
                 match method.over_slips {
                     OverSlipsReport { steps: 0, .. } => {}

@@ -69,8 +69,8 @@ impl ErrorEstimate<'_> {
     }
 
     /// Whether finer steps may carry the run on to a state, as far as is known; it does not restart any more if they do not. Steps over events have the
-    /// length that the tolerance gives them, whatever the stop: where they are an eighth of the run so far, a finer stop has nothing to make better; nor has it where
-    /// the run steps over slips, in which forces may not be unique.
+    /// length that the tolerance gives them, whatever the stop: where they are an eighth of the run so far, a finer stop makes them no better. The same is true
+    /// of steps over slips, in which forces may not be unique besides.
     pub(super) fn gains_by_finer_steps(&mut self, state: &State, run: &RunIntegrator) -> bool {
         let method = run.description();
         let over_slips = method.over_slips_steps > 0;
