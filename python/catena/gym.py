@@ -111,6 +111,21 @@ class _Common:
         seen = np.asarray(task.observe(q, v))
         return Box(-np.inf, np.inf, seen.shape, np.float64), task._action_space()
 
+    def _actions(self, given, *first):
+        """Actions as numbers, one entry a joint."""
+        joints = self.task.joints
+        try:
+            given = np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"an action is {given!r}: give numbers, one for each of {', '.join(joints)}") from None
+        shape = (*first, len(joints))
+        if len(joints) == 1 and given.shape == first:
+            given = given[..., None]
+        if given.shape != shape:
+            each = " in each environment" if first else ""
+            raise InputError(f"actions have shape {given.shape}, not {shape}: give a number for each of {', '.join(joints)}{each}")
+        return given
+
     def _names(self):
         return self.task.model._inner.q_places(), self.task.model._inner.v_places()
 
@@ -145,7 +160,7 @@ class Env(_Common, gymnasium.Env):
 
     def step(self, action):
         """Holds an action for a period."""
-        action = np.asarray(action, dtype=float)
+        action = self._actions(action)
         numbers = np.zeros(self._width)
         numbers[self._entries] = np.clip(action, self.action_space.low, self.action_space.high)
         if self.task.action == "targets":
@@ -205,7 +220,7 @@ class VectorEnv(_Common, gymnasium.vector.VectorEnv):
 
     def step(self, actions):
         """Holds an action of each for a period."""
-        actions = np.asarray(actions, dtype=float).reshape(self.num_envs, -1)
+        actions = self._actions(actions, self.num_envs)
         space = self.single_action_space
         self._inputs[:, self._entries] = np.clip(actions, space.low, space.high)
         flat, none = self._inputs.reshape(-1), np.zeros(0)

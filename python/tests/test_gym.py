@@ -98,6 +98,16 @@ def test_actions_may_be_targets_of_motors(robots):
     assert np.abs(seen[:, :7] - targets).max() < 0.06
 
 
+@pytest.mark.parametrize("action", [np.zeros(3), np.zeros((2, 7)), "up", None])
+def test_actions_of_another_shape_are_refused_with_the_joints_that_they_move(robots, action):
+    model = catena.load(robots / "arm7_held.toml")
+    task = Task(model, 0.05, model.motor_names, 1.0, lambda q, v, action: 0.0 * q[..., 0], action="targets")
+    for env in (Env(task), VectorEnv(task, 3)):
+        env.reset(seed=0)
+        with pytest.raises(catena.InputError, match="joint1, joint2"):
+            env.step(action)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -55,7 +55,9 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     let (least_a, least_b) = (a.support(&normal) - depth, b.support(&-own) - depth);
     // Cores that touch have no direction between two points: there a vertex that passes an edge counts as being over one face or the other.
     let sharp = closest.distance() <= 1e-9 * size;
-    let outside = if sharp { -(near.abs().min(1e-3 * size) + rounding) } else { -1e-9 * size };
+    // Away from there it is over a face as far as contacts keep their features: over an edge the gap of a rounded shape opens anew.
+    let most = if sharp { 1e-3 } else { 1e-9 };
+    let outside = -(near.abs().min(most * size) + rounding);
     let at_closest = Guess { normal, point: closest.points[1], at_point: false };
     let mut found = Vec::new();
     let mut of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();

@@ -53,6 +53,8 @@ pub(crate) struct Contacts {
     pub(super) rest: f64,
     /// The factor by which slips may be faster than rest and are still stopped; 1 unless contacts jam ([`Contacts::jams`]).
     jam: f64,
+    /// Those that passed a border, and what counts as rest for them ([`Contacts::goes_on`]).
+    pub(super) gone_on: Vec<(Contact, f64)>,
     /// Slips whose stop was found may be faster than rest by this factor.
     stopped: f64,
 }
@@ -69,6 +71,7 @@ impl Contacts {
             candidates: Vec::new(),
             rest: SLOWEST_SLIP,
             jam: 1.0,
+            gone_on: Vec::new(),
             stopped: if found.brief { BRIEF_SLIP } else { STOPPED_SLIP },
         };
         let slid = before.contacts.iter().enumerate().filter(|(_, closed)| closed.slides.is_some());
@@ -120,6 +123,12 @@ impl Contacts {
                     let same = closed().filter(|(_, closed)| closed.contact.features == contact.features);
                     let apart = |closed: &Closed| (place(&closed.contact) - place(&contact)).norm();
                     let known = same.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
+                    if known.is_none() {
+                        let passed = closed().filter(|&(index, _)| found.triggers.contains(&Watched::Feature(index)));
+                        let rest =
+                            passed.filter_map(|(_, closed)| contacts.goes_on(&contact, &closed.contact, &bodies));
+                        contacts.gone_on.extend(rest.reduce(f64::max).map(|rest| (contact.clone(), rest)));
+                    }
                     contacts.known.push(known.map(|(index, _)| index));
                     contacts.all.push(contact);
                 }
@@ -164,7 +173,7 @@ impl Contacts {
         let meeting = |(index, contact): (usize, &Contact)| {
             let pair = &scene.touching.pairs[contact.pair];
             let restitution = if crowded { 0.0 } else { pair.restitution };
-            Meeting { block: self.block(scene, &bodies, index), restitution, rest: self.rest }
+            Meeting { block: self.block(scene, &bodies, index), restitution, rest: self.rest_of(contact) }
         };
         self.all.iter().enumerate().map(meeting).collect()
     }
@@ -236,7 +245,7 @@ impl Contacts {
         for (index, contact) in self.all.iter().enumerate() {
             let touch = touch_motion(&contact.joint, &bodies);
             let rubs = scene.touching.pairs[contact.pair].friction > 0.0;
-            if touch.rate > self.rest {
+            if touch.rate > self.rest_of(contact) {
                 continue;
             }
             let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));

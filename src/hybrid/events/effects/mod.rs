@@ -11,6 +11,7 @@ pub(crate) mod impact;
 pub(crate) mod memory;
 pub(crate) mod noted;
 pub(crate) mod omitted_flights;
+mod passed_borders;
 pub(crate) mod planar_rims;
 pub(crate) mod resting;
 mod rim_points;
