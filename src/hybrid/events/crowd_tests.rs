@@ -23,6 +23,7 @@ use crate::stepping::length::stage_choice::StageChoice;
 use crate::stepping::recipe::{Recipe, Steps};
 use nalgebra::{Translation3, Vector3};
 
+mod rebounds;
 mod sleep;
 
 /// Numbers from −1 to 1 that are the same in every run.

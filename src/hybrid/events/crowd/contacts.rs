@@ -14,6 +14,7 @@ use crate::events::crowd::asleep::Asleep;
 use crate::geometry::PlaceId;
 use crate::instant::holding::elements::{Elements, inward};
 use crate::instant::holding::near::Near;
+use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
@@ -212,7 +213,7 @@ impl Contacts {
             let speed =
                 |side: usize| of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side]);
             let within = FASTER * step * (speed(0) + speed(1)) + fall;
-            if clearances.is_beyond(pair, of.bodies, of.reach, within) {
+            if clearances.is_beyond(pair, of, within) {
                 continue;
             }
             let (found, apart) = touching.soon(pair, bodies, within, clearances.pairs.of(pair).likely);
@@ -405,9 +406,9 @@ impl Clearances {
     }
 
     /// Whether a pair is still farther apart than `within` (m).
-    fn is_beyond(&mut self, pair: usize, of: [Option<usize>; 2], reach: [f64; 2], within: f64) -> bool {
+    fn is_beyond(&mut self, pair: usize, of: &Pair, within: f64) -> bool {
         let known = self.pairs.of(pair);
-        for (body, reach) in of.into_iter().zip(reach) {
+        for (body, reach) in of.bodies.into_iter().zip(of.reach) {
             if let Some(body) = body {
                 let (moved, turned) = self.moved[body];
                 known.clear -= moved + turned * reach;
@@ -416,9 +417,9 @@ impl Clearances {
         if known.likely {
             return false;
         }
-        if known.clear <= within {
+        if known.clear <= within && !of.is_rope() {
             let place = |body: Option<usize>| body.map_or(WORLD.position, |body| self.bodies[body].position);
-            let apart = (place(of[0]) - place(of[1])).norm() - reach[0] - reach[1];
+            let apart = (place(of.bodies[0]) - place(of.bodies[1])).norm() - of.reach[0] - of.reach[1];
             known.clear = known.clear.max(apart);
         }
         known.clear > within

@@ -3,7 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `contacts` | candidates: what may press, hold or pull in a step, and the rows of it |
-//! | `moving`, `settling`, `lifting`, `energies` | the parts of a step |
+//! | `moving`, `rebounding`, `settling`, `lifting`, `energies` | the parts of a step |
 //! | `asleep`, `resting`, `sleeping` | trees that sleep, how they fall asleep and wake, and crowds with them |
 //! | `step` | the step |
 //!
@@ -14,6 +14,7 @@ pub(crate) mod contacts;
 mod energies;
 mod lifting;
 mod moving;
+mod rebounding;
 mod resting;
 mod settling;
 mod sleeping;

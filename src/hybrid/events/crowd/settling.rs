@@ -1,11 +1,11 @@
 //! (B): the rates at the end of a step, with all contacts and limits that are closed there.
 //!
 //! ```text
-//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + e min(0, H_N v) n + s
+//!     M̃ (v⁺ − v_f) = Hᵀ r,     K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,     u = H v⁺ + s
 //! ```
 //!
-//! H and M are at the end of the step, v at its start; e is the restitution of a contact that has closed in this step. An approach that is slower than a
-//! fall of two steps has no rebound. There is no gap in it. Belts with the velocity s along the tangents do the work `−s · r`.
+//! H and M are at the end of the step, v at its start. Where a contact with restitution has closed in this step, rebounds come first
+//! ([`crate::events::crowd::rebounding`]) and change v_f. There is no gap in it. Belts with the velocity s along the tangents do the work `−s · r`.
 
 use crate::crowd::islands::islands;
 use crate::crowd::laws::Law;
@@ -14,6 +14,7 @@ use crate::crowd::problem::{Given, Problem};
 use crate::crowd::solver::{TOLERANCE, solve};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
+use crate::events::crowd::rebounding::Rebounding;
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
@@ -59,6 +60,9 @@ pub(super) fn settle(
     let mut places = vec![0; trees.trees.len()];
     let mut kept = Vec::new();
     let contacts = &*next;
+    let rebounding = Rebounding { scene, trees, contacts, step, slow };
+    let mut free = free.to_vec();
+    let mut rebounds = vec![Vector3::zeros(); contacts.list.len()];
     for island in islands(trees.trees.len(), contacts.sides(Candidate::settles)) {
         if island.candidates.is_empty() {
             continue;
@@ -81,25 +85,34 @@ pub(super) fn settle(
                 compliance,
             }
         };
+        if island.candidates.iter().any(|&number| rebounding.rebounds(number, &start.velocity)) {
+            // An impact is in the middle of the step, on average.
+            let mut rates: Vec<f64> =
+                start.velocity.iter().zip(&free).map(|(begin, free)| 0.5 * (begin + free)).collect();
+            let before = rates.clone();
+            let (met, residual, unsolved) = rebounding.rounds(&island, &mut rates, &mut rebounds, room);
+            settled.closed += met;
+            settled.residual = settled.residual.max(residual);
+            settled.unsolved += unsolved;
+            freedoms.iter().for_each(|&freedom| free[freedom] += rates[freedom] - before[freedom]);
+        }
         let blocks = island.candidates.iter().map(block);
-        let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], free, blocks);
+        let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], &free, blocks);
         let mut impulses: Vec<Vector3<f64>> =
             island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
         for (place, &number) in island.candidates.iter().enumerate() {
             let candidate = &contacts.list[number];
-            if !candidate.closes() || candidate.was_closed {
+            if !candidate.closes() || candidate.was_closed || rebounds[number] != Vector3::zeros() {
                 continue;
             }
             let approach = problem.moved(place, &before).x;
             if approach < -slow {
                 settled.closed += 1;
-                problem.blocks[place].bias.x = candidate.restitution * approach;
                 // (A) has taken only a part of the approach from it.
                 let taken = (approach + candidate.closing).min(approach / FULL);
-                impulses[place] = candidate.moving * ((1.0 + candidate.restitution) * approach / taken);
+                impulses[place] = candidate.moving * (approach / taken);
             }
         }
-        problem.set_scale();
         let mut v = Vec::new();
         let residual = solve(&mut problem, &mut impulses, &mut v, (TOLERANCE, true), room);
         settled.residual = settled.residual.max(residual);
@@ -107,13 +120,15 @@ pub(super) fn settle(
         freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
         let moved: Vec<f64> = freedoms.iter().map(|&freedom| displacement[freedom]).collect();
         for (place, (&number, impulse)) in island.candidates.iter().zip(&impulses).enumerate() {
-            let candidate = &contacts.list[number];
+            let (candidate, impulse) = (&contacts.list[number], impulse + rebounds[number]);
             if matches!(candidate.key, Key::Touch(..)) && candidate.was_closed {
                 let slip = problem.moved(place, &moved) + candidate.belt;
                 settled.friction -= impulse.y * slip.y + impulse.z * slip.z;
             }
         }
-        kept.extend(island.candidates.iter().copied().zip(impulses));
+        let sums =
+            island.candidates.iter().zip(impulses).map(|(&number, impulse)| (number, impulse + rebounds[number]));
+        kept.extend(sums);
     }
     for candidate in &mut next.list {
         candidate.settling = Vector3::zeros();
