@@ -42,6 +42,8 @@ use crate::stepping::length::stage_choice::StageChoice;
 const OPTIMISTIC: f64 = 100.0;
 /// Motions have parted if their distance exceeds this share of the mechanism's size.
 const PARTED: f64 = 1e-2;
+/// Runs that meet other events and are this many tolerances apart, or this share of the size if that is less, go on to part: steps over events are no worse.
+const FAR: [f64; 2] = [100.0, 1e-4];
 /// Number of estimates in a run with a carried companion, and in one with a separate companion.
 const LOOKS: [f64; 2] = [128.0, 32.0];
 /// However long a run is, the next estimate is made when its time has grown by this factor at most.
@@ -234,6 +236,12 @@ impl<'a> ErrorEstimate<'a> {
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
 
+    /// Whether an error (m) is that of runs that part, rather than of rebounds that were left out.
+    fn is_far(&self, error: f64) -> bool {
+        let wanted = self.terms.tolerance;
+        error > (FAR[0] * wanted).min(FAR[1] * self.size).max(wanted)
+    }
+
     /// Estimates the error, and decides whether the run continues.
     fn look(&mut self, mechanism: &Mechanism, state: &State, run: &mut RunIntegrator) {
         if self.parted || matches!(self.by, By::Nothing) {
@@ -269,7 +277,10 @@ impl<'a> ErrorEstimate<'a> {
             run.leave_companion();
         }
         let finer = self.may_begin_again && self.stop > FINEST;
-        if self.next.is_none() && estimate > wanted && !finer && self.differ.or_else(|| self.difference(run)).is_some()
+        if self.next.is_none()
+            && self.is_far(estimate)
+            && !finer
+            && self.differ.or_else(|| self.difference(run)).is_some()
         {
             run.pass_horizon();
             if let By::Beside(beside) = &mut self.by {
@@ -303,8 +314,9 @@ impl<'a> ErrorEstimate<'a> {
         }
         // If the separate run was interrupted before this time, the last estimate is kept.
         let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
-        // Different events with negligible effect are not reported.
-        let differ = if holds_until < time { self.differ.or_else(|| self.difference(run)) } else { None };
+        // Different events with a small effect are not reported, as those of rebounds that are left out: no roundings grow in them.
+        let is_far = self.parted || self.so_far.is_some_and(|so_far| self.is_far(so_far.estimate));
+        let differ = if holds_until < time && is_far { self.differ.or_else(|| self.difference(run)) } else { None };
         Ok(Accuracy {
             stop: self.stop,
             stages: self.stages,
@@ -318,7 +330,7 @@ impl<'a> ErrorEstimate<'a> {
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
             told_until: if self.parted { state.time } else { time },
             parted: self.parted,
-            amplifies: may_be_chaotic(mechanism),
+            amplifies: may_be_chaotic(mechanism) && (is_far || self.stop <= FINEST),
             events_differ: differ,
             begun: self.begun,
         })
