@@ -29,7 +29,8 @@ pub(crate) struct Effort {
 impl Effort {
     /// For a problem of this number of blocks whose residual is to be below `tolerance`.
     fn of(blocks: usize, tolerance: f64) -> Self {
-        let (least, patience, enough): (f64, usize, f64) = if blocks > LARGE { (1e-6, 60, 1e-5) } else { (0.0, usize::MAX, 1e-6) };
+        let (least, patience, enough): (f64, usize, f64) =
+            if blocks > LARGE { (1e-6, 60, 1e-5) } else { (0.0, usize::MAX, 1e-6) };
         Effort { residual: tolerance.max(least), patience, enough: enough.max(tolerance) }
     }
 }
