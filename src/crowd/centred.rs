@@ -12,9 +12,9 @@
 //! Source: R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM Journal on Control and Optimization 14 (1976); P. Alart, A. Curnier
 //! (1991) for the freedom in ρ.
 
+use crate::effort::Effort;
 use crate::newton::{Centre, Workspace, newton};
 use crate::problem::Problem;
-use crate::solver::Effort;
 use nalgebra::Vector3;
 
 /// The first ε, and the factor by which it changes.

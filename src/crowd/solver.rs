@@ -5,6 +5,7 @@
 
 use crate::centred::proximal_points;
 use crate::convex::rounds;
+use crate::effort::Effort;
 use crate::interior::interior;
 use crate::newton::{Workspace, newton};
 use crate::problem::{Block, Problem};
@@ -12,29 +13,6 @@ use nalgebra::Vector3;
 
 /// The residual at which an island counts as solved.
 pub const TOLERANCE: f64 = 5e-9;
-/// An island with more blocks is large: it has many contacts that others could replace, and each digit costs some hundred iterations.
-const LARGE: usize = 500;
-
-/// How far a problem is gone on with where Newton's method stalls.
-#[derive(Clone, Copy)]
-pub(crate) struct Effort {
-    /// The residual that is wanted.
-    pub residual: f64,
-    /// Most iterations in which proximal points do not halve it.
-    pub patience: usize,
-    /// The residual at which neither interior points nor convex problems are tried.
-    enough: f64,
-}
-
-impl Effort {
-    /// For a problem of this number of blocks whose residual is to be below `tolerance`.
-    fn of(blocks: usize, tolerance: f64) -> Self {
-        let (least, patience, enough): (f64, usize, f64) =
-            if blocks > LARGE { (1e-6, 60, 1e-5) } else { (0.0, usize::MAX, 1e-6) };
-        Effort { residual: tolerance.max(least), patience, enough: enough.max(tolerance) }
-    }
-}
-
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
 /// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.

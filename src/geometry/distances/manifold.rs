@@ -126,7 +126,7 @@ fn leave_tangent(candidate: &mut Candidate, parts: [&Part; 2]) {
     candidate.normal = found.normal;
 }
 
-/// Those of some features that reach into the slab below a support plane, and the flat rims that do, each with whether it is one of the features.
+/// The features and flat rims that reach into the slab below a support plane, each with whether it is one of the given features.
 fn within(core: &Core, features: &[FeatureId], normal: &Vector3<f64>, least: f64) -> Vec<(FeatureId, bool)> {
     let own = features.iter().map(|&feature| (feature, true));
     let all = own.chain(flat_rims(core, features).map(|feature| (feature, false)));
