@@ -71,7 +71,7 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
                 (one, other),
                 (FeatureId::Rim(_), FeatureId::Edge(_)) | (FeatureId::Edge(_), FeatureId::Rim(_))
             );
-            if !crosses && !(own_of_a && own_of_b) {
+            if !(crosses || own_of_a && own_of_b) {
                 continue;
             }
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
