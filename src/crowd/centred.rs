@@ -12,6 +12,7 @@
 //! Source: R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM Journal on Control and Optimization 14 (1976); P. Alart, A. Curnier
 //! (1991) for the freedom in ρ.
 
+use crate::effort::Effort;
 use crate::newton::{Centre, Workspace, newton};
 use crate::problem::Problem;
 use nalgebra::Vector3;
@@ -39,7 +40,7 @@ pub(crate) fn proximal_points(
     impulses: &mut [Vector3<f64>],
     mut residual: f64,
     v: &mut Vec<f64>,
-    tolerance: f64,
+    effort: Effort,
     room: &mut Workspace,
 ) -> f64 {
     let first = room.iterations;
@@ -47,6 +48,8 @@ pub(crate) fn proximal_points(
     let (mut here, mut last) = (impulses.to_vec(), residual);
     let (mut proximal, mut failed) = (FIRST, 0);
     let mut rates = Vec::new();
+    let tolerance = effort.residual;
+    let (mut halved, mut since) = (residual, first);
     while residual > tolerance && room.iterations - first < most && failed < FAILURES * STIFFER.len() {
         let stiffer = STIFFER[failed % STIFFER.len()];
         room.centre = Some(Centre { proximal, stiffer, impulses: here.clone() });
@@ -59,6 +62,12 @@ pub(crate) fn proximal_points(
         if found < residual {
             residual = found;
             impulses.copy_from_slice(&near);
+        }
+        if residual < 0.5 * halved {
+            (halved, since) = (residual, room.iterations);
+        }
+        if room.iterations - since > effort.patience {
+            break;
         }
         if inner <= within {
             (here, last, failed) = (near, found, 0);

@@ -10,6 +10,7 @@
 mod block_factors;
 mod centred;
 mod convex;
+mod effort;
 mod elimination;
 mod interior;
 pub mod islands;

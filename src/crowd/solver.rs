@@ -5,14 +5,14 @@
 
 use crate::centred::proximal_points;
 use crate::convex::rounds;
+use crate::effort::Effort;
 use crate::interior::interior;
 use crate::newton::{Workspace, newton};
 use crate::problem::{Block, Problem};
 use nalgebra::Vector3;
 
-/// The residual at which an island counts as solved, and the one at which no interior points are tried.
+/// The residual at which an island counts as solved.
 pub const TOLERANCE: f64 = 5e-9;
-const ENOUGH: f64 = 1e-6;
 /// The residual of a coarse solution.
 pub const COARSE: f64 = 1e-3;
 /// Blocks that close more slowly than this part of the largest free rate, or part so slowly, take part from the start: those above falling ones.
@@ -28,7 +28,7 @@ const DEPTHS: [f64; 3] = [10.0, 1e3, 0.1];
 
 /// Solves the problem of an island from these impulses until its residual is below `tolerance`; returns the residual. Blocks that exert no impulse and do
 /// not close are left out, until the others make them close: hundreds of points of a hull are near a floor, and few of them press. Which of them take
-/// part is found out with a coarse solution. Without `hard`, Newton's method is the only one.
+/// part is found out with a coarse solution. Without `hard`, Newton's method is the only one. A large island on which it stalls is content with 1e-6.
 pub fn solve(
     problem: &mut Problem,
     impulses: &mut [Vector3<f64>],
@@ -37,6 +37,7 @@ pub fn solve(
     room: &mut Workspace,
 ) -> f64 {
     let all = std::mem::take(&mut problem.blocks);
+    let effort = Effort::of(all.len(), tolerance);
     let nearly = NEARLY * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     let mut part: Vec<usize> = (0..all.len())
         .filter(|&number| {
@@ -52,8 +53,8 @@ pub fn solve(
         residual = newton(problem, &mut own, v, [within, most], room);
         stalled = residual > within;
         let mut more = called(problem, &all, &part, v);
-        if hard && more.is_empty() && within <= tolerance && residual > tolerance && !own.is_empty() {
-            residual = harder(problem, &mut own, residual, v, tolerance, room);
+        if hard && more.is_empty() && within <= tolerance && residual > effort.residual && !own.is_empty() {
+            residual = harder(problem, &mut own, residual, v, effort, room);
             more = called(problem, &all, &part, v);
         }
         part.iter().zip(own).for_each(|(&number, impulse)| impulses[number] = impulse);
@@ -83,13 +84,13 @@ fn harder(
     impulses: &mut [Vector3<f64>],
     mut residual: f64,
     v: &mut Vec<f64>,
-    tolerance: f64,
+    effort: Effort,
     room: &mut Workspace,
 ) -> f64 {
-    residual = proximal_points(problem, impulses, residual, v, tolerance, room);
-    let (enough, mut best) = (ENOUGH.max(tolerance), impulses.to_vec());
+    residual = proximal_points(problem, impulses, residual, v, effort, room);
+    let (tolerance, mut best) = (effort.residual, impulses.to_vec());
     for depth in DEPTHS {
-        if residual <= enough {
+        if residual <= effort.enough {
             break;
         }
         let mut near = impulses.to_vec();
@@ -100,7 +101,7 @@ fn harder(
             }
         }
     }
-    if residual > enough {
+    if residual > effort.enough {
         rounds(problem, impulses, (&mut residual, &mut best), v, tolerance, room);
     }
     impulses.copy_from_slice(&best);

@@ -107,6 +107,12 @@ fn scenes_that_broke_a_law_once_keep_it() {
     }
 }
 
+/// A slide of a joint that ended where its step began, at 3 rad/s: its rate was set to zero alone, which gave 5 J of 27 J.
+#[test]
+fn a_limp_robot_whose_joints_stop_in_a_jam_gains_no_energy() {
+    assert_right(257..258, kinds::crowd);
+}
+
 #[test]
 #[ignore = "some ten minutes: cargo test --release --test random thousand -- --ignored --nocapture"]
 fn five_thousand_random_scenes_with_events_keep_every_law() {

@@ -64,17 +64,16 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     let mut of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
     points_of_arcs(both, &normal, &mut of_a, &mut of_b);
     points_on_faces(both, &normal, &mut of_a, &mut of_b);
-    let rims_of_b: Vec<FeatureId> = flat_rims(b, &of_b).collect();
-    let within_a = |feature: &FeatureId| is_open(a, *feature) && touches(a, *feature, &normal, least_a);
-    let within_b = |feature: &FeatureId| is_open(b, *feature) && touches(b, *feature, &-own, least_b);
-    for one in of_a.iter().copied().chain(flat_rims(a, &of_a)).filter(within_a) {
+    let of_a = within(a, &of_a, &normal, least_a);
+    let of_b = within(b, &of_b, &-own, least_b);
+    for &(one, own_of_a) in &of_a {
         let on_a = part(a, one);
-        for other in of_b.iter().chain(&rims_of_b).copied().filter(within_b) {
+        for &(other, own_of_b) in &of_b {
             let crosses = matches!(
                 (one, other),
                 (FeatureId::Rim(_), FeatureId::Edge(_)) | (FeatureId::Edge(_), FeatureId::Rim(_))
             );
-            if !crosses && (rims_of_b.contains(&other) || !of_a.contains(&one)) {
+            if !(crosses || own_of_a && own_of_b) {
                 continue;
             }
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
@@ -127,6 +126,13 @@ fn leave_tangent(candidate: &mut Candidate, parts: [&Part; 2]) {
     candidate.features = candidate.features.map(renamed);
     candidate.points = if edge_first { found.points } else { [found.points[1], found.points[0]] };
     candidate.normal = found.normal;
+}
+
+/// The features and flat rims that reach into the slab below a support plane, each with whether it is one of the given features.
+fn within(core: &Core, features: &[FeatureId], normal: &Vector3<f64>, least: f64) -> Vec<(FeatureId, bool)> {
+    let own = features.iter().map(|&feature| (feature, true));
+    let all = own.chain(flat_rims(core, features).map(|feature| (feature, false)));
+    all.filter(|&(feature, _)| is_open(core, feature) && touches(core, feature, normal, least)).collect()
 }
 
 /// The rims that lie flat, for which points stand among these features: edges cross them still.

@@ -12,7 +12,8 @@
 //! iteration for each squared unknown, and of a step over events for each rate; c_d is the one of a decision for each cubed unknown, which is dense. All
 //! are counts: the choice does not depend on a clock.
 //!
-//! A step that cannot be made is tried with a quarter of its length. A crowd ends by it only after the last try.
+//! A step that cannot be made is tried with a quarter of its length. A crowd ends by it only after the last try. A step whose residual is above 1e-4 is
+//! made once more, with a quarter of its length, and the one with the smaller residual is taken.
 
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
@@ -44,6 +45,8 @@ const CALM_STEPS: f64 = 200.0;
 const DECISION: f64 = 4e-8;
 /// A step that would leave less than this part of its length goes to the end: gaps are velocities of any size in a step of roundings of the time.
 const SLIVER: f64 = 1e-6;
+/// A step with a larger residual is made once more, shorter.
+const UNSOLVED: f64 = 1e-4;
 /// A step is made shorter by this factor, this often at most.
 const SHORTER: f64 = 0.25;
 const SHORTENED: usize = 4;
@@ -222,8 +225,18 @@ impl Eventful {
     ) -> Option<(StepOutcome, Made)> {
         let length = length.min(until - state.time);
         let shorter = |times: usize| length * SHORTER.powi(times as i32);
-        let attempted = (0..=SHORTENED).find_map(|times| self.attempt_in_crowd(inputs, state, until, shorter(times)));
-        attempted.map(|attempted| self.take_from_crowd(state, &attempted))
+        let mut attempts = (0..=SHORTENED).map(shorter);
+        let mut next = |own: &mut Self| attempts.find_map(|length| own.attempt_in_crowd(inputs, state, until, length));
+        let mut attempted = next(self)?;
+        if attempted.made.residual > UNSOLVED {
+            // Fewer contacts close in a shorter step.
+            let crowd = self.workspaces.crowd.clone();
+            match next(self).filter(|again| again.made.residual < attempted.made.residual) {
+                Some(again) => attempted = again,
+                None => self.workspaces.crowd = crowd,
+            }
+        }
+        Some(self.take_from_crowd(state, &attempted))
     }
 
     /// Makes a step of at most this length (s) from a state; the run does not go on from its end until it is taken.

@@ -27,7 +27,7 @@ use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::bounded::minimise;
-use crate::instant::holding::blocks::{Of, Row, Rows};
+use crate::instant::holding::blocks::{Of, Row, Rows, row_of_freedom};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -58,12 +58,13 @@ pub(crate) fn transit(
     let before = mode.clone();
     let yielding = Yielding::of(found.triggers);
     // In scenes with contacts, steps that do not look at a limit may go beyond it.
+    let rests: Vec<f64> = memory.joints.iter().map(|joint| rate_at_rest(joint.fastest)).collect();
+    let stopped = stop_joints(scene, state, found.triggers, &rests);
     let beyond =
         !scene.touching.pairs.is_empty() && found.triggers.iter().any(|trigger| is_beyond(elements, state, trigger));
     let before_it = if beyond { energy(scene.whole, state).total() } else { 0.0 };
     settle(elements, mode, state, found.triggers, &mut done);
-    let settled = if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
-    let rests: Vec<f64> = memory.joints.iter().map(|joint| rate_at_rest(joint.fastest)).collect();
+    let settled = stopped + if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
     let lifted = contacts.move_apart(scene, state);
@@ -188,6 +189,21 @@ fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
     let Watched::Gap(index, side) = *trigger else { return false };
     let joint = &elements.joints[index];
     joint.gap(side, joint.position(state)) < -BEYOND_LIMIT
+}
+
+/// Stops the joints whose slides end here by an impulse in each, if they are faster than rest; returns the energy that this takes (J). A slide whose
+/// forces jump ends where its step begins, at whatever rate: to set that rate to zero alone would change momenta, and may give energy.
+fn stop_joints(scene: &mut Scene, state: &mut State, triggers: &[Watched], rests: &[f64]) -> f64 {
+    let fast = |trigger: &Watched| match *trigger {
+        Watched::Slide(index) => {
+            let joint = &scene.elements.joints[index];
+            (joint.rate(state).abs() > rests[index]).then_some(joint.coordinate.freedom)
+        }
+        _ => None,
+    };
+    let freedoms: Vec<usize> = triggers.iter().filter_map(fast).collect();
+    let rows = freedoms.into_iter().map(|freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)).collect();
+    bring_rows_to_rest(scene, state, rows)
 }
 
 /// Sets tiny rates to zero, and the rates of joints whose bounds leave no room if `locked`.
