@@ -172,14 +172,17 @@ fn touches(core: &Core, feature: FeatureId, normal: &Vector3<f64>, least: f64) -
 pub fn without_doubles(found: &mut Vec<Candidate>, same: f64, radii: [f64; 2]) {
     let surface = |one: &Candidate| [one.points[0] + one.normal * radii[0], one.points[1] - one.normal * radii[1]];
     let mut kept: Vec<Candidate> = Vec::with_capacity(found.len());
+    let mut places: Vec<[Vector3<f64>; 2]> = Vec::with_capacity(found.len());
+    let near =
+        |one: &Vector3<f64>, other: &Vector3<f64>| (one.x - other.x).abs() <= same && (one - other).norm() <= same;
     for candidate in found.drain(..) {
         let own = surface(&candidate);
-        let double = |other: &Candidate| {
-            let points = surface(other);
-            (0..2).any(|body| (points[body] - own[body]).norm() <= same) && other.normal.dot(&candidate.normal) > 0.9
+        let double = |(other, points): (&Candidate, &[Vector3<f64>; 2])| {
+            (near(&points[0], &own[0]) || near(&points[1], &own[1])) && other.normal.dot(&candidate.normal) > 0.9
         };
-        if !kept.iter().any(double) {
+        if !kept.iter().zip(&places).any(double) {
             kept.push(candidate);
+            places.push(own);
         }
     }
     *found = kept;

@@ -57,7 +57,8 @@ impl Eventful {
     /// Whether steps between events are too frequent and too short for the run to advance, or the scheme has no mode to step in.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
         if self.progress.undecided {
-            self.progress.crowding.fail(state.time);
+            // Most are over in a moment; those that last are left by longer and longer steps.
+            self.progress.crowding.jam(state.time);
             return true;
         }
         // Given steps may be short without any event.

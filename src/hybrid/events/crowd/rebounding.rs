@@ -1,12 +1,12 @@
 //! Rebounds in a step of a crowd: rounds of Newton's law among the contacts and limits that approach, before (B) holds what is closed.
 //!
 //! ```text
-//!     round:   M̃ (v_N − v) = Hᵀ r,   K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,   u = H v_N + e min(0, H_N v) n       over those with H_N v < −2 g h
+//!     round:   M̃ (v_N − v) = Hᵀ r,   K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,   u = H v_N + e min(0, H_N v) n       if H_N v < −2 g h
 //!     v ← v_C + σ (v_N − v_C),   v_C: the same with e = 0,   σ the largest in [0, 1] that gains no energy
 //! ```
 //!
-//! v are the rates in the middle of the step without impulses, H and M̃ those at its end, e restitutions, g gravity, h the length of the step. What was closed before takes part
-//! once others make it approach: a ball that strikes a row of balls in touch sends off the last one, as in `instant/cone/impact.rs`, of which this is the
+//! v are the rates in the middle of the step without impulses, H and M̃ those at its end, e restitutions, g gravity, h the length of the step. Contacts that were closed before take part
+//! once others make them approach: a ball that strikes a row of balls in touch sends off the last one, as in `instant/cone/impact.rs`, of which this is the
 //! law. (B) ends what is left after the last round, without rebounds.
 
 use crate::crowd::islands::{Island, islands};

@@ -53,7 +53,7 @@ pub(crate) struct Contacts {
     pub(super) rest: f64,
     /// The factor by which slips may be faster than rest and are still stopped; 1 unless contacts jam ([`Contacts::jams`]).
     jam: f64,
-    /// Those that passed a border, and what counts as rest for them ([`Contacts::goes_on`]).
+    /// Contacts that passed a border, and the speed that counts as rest for them ([`Contacts::goes_on`]).
     pub(super) gone_on: Vec<(Contact, f64)>,
     /// Slips whose stop was found may be faster than rest by this factor.
     stopped: f64,

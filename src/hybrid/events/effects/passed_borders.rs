@@ -17,7 +17,7 @@ use crate::mechanism::motion::touches::touch_motion;
 const SMOOTH: f64 = 1e-6;
 
 impl Contacts {
-    /// Whether a contact goes on from one that was closed, and what counts as rest for it then [m/s].
+    /// Whether a contact goes on from one that was closed, and the speed that counts as rest for it then [m/s].
     pub(super) fn goes_on(&self, contact: &Contact, before: &Contact, bodies: &[BodyState]) -> Option<f64> {
         let [old, new] = [before, contact].map(|contact| touch_motion(&contact.joint, bodies));
         let goes_on = (new.normal - old.normal).norm() <= SMOOTH;

@@ -236,7 +236,7 @@ impl<'a> ErrorEstimate<'a> {
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
 
-    /// Whether an error (m) is that of runs that part, rather than of rebounds that were left out.
+    /// Whether runs with this error (m) part; less is an error of rebounds that were left out.
     fn is_far(&self, error: f64) -> bool {
         let wanted = self.terms.tolerance;
         error > (FAR[0] * wanted).min(FAR[1] * self.size).max(wanted)
@@ -314,7 +314,7 @@ impl<'a> ErrorEstimate<'a> {
         }
         // If the separate run was interrupted before this time, the last estimate is kept.
         let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
-        // Different events with a small effect are not reported, as those of rebounds that are left out: no roundings grow in them.
+        // Different events with a small effect are not reported, as where rebounds are left out: no roundings grow in them.
         let is_far = self.parted || self.so_far.is_some_and(|so_far| self.is_far(so_far.estimate));
         let differ = if holds_until < time && is_far { self.differ.or_else(|| self.difference(run)) } else { None };
         Ok(Accuracy {
