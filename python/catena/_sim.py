@@ -90,7 +90,7 @@ class Sim:
 
     def start_from(self, log, time=None):
         """Puts q and v where another run was: in the sample of its log that is nearest to a time [s], or in the last one, as ``--from LOG@T``. The
-        simulation is at time 0 then, with the targets of motors that the file gives."""
+        simulation is at time 0 then, with the targets of motors that the file gives, and with joints of a [[motion]] where that is at time 0."""
         self._q[:], self._v[:] = self.model._inner.logged(os.fspath(log), None if time is None else float(time))
         self._time = 0.0
         self._targets = {}
