@@ -25,7 +25,7 @@ fn not_standard_output(otherwise: &'static str) -> impl TypedValueParser<Value =
     PathBufValueParser::new().try_map(move |path| if path.as_os_str() == "-" { Err(otherwise) } else { Ok(path) })
 }
 
-/// Checks that a folder is there or can be made: like a log, it goes into a folder that exists.
+/// Checks that a folder is there or can be made. Its parent folder must exist, as for a log.
 ///
 /// # Errors
 /// An error for a file in its place, and for a folder above it that does not exist.

@@ -95,7 +95,7 @@ pub(crate) fn contact_pairs(
     let roams = |collider: usize| matches!(owners[collider], Owner::Robot(_)) && reach.roams(&colliders[collider]);
     let ends = alike(settings, colliders, surfaces, roams);
     for (a, one) in colliders.iter().enumerate() {
-        // A loop joint joins links of two robots as a joint joins those of one. Obstacles are no links at the joint: they are all of the world.
+        // A loop joint makes neighbours of links of two robots, too. Obstacles are all of the world, and no links at the joint.
         let of_robot = |of: usize| colliders[of].body.filter(|_| matches!(owners[of], Owner::Robot(_)));
         let joined_to = of_robot(a).map_or(Vec::new(), |body| kinship.joined_by_loops(body));
         let joins = |b: usize| of_robot(b).is_some_and(|body| kinship.is_of(&joined_to, body));

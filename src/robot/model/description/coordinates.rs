@@ -92,7 +92,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError`] for joints that do not exist or do not move, for wrong counts of numbers, for angles without digits, and for moved joints that
-    /// are given other numbers than those of their motions.
+    /// are given numbers off their motions.
     pub fn initial_state_at(
         &self,
         time: f64,
