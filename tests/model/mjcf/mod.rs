@@ -6,6 +6,7 @@ mod tendons;
 mod tuning;
 
 use crate::common::command;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::nonsmooth::MotorLaw;
 use catena::model::NeverTouch;
 use catena::scene::{PackagePath, PairRule, Scene, SceneError, Touching, WarningGroup, read_input};
@@ -193,6 +194,11 @@ fn links_that_a_loop_joins_do_not_touch_though_they_are_of_two_children_of_the_w
             PairRule { a, b, friction: None, restitution: None, moments: [None; 2], ignore: Some(false), line: 1 };
         asked.contact.rules.push(rule);
         assert!(reasons(&asked).0.iter().any(is_pin));
+        // The loop holds them inside each other.
+        let (model, start) = catena::model::Model::from_scene(&asked).expect("a model");
+        let mut state = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+        let error = assemble(&model.mechanism, &mut state).expect_err("it cannot start").to_string();
+        assert!(error.starts_with("\"crank/rod\" and \"slider/slider\" start ") && !error.contains("NaN"), "{error}");
     }
 }
 
