@@ -2,6 +2,7 @@
 
     minimise  Σ ((y(t_i; θ) − data_i)/σ)²        y: the measured joints of q        Levenberg and Marquardt: (JᵀJ + λ D) δ = −Jᵀ r
     covariance of θ:  s² (JᵀJ)⁻¹,  s² = |r|²/(samples − parameters), or 1 where σ is given
+    J = U Σ Vᵀ N:  N the lengths of the columns, V and Σ of a singular value decomposition; no sample tells N⁻¹ v of a column v of V with σ ≈ 0
 
 Source: J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, chapter 10.
 """
@@ -19,6 +20,11 @@ from ._model import Model
 SETTLED = 1e-4
 # A number does not count if a change by all of itself moves no sample by this much [rad or m].
 UNTOLD = 1e-12
+# Numbers cannot be told apart if a change of them together moves the samples by less than this part of what each moves them by itself: derivatives
+# by numbers of a model are exact to about 1e-10 of themselves, and no measurement is as fine.
+APART = 1e-8
+# A number is in such a change if it has this part of it.
+TAKES_PART = 1e-3
 # The first λ, and its factors after good and bad steps.
 FIRST, BETTER, WORSE = 1e-3, 0.2, 5.0
 
@@ -71,7 +77,7 @@ def fit(model, t, data, keys, *, joints=None, q=None, v=None, sigma=None, bounds
 
     Raises
     ------
-    InputError : where the data does not fit the model, or a number cannot be told from the data
+    InputError : where the data does not fit the model, and where a number or a combination of numbers cannot be told from the data
     """
     keys, t, data = list(keys), np.asarray(t, float), np.asarray(data, float)
     data = data.reshape(len(t), -1)
@@ -119,14 +125,15 @@ def fit(model, t, data, keys, *, joints=None, q=None, v=None, sigma=None, bounds
             moved, theta = np.abs(wanted - theta), wanted
             residual, jacobian, found, made = tried
             damping *= BETTER
-            spread = np.sqrt(np.diag(_covariance(keys, residual, jacobian, weight if sigma else None)))
+            spread = np.sqrt(np.diag(_covariance(residual, jacobian, weight if sigma else None)))
             if np.all(moved <= SETTLED * np.maximum(spread, 1e-9 * np.abs(theta))):
                 break
         else:
             damping *= WORSE
             if damping > 1e12:
                 break
-    covariance = _covariance(keys, residual, jacobian, weight if sigma else None)
+    _refuse_combinations(keys, jacobian)
+    covariance = _covariance(residual, jacobian, weight if sigma else None)
     deviations = np.sqrt(np.diag(covariance))
     own, q0, v0 = made
     return Fit(
@@ -143,9 +150,38 @@ def fit(model, t, data, keys, *, joints=None, q=None, v=None, sigma=None, bounds
     )
 
 
-def _covariance(keys, residual, jacobian, weight):
-    variance = residual @ residual / max(len(residual) - len(keys), 1) if weight is None else 1.0 / weight**2
-    return variance * np.linalg.pinv(jacobian.T @ jacobian)
+def _covariance(residual, jacobian, weight):
+    """The covariance of what can be told."""
+    lengths, values, rows = _decomposed(jacobian)
+    variance = residual @ residual / max(len(residual) - jacobian.shape[1], 1) if weight is None else 1.0 / weight**2
+    told = values > APART * values.max(initial=0.0)
+    known = rows[told] / lengths
+    return variance * (known.T / values[told] ** 2) @ known
+
+
+def _decomposed(jacobian):
+    """The lengths of the columns (p), and the singular values (p) and right vectors (p rows) of the matrix whose columns have length one."""
+    lengths = np.linalg.norm(jacobian, axis=0)
+    lengths = np.where(lengths > 0, lengths, 1.0)
+    _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / lengths, mode="r"))
+    return lengths, np.concatenate([values, np.zeros(len(rows) - len(values))]), rows
+
+
+def _refuse_combinations(keys, jacobian):
+    """Refuses numbers that no sample tells apart, because changes of them together cancel."""
+    _, values, rows = _decomposed(jacobian)
+    untold = rows[values <= APART * values.max(initial=0.0)]
+    if not len(untold):
+        return
+    names = [key for key, part in zip(keys, np.linalg.norm(untold, axis=0)) if part > TAKES_PART]
+    if len(names) == 1:
+        raise InputError(f"{names[0]}: the data does not depend on it")
+    listed = f"{', '.join(names[:-1])} and {names[-1]}"
+    left = len(names) - len(untold)
+    raise InputError(
+        f"{listed} cannot be told from the data: changes of them together cancel, and the data fixes "
+        f"{left} {'number' if left == 1 else 'numbers'} of them; leave out {len(untold)} of them, which keep the numbers of the model"
+    )
 
 
 def _start(model, key):

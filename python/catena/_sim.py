@@ -90,7 +90,7 @@ class Sim:
 
     def start_from(self, log, time=None):
         """Puts q and v where another run was: in the sample of its log that is nearest to a time [s], or in the last one, as ``--from LOG@T``. The
-        simulation is at time 0 then, with the targets of motors that the file gives."""
+        simulation is at time 0 then, with the targets of motors that the file gives, and with joints of a [[motion]] where that is at time 0."""
         self._q[:], self._v[:] = self.model._inner.logged(os.fspath(log), None if time is None else float(time))
         self._time = 0.0
         self._targets = {}
@@ -188,7 +188,16 @@ class Sim:
 
     def set_efforts(self, efforts):
         """Efforts along v from now on [N m or N], besides the forces of the model; None for none."""
-        self._efforts = None if efforts is None else flat(efforts, "efforts").copy()
+        efforts = None if efforts is None else flat(efforts, "efforts").copy()
+        if efforts is not None:
+            places, wanted = self.model._inner.v_places(), len(self._v)
+            if len(efforts) != wanted:
+                joints = ", ".join(name if last == first + 1 else f"{name} ({last - first})" for name, first, last in places)
+                raise InputError(f"{len(efforts)} efforts for {wanted} degrees of freedom: give one for each, in the order of {joints}")
+            for name, first, last in places:
+                if not np.all(np.isfinite(efforts[first:last])):
+                    raise InputError(f'an effort on joint "{name}" is not finite: give finite numbers')
+        self._efforts = efforts
         if self._is_here():
             self._run.set_efforts(np.zeros(len(self._v)) if efforts is None else self._efforts)
 
@@ -234,7 +243,7 @@ class Sim:
         self._moved = True
         try:
             run.run()
-        except (KeyboardInterrupt, RunError) as error:
+        except (KeyboardInterrupt, SystemExit, RunError) as error:
             self._look(run)
             error.result = Result(self.model, run.finish())
             raise

@@ -157,6 +157,8 @@ impl Model {
         let state = state.map_err(|error| input(py, format!("{error:#}")))?;
         let (mut q, mut v) = (vec![0.0; places.q_count()], vec![0.0; places.v_count()]);
         places.write(description, &state.position, &state.velocity, &mut q, &mut v);
+        // The next run begins at time zero, with its moved joints where they are then.
+        self.inner.put_on_motions(0.0, &mut q, &mut v).map_err(|error| refuse(py, error))?;
         Ok((q.to_pyarray(py), v.to_pyarray(py)))
     }
 

@@ -2,7 +2,7 @@
 //! fails.
 
 use catena::session::Error;
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyException, PyRuntimeError};
 use pyo3::prelude::*;
 
 /// An exception of the class of this name in `catena._errors`.
@@ -20,11 +20,16 @@ pub fn input(py: Python<'_>, message: impl ToString) -> PyErr {
     named(py, "InputError", message.to_string())
 }
 
-/// The exception of an error; one that a controller raised is its cause.
+/// The exception of an error; one that a controller raised is its cause. Exceptions that are no errors, as `KeyboardInterrupt` and `SystemExit`, come
+/// out themselves.
 pub fn refuse(py: Python<'_>, error: Error) -> PyErr {
+    let cause = raised(&error).and_then(|failure| failure.downcast_ref::<PyErr>());
+    if let Some(cause) = cause.filter(|cause| !cause.is_instance_of::<PyException>(py)) {
+        return cause.clone_ref(py);
+    }
     let class = if error.is_input() { "InputError" } else { "RunError" };
     let exception = named(py, class, error.to_string());
-    if let Some(cause) = raised(&error).and_then(|failure| failure.downcast_ref::<PyErr>()) {
+    if let Some(cause) = cause {
         exception.set_cause(py, Some(cause.clone_ref(py)));
     }
     exception

@@ -31,10 +31,12 @@ def test_wrong_lengths_and_numbers(arm):
         arm.mass_matrix(np.zeros(6))
     with pytest.raises(catena.InputError, match="efforts: could not convert"):
         sim.set_efforts("push")
-    sim.set_efforts(np.zeros(3))
-    with pytest.raises(catena.InputError, match="3 efforts for 7 degrees of freedom"):
-        sim.run(0.1)
-    sim.set_efforts(None)
+    with pytest.raises(catena.InputError, match="3 efforts for 7 degrees of freedom: give one for each, in the order of joint1, joint2, .*joint7$"):
+        sim.set_efforts(np.zeros(3))
+    with pytest.raises(catena.InputError, match='an effort on joint "joint2" is not finite'):
+        sim.set_efforts([0, float("nan"), 0, 0, 0, 0, 0])
+    # Efforts that are refused change nothing.
+    sim.step(0.01)
     sim.q["joint3"] = float("nan")
     with pytest.raises(catena.InputError, match='q: the number for "joint3" is NaN'):
         sim.run(0.1)

@@ -126,6 +126,23 @@ def test_an_interrupted_run_gives_what_it_has(double_pendulum):
     assert 0 < result.t[-1] <= sim.time < 1e6 and np.isfinite(result.q).all()
 
 
+@pytest.mark.parametrize("ends", [KeyboardInterrupt, SystemExit])
+def test_what_ends_a_program_comes_out_of_a_controller_with_what_the_run_has(double_pendulum, ends):
+    def law(t, q, v):
+        if t > 0.25:
+            raise ends
+        return None
+
+    sim = catena.Sim(double_pendulum)
+    with pytest.raises(ends) as raised:
+        sim.run(1.0, rate=10, controller=law, control_rate=10)
+    assert np.allclose(raised.value.result.t, [0, 0.1, 0.2, 0.3], rtol=0, atol=1e-12) and abs(sim.time - 0.3) < 1e-12
+    sim = catena.Sim(double_pendulum)
+    sim.set_controller(law, rate=10)
+    with pytest.raises(ends):
+        sim.step(1.0)
+
+
 def test_a_failed_run_gives_what_it_has_and_names_controller_and_time(double_pendulum):
     sim = catena.Sim(double_pendulum)
     law = lambda t, q, v: [np.nan if t > 0.25 else 0.0, 0.0]  # noqa: E731

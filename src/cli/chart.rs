@@ -5,6 +5,7 @@
 
 use crate::cli::arguments::input::WorldArgs;
 use crate::cli::arguments::numbers::{Assignment, Coordinates, numbers, pairs, positive};
+use crate::cli::arguments::outputs::{check_folder, make_folder};
 use crate::cli::terminal::printing::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::drawing::error::ChartError;
@@ -80,16 +81,12 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
     let scenes = scenes(arguments).map_err(Failure::input)?;
     let foreign = foreign(&arguments.csv, &scenes).map_err(Failure::input)?;
     let folder = &arguments.output;
-    if folder.exists() && !folder.is_dir() {
-        return Err(Failure::input(anyhow!("cannot write into {}: it is not a folder", folder.display())));
-    }
+    check_folder(folder).map_err(Failure::input)?;
     let plan = Plan {
         quick: arguments.quick,
         budget: arguments.budget.unwrap_or(if arguments.quick { QUICK_BUDGET } else { DEFAULT_BUDGET }),
     };
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))
-        .map_err(Failure::input)?;
+    make_folder(folder).map_err(Failure::input)?;
     for scene in scenes.iter().filter(|scene| !scene.mechanism.nonsmooth.pairs.is_empty()) {
         let pairs = counted(scene.mechanism.nonsmooth.pairs.len(), "pair of shapes", "pairs of shapes");
         let name = &scene.name;

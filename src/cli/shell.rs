@@ -48,6 +48,7 @@ pub fn complete(arguments: &CompletionsArgs, mut command: Command) -> Result<(),
 /// [`Failure`] names the folder that cannot be written.
 pub fn write_manual(arguments: &ManualArgs, command: Command) -> Result<(), Failure> {
     let folder = &arguments.folder;
-    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(command, folder));
+    crate::cli::arguments::outputs::make_folder(folder).map_err(Failure::input)?;
+    let written = clap_mangen::generate_to(command, folder);
     written.with_context(|| format!("cannot write manual pages into {}", folder.display())).map_err(Failure::run)
 }

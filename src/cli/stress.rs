@@ -3,9 +3,10 @@
 //! The arguments are checked before the folder is made. After every problem all files are written anew, each whole; Ctrl-C ends with the problems
 //! that have been mapped up to then.
 
+use crate::cli::arguments::outputs::make_folder;
 use crate::cli::chart::{processor, progress_bar};
 use crate::cli::terminal::printing::{Failure, print};
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use catena::study::stress::table::summary;
 use catena::study::stress::{Map, Problem, StressError, ThinnedProblem, report};
 use clap::Args;
@@ -45,12 +46,7 @@ fn only_help() -> String {
 pub fn run(arguments: &StressArgs) -> Result<(), Failure> {
     let problems = problems(arguments).map_err(Failure::input)?;
     let folder = &arguments.output;
-    if folder.exists() && !folder.is_dir() {
-        return Err(Failure::input(anyhow!("cannot write into {}: it is not a folder", folder.display())));
-    }
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))
-        .map_err(Failure::input)?;
+    make_folder(folder).map_err(Failure::input)?;
     // Set by the first Ctrl-C; the map ends after the steps it is in.
     let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
 

@@ -265,6 +265,29 @@ fn a_start_that_contradicts_a_motion_is_refused() {
 }
 
 #[test]
+fn a_run_takes_the_coordinates_of_a_moved_joint_at_the_time_of_its_start_and_no_others() {
+    let (a, w, begin) = (0.1, 2.0, 0.7);
+    let file = kapitza(&scratch("motions_coordinates"), "shaken", &shaken(a, w));
+    let model = Model::load(&file).expect("a model");
+    let new = || catena::prelude::Simulation::new(&model).begin_at(begin);
+    let (place, rate) = (a * f64::cos(w * begin), -a * w * f64::sin(w * begin));
+    let mut simulation = new().start_from(&[place, 0.4], &[rate, 0.2]).expect("it is there");
+    simulation.step_to(begin + 0.2).expect("it runs");
+    let (q, v) = simulation.coordinates().expect("coordinates");
+    simulation.place(begin + 0.2, &q, &v).expect("it is where it is");
+    simulation.step_to(begin + 0.3).expect("it goes on");
+    let shaker = simulation.position("shaker").expect("a position")[0];
+    assert!((shaker - a * f64::cos(w * (begin + 0.3))).abs() < 1e-15, "{shaker}");
+    // The joints of the file alone start where the motion is then, too.
+    let (start, _) = new().coordinates().expect("coordinates");
+    assert!((start[0] - place).abs() < 1e-15, "{start:?}");
+    let refused = |error: Option<Error>| error.expect("refused").to_string().contains("starts where its [[motion]]");
+    assert!(refused(new().start_from(&[place, 0.4], &[rate + 1e-6, 0.2]).err()));
+    assert!(refused(new().start_from(&[place + 1e-6, 0.4], &[rate, 0.2]).err()));
+    assert!(refused(simulation.place(begin + 0.2, &[place, 0.4], &[rate, 0.2]).err()));
+}
+
+#[test]
 fn limits_and_friction_of_a_moved_joint_are_left_out_with_a_warning() {
     let more = shaken(0.1, 2.0) + "[[joint]]\nname = \"shaker\"\nfriction = 3.0\n";
     let model = Model::load(kapitza(&scratch("motions_limits"), "shaken", &more)).expect("a model");

@@ -309,3 +309,20 @@ fn a_weight_on_a_taut_rope_swings_as_on_a_rod_and_rests_that_roll_are_refused() 
     let error = ball.linearize_at_rest(None).expect_err("it rolls").to_string();
     assert!(error.starts_with("1 closed contact slides or rolls here") && !error.contains('\n'), "{error}");
 }
+
+#[test]
+fn a_wheel_that_stands_on_a_floor_is_refused_at_all_sizes() {
+    // Roundings of its reactions turn it or not, as the size has it.
+    for radius in [0.1, 0.2, 0.25, 0.3, 0.35, 0.5, 0.7, 1.3] {
+        let path = folder("linear").join(format!("wheel{radius}.toml"));
+        let text = format!(
+            "[[body]]\nname = \"wheel\"\nshape = {{ type = \"cylinder\", radius = {radius}, length = 0.1 }}\nmass = 10\n\
+             pose = {{ position = [-1, 0, {radius}], rpy = [\"90 deg\", 0, 0] }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\n"
+        );
+        std::fs::write(&path, text).expect("a file");
+        let model = Model::load(path).expect("a model");
+        let error = model.linearize_at_rest(None).expect_err("it rolls").to_string();
+        assert!(error.starts_with("2 closed contacts slide or roll here"), "{radius}: {error}");
+    }
+}

@@ -285,7 +285,7 @@ fn outcome(error: &Error) -> Outcome {
     }
 }
 
-/// Completes a log, and returns the outcome of the run and the place of the log.
+/// Completes a log, and returns the outcome of the run and the place of the log, unless it could not be written.
 fn complete(
     mut recorder: Recorder,
     ended: Result<(), Error>,
@@ -299,6 +299,7 @@ fn complete(
     }
     let beside = recorder.beside().map(Path::to_path_buf);
     let written = recorder.finish(Ending { outcome, figures }).map_err(|error: LogError| Error::from(error));
+    let is_written = written.is_ok();
     match ended.and(written) {
         Ok(()) => (Ok(()), Some(output.to_path_buf())),
         // The first of two errors is the cause, so it is the one reported.
@@ -310,7 +311,7 @@ fn complete(
                 }
                 None => problem,
             };
-            (Err(error), Some(beside.unwrap_or_else(|| output.to_path_buf())))
+            (Err(error), is_written.then(|| beside.unwrap_or_else(|| output.to_path_buf())))
         }
     }
 }

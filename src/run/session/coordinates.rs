@@ -116,6 +116,17 @@ impl Coordinates {
         Ok(state)
     }
 
+    /// Puts the joints that are moved in time where they are at a time (s), wherever they were.
+    pub(crate) fn put_on_motions(&self, model: &Model, time: f64, q: &mut [f64], v: &mut [f64]) {
+        for mimic in model.mechanism.mimics.iter().filter(|mimic| mimic.is_moved()) {
+            let own = self.joints.iter().find(|joint| model.joints[joint.record].body == Some(mimic.follower.body));
+            if let Some(joint) = own {
+                // Such a joint has one coordinate.
+                [q[joint.q.start], v[joint.v.start], _] = mimic.motion(time, time);
+            }
+        }
+    }
+
     /// Splits numbers into joints, as a start lists them.
     pub fn by_joint(&self, numbers: &[f64], range: impl Fn(&JointPlace) -> &Range<usize>) -> Vec<(String, Vec<f64>)> {
         self.joints.iter().map(|joint| (joint.name.clone(), numbers[range(joint).clone()].to_vec())).collect()

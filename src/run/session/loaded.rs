@@ -55,7 +55,7 @@ impl Loaded {
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, Error> {
-        let (given, wanted) = self.given(positions, velocities, base_velocity)?;
+        let (given, wanted) = self.given(0.0, positions, velocities, base_velocity)?;
         self.model.leave_out_overlaps(&given);
         let assembled = self.settled(given, &wanted)?;
         Ok(self.begun(assembled))
@@ -81,7 +81,7 @@ impl Loaded {
         state
     }
 
-    /// The start, moved to satisfy limits, loops and mimic relations, and warnings about the changes.
+    /// The start at time zero, moved to satisfy limits, loops and mimic relations, and warnings about the changes.
     ///
     /// # Errors
     /// As [`Loaded::unassembled_state`]; also if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if forces
@@ -92,13 +92,28 @@ impl Loaded {
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<Assembled, Error> {
-        let (given, wanted) = self.given(positions, velocities, base_velocity)?;
+        let (given, wanted) = self.given(0.0, positions, velocities, base_velocity)?;
+        self.settled(given, &wanted)
+    }
+
+    /// The same at a time (s), at which joints that are moved in time are elsewhere.
+    ///
+    /// # Errors
+    /// As of [`Loaded::assembled`].
+    pub fn assembled_at(
+        &self,
+        time: f64,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+    ) -> Result<Assembled, Error> {
+        let (given, wanted) = self.given(time, positions, velocities, None)?;
         self.settled(given, &wanted)
     }
 
     /// The start of the file, overridden by the given positions and velocities, without assembly.
     fn given(
         &self,
+        time: f64,
         positions: &[(String, Vec<f64>)],
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
@@ -106,7 +121,7 @@ impl Loaded {
         refuse_repeated("position", positions)?;
         refuse_repeated("velocity", velocities)?;
         let wanted = self.wanted(positions, velocities, base_velocity)?;
-        let state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
+        let state = self.model.initial_state_at(time, &wanted.positions, &wanted.velocities, None)?;
         Ok((state, wanted))
     }
 

@@ -270,6 +270,21 @@ impl Model {
         Ok(self.flat(&started.state))
     }
 
+    /// Puts the joints that are moved in time where they are at a time (s), in q and v of another start.
+    ///
+    /// # Errors
+    /// Wrong lengths of q and v.
+    pub fn put_on_motions(&self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), Error> {
+        let places = self.coordinates();
+        for (what, given, wanted) in [("q", q.len(), places.q_count()), ("v", v.len(), places.v_count())] {
+            if given != wanted {
+                return Err(Error::Count { what, given, wanted });
+            }
+        }
+        places.put_on_motions(self.description(), time, q, v);
+        Ok(())
+    }
+
     /// q and v of a state.
     pub(crate) fn flat(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         let (mut q, mut v) = (vec![0.0; self.coordinates().q_count()], vec![0.0; self.coordinates().v_count()]);

@@ -179,7 +179,8 @@ impl Simulation {
         self.start_at(positions, given)
     }
 
-    /// Sets all of q and v at the start ([`Coordinates`](crate::session::Coordinates)).
+    /// Sets all of q and v at the start ([`Coordinates`](crate::session::Coordinates)). Joints that are moved in time must be where they are at the time
+    /// of the start, which [`Simulation::begin_at`] sets before.
     ///
     /// # Errors
     /// As of [`Simulation::start`].
@@ -260,8 +261,7 @@ impl Simulation {
         if let Some(started) = self.started.get() {
             return Ok(started);
         }
-        let mut started = self.model.loaded().assembled(&self.positions, &self.velocities, None)?;
-        started.state.time = self.begin;
+        let started = self.model.loaded().assembled_at(self.begin, &self.positions, &self.velocities)?;
         Ok(self.started.get_or_init(|| started))
     }
 }

@@ -6,8 +6,10 @@ mod tendons;
 mod tuning;
 
 use crate::common::command;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::nonsmooth::MotorLaw;
-use catena::scene::{PackagePath, Scene, SceneError, Touching, WarningGroup, read_input};
+use catena::model::NeverTouch;
+use catena::scene::{PackagePath, PairRule, Scene, SceneError, Touching, WarningGroup, read_input};
 use catena::session::{Model, Simulation};
 use std::path::{Path, PathBuf};
 
@@ -153,6 +155,51 @@ fn free_bodies_loops_excluded_pairs_and_followers_become_those_of_a_scene() {
     let off = text.replace("<worldbody>", "<option><flag contact='disable' gravity='disable'/></option><worldbody>");
     let scene = read("mjcf_flags", &off).expect("a scene");
     assert_eq!((scene.contact.touching, scene.gravity), (Some(Touching::None), Some(nalgebra::Vector3::zeros())));
+}
+
+#[test]
+fn links_that_a_loop_joins_do_not_touch_though_they_are_of_two_children_of_the_world() {
+    // A slider crank whose rod and slider overlap at the pin; beside it another ball, which the rod may touch.
+    let text = "<mujoco><worldbody><geom type='plane' size='5 5 .1'/>
+      <body name='crank' pos='0 0 1'><joint name='c' axis='0 1 0'/><geom type='box' pos='.15 0 0' size='.15 .02 .02' mass='.5'/>
+        <body name='rod' pos='.3 0 0'><joint name='r' axis='0 1 0'/><geom type='box' pos='.4 0 0' size='.4 .01 .01' mass='.4'/></body></body>
+      <body name='ball' pos='0 0 3'><freejoint/><geom type='sphere' size='.04' mass='.8'/></body>
+      <body name='slider' pos='1.1 0 1'><joint name='s' type='slide' axis='1 0 0'/><geom type='sphere' size='.04' mass='.8'/></body>
+      <body name='other' pos='0 1 3'><freejoint/><geom type='sphere' size='.04' mass='.8'/></body>
+    </worldbody><equality><KIND body1='rod' body2='slider' anchor='.8 0 0'/></equality></mujoco>";
+    for kind in ["connect", "weld"] {
+        let scene = read(&format!("mjcf_{kind}"), &text.replace("KIND", kind)).expect("a scene");
+        let reasons = |scene: &Scene| {
+            let (model, _) = catena::model::Model::from_scene(scene).expect("a model");
+            let name = |of: usize| model.mechanism.nonsmooth.colliders[of].name.clone();
+            let touch: Vec<_> =
+                model.mechanism.nonsmooth.pairs.iter().map(|pair| [name(pair.a), name(pair.b)]).collect();
+            let left = model.contact.left_out.iter().map(|left| ([name(left.pair.a), name(left.pair.b)], left.because));
+            (touch, left.collect::<Vec<_>>())
+        };
+        let pin = ["crank/rod", "slider/slider"].map(str::to_string);
+        let is_pin = |names: &[String; 2]| pin.iter().all(|name| names.contains(name));
+        let (touch, left) = reasons(&scene);
+        assert!(left.iter().any(|(names, because)| is_pin(names) && *because == NeverTouch::Neighbours), "{left:?}");
+        assert!(!touch.iter().any(is_pin), "{touch:?}");
+        // Others of the same run of pairs still touch, and so does the floor.
+        for other in ["ball/ball", "other/other", "geom1"] {
+            let meets = |names: &[String; 2]| names.contains(&pin[0]) && names.iter().any(|name| name == other);
+            assert!(touch.iter().any(meets), "{other}: {touch:?}");
+        }
+        // A pair that is asked for stays.
+        let mut asked = scene.clone();
+        let [a, b] = pin.clone();
+        let rule =
+            PairRule { a, b, friction: None, restitution: None, moments: [None; 2], ignore: Some(false), line: 1 };
+        asked.contact.rules.push(rule);
+        assert!(reasons(&asked).0.iter().any(is_pin));
+        // The loop holds them inside each other.
+        let (model, start) = catena::model::Model::from_scene(&asked).expect("a model");
+        let mut state = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+        let error = assemble(&model.mechanism, &mut state).expect_err("it cannot start").to_string();
+        assert!(error.starts_with("\"crank/rod\" and \"slider/slider\" start ") && !error.contains("NaN"), "{error}");
+    }
 }
 
 #[test]

@@ -138,6 +138,41 @@ fn a_full_disk_is_an_error_that_names_the_file() {
     assert!(text(&output.stderr).contains("/dev/full"), "{}", text(&output.stderr));
 }
 
+#[cfg(unix)]
+#[test]
+fn the_report_of_a_run_whose_log_could_not_be_written_names_none() {
+    let folder = folder("no_room");
+    // Files of at most some kilobytes, as on a disk that is full.
+    let program = env!("CARGO_BIN_EXE_catena");
+    let limited =
+        format!("trap '' XFSZ; ulimit -f 16; exec {program} simulate pendulum.urdf -o run.mcap --position hinge=1");
+    let output = std::process::Command::new("sh").args(["-c", &limited]).current_dir(&folder).output().expect("runs");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("cannot write run.mcap"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stdout).contains("energy") && !text(&output.stdout).contains("run.mcap"),
+        "{}",
+        text(&output.stdout)
+    );
+}
+
+#[test]
+fn folders_that_are_written_go_into_folders_that_exist_as_logs_do() {
+    let folder = folder("no_parents");
+    let verbs: [&[&str]; 4] = [
+        &["simulate", "pendulum.urdf", "-o", "not/there/x"],
+        &["chart", "pendulum.urdf", "--quick", "-o", "not/there/x"],
+        &["stress", "--quick", "-o", "not/there/x"],
+        &["manual", "not/there/x"],
+    ];
+    for verb in verbs {
+        let output = run(&folder, verb);
+        assert_one_error(&output, 2, verb[0]);
+        assert!(text(&output.stderr).contains("there is no folder not/there"), "{}", text(&output.stderr));
+        assert!(!folder.join("not").exists(), "{}", verb[0]);
+    }
+}
+
 #[test]
 fn a_standard_output_that_is_full_is_no_fault_of_the_input_for_any_verb() {
     let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {

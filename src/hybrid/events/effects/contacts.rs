@@ -202,8 +202,12 @@ impl Contacts {
         }
         let bodies = body_states(scene.whole, state);
         let accelerations = decided.of_bodies(scene.whole, state, &bodies);
+        let largest =
+            accelerations.iter().fold(scene.whole.gravity.norm(), |most, (linear, _)| most.max(linear.norm()));
         for Closed { contact, .. } in closed {
-            if let Some(point) = point_that_begins(scene.touching, contact, &bodies, &accelerations, self.rest) {
+            if let Some(point) =
+                point_that_begins(scene.touching, contact, &bodies, &accelerations, (self.rest, largest))
+            {
                 *contact = point;
             }
         }

@@ -27,6 +27,8 @@ use nalgebra::Vector3;
 const FLAT: f64 = 1e-3;
 /// A tilt is in a plane if what leaves the plane is less than this part of its rate.
 const PLANAR: f64 = 1e-9;
+/// A tilt that is accelerated by less than this part of gravity and of the largest acceleration is a rounding: nothing acts on the rim.
+const ROUNDED: f64 = 1e-12;
 
 /// A rim on a plane, and how it tilts.
 struct Tilt {
@@ -76,13 +78,13 @@ pub(crate) fn touching_point(
 }
 
 /// The same for a rim at rest that begins to tilt with accelerations of all bodies. A wheel that stands begins to roll, which leaves the plane, and one
-/// on which nothing acts stays a rim.
+/// on which nothing acts stays a rim. Speeds up to `rest` [m/s] are zero, and accelerations of roundings of the `largest` one [m/s²].
 pub(crate) fn point_that_begins(
     touching: &Touching,
     contact: &Contact,
     bodies: &[BodyState],
     accelerations: &[BodyAcceleration],
-    rest: f64,
+    (rest, largest): (f64, f64),
 ) -> Option<Contact> {
     let tilt = Tilt::of(contact, bodies)?;
     if tilt.rates(&turning(contact, bodies))[0] > rest {
@@ -90,7 +92,7 @@ pub(crate) fn point_that_begins(
     }
     let of = |end: &Attachment| end.body.map_or(Vector3::zeros(), |body| accelerations[body].1);
     let [rate, leaves] = tilt.rates(&(of(&contact.joint.b) - of(&contact.joint.a)));
-    let planar = rate > 0.0 && leaves <= PLANAR * rate;
+    let planar = rate > ROUNDED * largest && leaves <= PLANAR * rate;
     if planar { touching.on_rim(contact, &-tilt.towards, bodies) } else { None }
 }
 

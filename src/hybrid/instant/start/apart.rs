@@ -116,7 +116,8 @@ fn least_pushes(square: &DMatrix<f64>, gaps: &[f64]) -> Vec<f64> {
 /// A pair that overlaps, by its number, and its overlap (m); `None` without overlaps.
 pub(crate) type Overlap = Option<(usize, f64)>;
 
-/// Moves a state apart; `close` brings it back on what else has to hold. Says which pair overlapped most, and which still does.
+/// Moves a state apart; `close` brings it back on what else has to hold. Says which pair overlapped most, and which still does: that one, too, where a
+/// loop holds shapes inside each other, so that it cannot be closed again.
 pub(crate) fn without_overlap<E>(
     mechanism: &Mechanism,
     state: &mut State,
@@ -135,7 +136,9 @@ pub(crate) fn without_overlap<E>(
         if !move_apart(&touching, mechanism, response, state, depth) {
             break;
         }
-        close(state)?;
+        if close(state).is_err() {
+            return Ok((first, first));
+        }
     }
     let left = deepest(&touching, mechanism, state);
     let left = left.filter(|&(pair, depth)| depth > touching.pairs[pair].within(1e-12));

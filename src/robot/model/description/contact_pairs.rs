@@ -2,7 +2,8 @@
 //!
 //! Candidates are shapes of links with obstacles, shapes of different links of one robot, and with `pairs = "all"` shapes of links of different
 //! robots. The last `[[contact.pair]]` that
-//! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`.
+//! names both gives friction and restitution of a pair, else the obstacle, else `[contact]`. Links that a loop joint joins do not touch; if they are
+//! of different robots, a `[[contact.pair]]` with `ignore = false` lets them.
 
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths};
@@ -94,24 +95,35 @@ pub(crate) fn contact_pairs(
     let roams = |collider: usize| matches!(owners[collider], Owner::Robot(_)) && reach.roams(&colliders[collider]);
     let ends = alike(settings, colliders, surfaces, roams);
     for (a, one) in colliders.iter().enumerate() {
+        // A loop joint makes neighbours of links of two robots, too. Obstacles are all of the world, and no links at the joint.
+        let of_robot = |of: usize| colliders[of].body.filter(|_| matches!(owners[of], Owner::Robot(_)));
+        let joined_to = of_robot(a).map_or(Vec::new(), |body| kinship.joined_by_loops(body));
+        let joins = |b: usize| of_robot(b).is_some_and(|body| kinship.is_of(&joined_to, body));
         let mut next = a + 1;
         while next < colliders.len() {
             let (b, other) = (next, &colliders[next]);
             let own = owners[a] == owners[b];
             // Links that roam meet all links of other robots.
             let meets = !own && roams(b);
-            next = if meets { ends[b] } else { b + 1 };
+            let by_loop = !own && joins(b);
+            next = match meets && !by_loop {
+                true => (b + 1..ends[b]).find(|&other| joins(other)).unwrap_or(ends[b]),
+                false => b + 1,
+            };
             if never_asked(settings.touching(), itself, [owners[a], owners[b]]).is_some()
                 || (own && one.name == other.name)
             {
                 continue;
             }
             let is_obstacle = matches!(owners[b], Owner::Obstacle(_));
-            let Manner { friction, restitution, moments: [rolling, spinning], ignored, .. } =
+            let Manner { friction, restitution, moments: [rolling, spinning], ignored, wanted } =
                 manner(settings, [surfaces[a], surfaces[b]], is_obstacle, [&one.name, &other.name]);
             let moments = MomentLengths { rolling, spinning };
             let first = ContactPair { number: pairs.len(), a, b, friction, restitution, moments };
-            let joined = || if own { kinship.reason([one.body, other.body]) } else { None };
+            let joined = || match own {
+                true => kinship.reason([one.body, other.body]),
+                false => (by_loop && !wanted).then_some(NeverTouch::Neighbours),
+            };
             let within_limits =
                 || never_meet_within_limits(reach.mechanism(), [one.body, other.body], [balls[a], balls[b]]);
             let apart = || !meets && (reach.never_meet(one, other) || (own && within_limits()));

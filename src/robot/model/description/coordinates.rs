@@ -16,7 +16,7 @@
 //!     X_body = X_link L⁻¹        v_body = v_link + ω × (p_body − p_link)        w = Rⱼᵀ ω        [m, m/s, rad/s]
 //! ```
 
-use crate::mechanism::description::closure::Coordinate;
+use crate::mechanism::description::closure::{Coordinate, Mimic};
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::motion::state::State;
 use crate::model::description::followers::Followed;
@@ -28,6 +28,10 @@ use nalgebra::{Rotation3, Translation3, Vector3, Vector4};
 /// The largest angle that a joint may start with (rad). There the next double is 1.5e-8 rad away, as far as anyone may want a
 /// joint to be placed; much further out no step is short enough for the roundings.
 const LARGEST_ANGLE: f64 = 1e8;
+
+/// A moved joint may start this far from its motion [m, rad, m/s, rad/s], or this part of a larger number: runs keep to motions much better, and a
+/// number of a program or of a file is rounded to 1e-12 and better.
+const ON_MOTION: f64 = 1e-9;
 
 /// A joint's reported position (at most a pose, seven numbers) and velocity (at most a twist, six).
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,19 +73,35 @@ impl Model {
         state
     }
 
-    /// The state with the given joint positions and velocities (user coordinates). Joints that mimic given ones follow them
-    /// ([`crate::model::description::followers`]), locked joints are in their only position, and the rest is at zero. `base_velocity` is the velocity
-    /// of the floating root link's frame origin, in the world (linear, angular).
+    /// The state at time zero with the given joint positions and velocities ([`Model::initial_state_at`]).
     ///
     /// # Errors
-    /// [`ModelError`] for joints that do not exist or do not move, for wrong counts of numbers, and for angles without digits.
+    /// As of [`Model::initial_state_at`].
     pub fn initial_state(
         &self,
         positions: &[(String, Vec<f64>)],
         velocities: &[(String, Vec<f64>)],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, ModelError> {
+        self.initial_state_at(0.0, positions, velocities, base_velocity)
+    }
+
+    /// The state at a time (s) with the given joint positions and velocities (user coordinates). Joints that mimic given ones follow them
+    /// ([`crate::model::description::followers`]), locked joints are in their only position, joints that are moved in time are where they are then, and
+    /// the rest is at zero. `base_velocity` is the velocity of the floating root link's frame origin, in the world (linear, angular).
+    ///
+    /// # Errors
+    /// [`ModelError`] for joints that do not exist or do not move, for wrong counts of numbers, for angles without digits, and for moved joints that
+    /// are given numbers off their motions.
+    pub fn initial_state_at(
+        &self,
+        time: f64,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<State, ModelError> {
         let mut state = self.zero_state();
+        state.time = time;
         let mut given = vec![false; self.mechanism.bodies.len()];
         for (name, values) in positions {
             let (record, body) = self.moving_joint(name)?;
@@ -97,10 +117,8 @@ impl Model {
         let mimics = &self.mechanism.mimics;
         let moved = || mimics.iter().filter(|mimic| mimic.is_moved());
         for mimic in moved() {
-            if std::mem::replace(&mut given[mimic.follower.body], true) {
-                return Err(ModelError::Moved(mimic.name.clone()));
-            }
-            state.position[mimic.follower.position] = mimic.motion(0.0, 0.0)[0];
+            let is_given = std::mem::replace(&mut given[mimic.follower.body], true);
+            put_on_motion(mimic, is_given, &mut state.position[mimic.follower.position], mimic.motion(time, time)[0])?;
         }
         let place = |of: Coordinate| of.position;
         Followed { values: &mut state.position, place, offsets: true }.decide(mimics, given);
@@ -116,14 +134,25 @@ impl Model {
             given[body] = true;
         }
         for mimic in moved() {
-            if std::mem::replace(&mut given[mimic.follower.body], true) {
-                return Err(ModelError::Moved(mimic.name.clone()));
-            }
-            state.velocity[mimic.follower.freedom] = mimic.motion(0.0, 0.0)[1];
+            let is_given = std::mem::replace(&mut given[mimic.follower.body], true);
+            put_on_motion(mimic, is_given, &mut state.velocity[mimic.follower.freedom], mimic.motion(time, time)[1])?;
         }
         let place = |of: Coordinate| of.freedom;
         Followed { values: &mut state.velocity, place, offsets: false }.decide(mimics, given);
         Ok(state)
+    }
+
+    /// Puts the joints that are moved in time where they are at the time of a state, to the last bit.
+    ///
+    /// # Errors
+    /// [`ModelError::Moved`] for a joint that is elsewhere by more than roundings.
+    pub fn keep_to_motions(&self, state: &mut State) -> Result<(), ModelError> {
+        let time = state.time;
+        self.mechanism.mimics.iter().filter(|mimic| mimic.is_moved()).try_for_each(|mimic| {
+            let [place, rate, _] = mimic.motion(time, time);
+            put_on_motion(mimic, true, &mut state.position[mimic.follower.position], place)?;
+            put_on_motion(mimic, true, &mut state.velocity[mimic.follower.freedom], rate)
+        })
     }
 
     /// A joint's reported position and velocity, from the position and velocity vectors of a state. Empty for joints
@@ -227,6 +256,15 @@ impl Model {
         state.velocity[joint.velocity_range()].copy_from_slice(&numbers);
         Ok(())
     }
+}
+
+/// Puts a moved joint where its motion has it; a given number that is another one is refused.
+fn put_on_motion(mimic: &Mimic, is_given: bool, number: &mut f64, moved: f64) -> Result<(), ModelError> {
+    if is_given && (*number - moved).abs() > ON_MOTION * moved.abs().max(1.0) {
+        return Err(ModelError::Moved(mimic.name.clone()));
+    }
+    *number = moved;
+    Ok(())
 }
 
 /// The names of the numbers of a position.

@@ -1,4 +1,4 @@
-//! Links of one robot that never touch because of the joints between them.
+//! Links that never touch because of the joints between them: of one robot, and of two that a loop joint joins.
 //!
 //! Bodies that locked joints hold together are one group. Two links are neighbours if one joint joins their groups, perhaps with links without mass
 //! in between: a joint of the tree, or a loop joint other than a rod of given length. Shapes of neighbours overlap at their joint by design.
@@ -42,6 +42,30 @@ impl<'m> Kinship<'m> {
         (heads[0] == heads[1] || self.are_neighbours(heads, &of_group)).then_some(NeverTouch::Locked)
     }
 
+    /// The groups of bodies, by their first ones, that loop joints join to the group of a body; rods of given length join none, and neither does the
+    /// world.
+    pub fn joined_by_loops(&self, body: usize) -> Vec<usize> {
+        let Some(own) = self.head[body] else { return Vec::new() };
+        let of_groups = self.joining().filter_map(|[a, b]| Some([self.head[a?]?, self.head[b?]?]));
+        let others = of_groups.filter_map(|[a, b]| match () {
+            () if a == own => Some(b),
+            () if b == own => Some(a),
+            () => None,
+        });
+        others.collect()
+    }
+
+    /// Whether a body belongs to one of these groups.
+    pub fn is_of(&self, groups: &[usize], body: usize) -> bool {
+        self.head[body].is_some_and(|head| groups.contains(&head))
+    }
+
+    /// The bodies of the loop joints other than rods of given length.
+    fn joining(&self) -> impl Iterator<Item = [Option<usize>; 2]> {
+        let joints = self.mechanism.loops.iter().filter(|joint| !matches!(joint.kind, LoopKind::Distance(_)));
+        joints.map(|joint| [joint.a.body, joint.b.body])
+    }
+
     /// Whether one joint joins two groups; `group` is the first body of a group, `None` the world.
     fn are_neighbours(&self, [a, b]: [Option<usize>; 2], group: &dyn Fn(usize) -> Option<usize>) -> bool {
         let above = |body: usize| self.mechanism.bodies[body].parent.and_then(group);
@@ -56,8 +80,7 @@ impl<'m> Kinship<'m> {
             }
         };
         let of_loop = || {
-            let joints = self.mechanism.loops.iter().filter(|joint| !matches!(joint.kind, LoopKind::Distance(_)));
-            joints.map(|joint| [joint.a.body, joint.b.body]).any(|ends| {
+            self.joining().any(|ends| {
                 let ends = ends.map(|body| body.and_then(group));
                 ends == [a, b] || ends == [b, a]
             })

@@ -84,10 +84,9 @@ impl Simulation {
             return Err(Error::Option { option: "time", value: time, wanted: "give a finite number" });
         }
         let mut motion = self.model.coordinates().state(self.model.description(), q, v)?;
-        // Joints that are moved in time are where they are then.
         motion.time = time;
-        let mut started = self.model.loaded().settled(motion, &Start::default())?;
-        started.state.time = time;
+        self.model.description().keep_to_motions(&mut motion)?;
+        let started = self.model.loaded().settled(motion, &Start::default())?;
         // Motors that hold their joints where a run starts are other ones from another start.
         let held = motors_from(self.model.description(), &started.state);
         let motors = &self.model.description().mechanism.nonsmooth.motors;
