@@ -101,11 +101,7 @@ impl Integrator for Eventful {
                 match if again { self.begin_carefully(inputs, state, next) } else { None } {
                     Some(outcome) => outcome,
                     None => {
-                        if slides {
-                            self.progress.crowding.jam(since);
-                        } else {
-                            self.progress.crowding.fail(since);
-                        }
+                        self.progress.crowding.jam(since);
                         self.stumble(inputs, state, next)
                     }
                 }

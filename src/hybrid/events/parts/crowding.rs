@@ -1,7 +1,7 @@
 //! Crowds of events: many steps end at events in a short time, and first-order steps are taken instead.
 //!
 //! ```text
-//!     Σ (1 + contacts/4) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or a step that cannot be made:    a crowd
+//!     Σ (1 + contacts/4) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or jams without end:    a crowd
 //!     Σ iterations (rates + 3 contacts)² over the steps of 1e-2 s > 1.2e7, or > 2e6 soon after a crowd, four of which have ended at events:  a crowd
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
@@ -12,7 +12,8 @@
 //! end, 52 ms take 400 steps without contacts and 52 steps of first order.
 //!
 //! A slip that jams stops within less than a microsecond, in which roundings of gaps are forces: ε/h² of 1e-17 m is 0.1 m/s² for 1e-8 s. It is passed
-//! in one step of first order of 1e-6 s. Jams that follow each other soon take 4, 16 and 64 times that length, and then count as crowds.
+//! in one step of first order of 1e-6 s, and so are a step that fails otherwise and a mode that could not be decided, as of a body that is wedged for a
+//! moment. Jams that follow each other soon take 4, 16 and 64 times that length, and then count as crowds.
 
 /// Length of a step of first order (s).
 pub(crate) const STEP: f64 = 1e-4;
@@ -28,7 +29,7 @@ const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
 pub(crate) const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
-/// A step in which contacts slide that is shorter than this (s) and cannot be solved is replaced by one of first order of this length.
+/// A step that cannot be made is replaced by one of first order of this length (s).
 pub(crate) const JAM_STEP: f64 = 1e-6;
 /// A jam that follows within [`SOON`] times the last length takes a step that is longer by this factor, up to the length of steps of crowds.
 const JAM_LONGER: f64 = 4.0;
@@ -174,14 +175,13 @@ impl Crowding {
 
     /// A step that begins at a time (s) failed at every length, and one of first order is made in its place. A failed attempt is the most expensive
     /// one, so failures that follow soon are left by more and more of these steps, as crowds are.
-    pub fn fail(&mut self, time: f64) {
+    fn fail(&mut self, time: f64) {
         self.jams = false;
         self.begin(time, 0.0);
         self.make(time);
     }
 
-    /// A step that begins at a time (s), in which contacts slide, could not be solved. A jam is over in a moment, and is left by a step of first
-    /// order that is hardly longer.
+    /// A step that begins at a time (s) could not be made. A jam is over in a moment, and is left by a step of first order that is hardly longer.
     pub fn jam(&mut self, time: f64) {
         let length = if self.jams_again(time) { JAM_LONGER * self.jam.0 } else { JAM_STEP };
         if length >= STEP {

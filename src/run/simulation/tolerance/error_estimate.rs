@@ -42,8 +42,8 @@ use crate::stepping::length::stage_choice::StageChoice;
 const OPTIMISTIC: f64 = 100.0;
 /// Motions have parted if their distance exceeds this share of the mechanism's size.
 const PARTED: f64 = 1e-2;
-/// Runs that meet other events and are this many tolerances apart, or this share of the size if that is less, go on to part: steps over events are no worse.
-const FAR: [f64; 2] = [100.0, 1e-4];
+/// Runs that meet other events part if they are this share of the size apart: steps over events are no worse. Less is an error of rebounds that were left out.
+const FAR: f64 = 1e-4;
 /// Number of estimates in a run with a carried companion, and in one with a separate companion.
 const LOOKS: [f64; 2] = [128.0, 32.0];
 /// However long a run is, the next estimate is made when its time has grown by this factor at most.
@@ -236,10 +236,9 @@ impl<'a> ErrorEstimate<'a> {
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
 
-    /// Whether runs with this error (m) part; less is an error of rebounds that were left out.
+    /// Whether runs with this error (m) part.
     fn is_far(&self, error: f64) -> bool {
-        let wanted = self.terms.tolerance;
-        error > (FAR[0] * wanted).min(FAR[1] * self.size).max(wanted)
+        error > (FAR * self.size).max(self.terms.tolerance)
     }
 
     /// Estimates the error, and decides whether the run continues.
