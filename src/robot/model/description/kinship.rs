@@ -47,11 +47,7 @@ impl<'m> Kinship<'m> {
     pub fn joined_by_loops(&self, body: usize) -> Vec<usize> {
         let Some(own) = self.head[body] else { return Vec::new() };
         let of_groups = self.joining().filter_map(|[a, b]| Some([self.head[a?]?, self.head[b?]?]));
-        let others = of_groups.filter_map(|[a, b]| match () {
-            () if a == own => Some(b),
-            () if b == own => Some(a),
-            () => None,
-        });
+        let others = of_groups.filter_map(|[a, b]| (a == own).then_some(b).or((b == own).then_some(a)));
         others.collect()
     }
 
