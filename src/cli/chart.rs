@@ -51,7 +51,7 @@ pub struct ChartArgs {
     #[arg(long, value_name = "JOINT=VALUE")]
     velocity: Vec<Assignment>,
 
-    /// Simulated time of each scene [s] [default: that of its file, or 2]
+    /// Simulated time of each scene [s] [default: as its file says, or 2]
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = positive)]
     duration: Option<f64>,
 

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Any error of a controller.
 pub type ControllerFailure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why a model cannot be loaded, started, run or logged. The messages are those of the command line.
+/// Why a model cannot be loaded, started, run or logged. The command line has the same messages.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

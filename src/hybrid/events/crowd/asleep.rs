@@ -12,7 +12,7 @@ pub(crate) struct Asleep {
 }
 
 impl Asleep {
-    /// Trees of which none sleeps.
+    /// Trees that are all awake.
     pub fn new(trees: &Trees) -> Self {
         Asleep { group: vec![None; trees.trees.len()], of_body: trees.of_body.clone() }
     }

@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 const FLAT: f64 = 1e-3;
 /// A tilt is in a plane if what leaves the plane is less than this part of its rate.
 const PLANAR: f64 = 1e-9;
-/// A tilt that is accelerated by less than this part of gravity and of the largest acceleration is a rounding: nothing acts on the rim.
+/// A tilt that is accelerated by less than this part of gravity and of the largest acceleration is a rounding: the rim is left alone.
 const ROUNDED: f64 = 1e-12;
 
 /// A rim on a plane, and how it tilts.

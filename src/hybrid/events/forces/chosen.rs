@@ -93,7 +93,7 @@ impl Chosen {
         DMatrix::from_fn(square.nrows(), square.ncols(), entry)
     }
 
-    /// The compliance that all contacts share: the mean of those of their normals.
+    /// The compliance that all contacts share: the mean over their normals.
     fn even(&self, mobility: &DMatrix<f64>) -> f64 {
         let of_contacts = self.equations.iter().zip(&self.touches).filter(|(_, touches)| **touches);
         let (sum, contacts) =

@@ -1,6 +1,6 @@
 //! The constant part of a motion with events: the mechanism, the elements that change a mode, the pairs that may touch, and how steps are made.
 //!
-//! Invariants: `elements` and `touching` are those of `whole`; only a run that hands over another mechanism changes them, between two steps.
+//! Invariants: `elements` and `touching` belong to `whole`; only a run that hands over another mechanism changes them, between two steps.
 
 use crate::events::finding::extremes::next_extreme;
 use crate::events::modes::piece_recipe::PieceRecipe;

@@ -192,7 +192,7 @@ impl Exerted {
             second_rates(mechanism, elements, bodies, state, free, blocks, |contact| &contacts[contact].0.joint);
         let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
         if have_moments(blocks) {
-            // The loads of the last round are those of the problem that follows.
+            // The problem that follows has the loads of the last round.
             let _ = solve_with_moments(blocks, &mut rows.square, &mut offset, &laws, |problem| solve(problem, None));
         }
         let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };

@@ -45,7 +45,7 @@ pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State)
     overlaps.max_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// Makes one round: moves a state with this deepest overlap (m) so that nothing would overlap, were its gaps linear. Says whether anything was moved.
+/// Makes one round: moves a state with this deepest overlap (m) so that no shapes would overlap, were its gaps linear. Says whether anything was moved.
 pub(crate) fn move_apart(
     touching: &Touching,
     mechanism: &Mechanism,

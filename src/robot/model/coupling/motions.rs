@@ -1,6 +1,6 @@
 //! Joints that a `[[motion]]` moves in time, as equations `q − r(t) = 0`.
 //!
-//! Limits and dry friction of such a joint, and of joints that follow it, change nothing but the effort of the drive. They are left out with a warning.
+//! Limits and dry friction of such a joint, and of joints that follow it, change only the effort of the drive. They are left out with a warning.
 
 use crate::mechanism::description::closure::Mimic;
 use crate::model::coupling::builder::{Builder, UrdfJointOf};

@@ -23,7 +23,7 @@ impl Reader<'_> {
     pub fn actuators(&mut self, actuators: &Element) -> Result<(), SceneError> {
         for given in &actuators.children {
             let mut actuator = self.defaults.applied(given, None);
-            // Defaults of all kinds are those of the general one.
+            // All kinds have the defaults of the general one.
             if given.name != "general" {
                 let general = Element { name: "general".to_string(), ..actuator.clone() };
                 actuator.attributes = self.defaults.applied(&general, None).attributes;

@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Sections that say nothing of the motion.
+/// Sections that have no effect on the motion.
 const SILENT: [&str; 8] = ["visual", "statistic", "size", "custom", "sensor", "extension", "asset", "default"];
 
 /// Reads and validates an MJCF file; with `keyframe` the scene starts there.

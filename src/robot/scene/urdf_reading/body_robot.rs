@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 impl SceneBody {
-    /// The robot that it is; `path` and `line` are those of its table.
+    /// The robot that it is; `path` and `line` belong to its table.
     ///
     /// # Errors
     /// [`SceneError`] for numbers that no URDF has: a mass or moment that is infinite.

@@ -45,7 +45,7 @@ impl WithoutLocked {
         }
     }
 
-    /// The number of a motor of the whole among those of the joints that are not locked; `None` if its joint is locked.
+    /// The number of a motor of the whole among the motors of joints that are not locked; `None` if its joint is locked.
     fn motor(&self, motor: usize) -> Option<usize> {
         let moves = |at: &usize| !self.locked.held().is_held[self.whole.nonsmooth.motors[*at].coordinate.body];
         (motor < self.whole.nonsmooth.motors.len() && moves(&motor)).then(|| (0..motor).filter(moves).count())

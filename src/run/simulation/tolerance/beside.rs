@@ -14,7 +14,7 @@ use crate::stepping::length::stage_choice::StageChoice;
 pub(crate) const RATIO: f64 = 30.0;
 /// The least energy change that may be made, over the stop. If it had the bound of the run, a coarse companion would take more steps than the run.
 const ENERGY: f64 = 300.0;
-/// Length of its steps over events over those of the run beside it.
+/// Length of its steps over events over the length of such steps of the run beside it.
 const OVER_EVENTS: f64 = 2.0;
 /// The stop of a finer run beside one whose stop is at rounding, over that stop: its steps are others.
 const OTHER_STEPS: f64 = 10.0;

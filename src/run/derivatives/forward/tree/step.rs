@@ -1,6 +1,6 @@
 //! The equations of a step of a tree, joint by joint, and what is off in them.
 //!
-//! The equations are those of [`crate::derivatives::forward::stage_equations`] without closures and springs between points. Forces on bodies act at
+//! The equations are as in [`crate::derivatives::forward::stage_equations`] without closures and springs between points. Forces on bodies act at
 //! their points ([`crate::derivatives::forward::spatial`]). With the motions s of the freedoms they become
 //!
 //! ```text
