@@ -66,9 +66,18 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     points_on_faces(both, &normal, &mut of_a, &mut of_b);
     let of_a = within(a, &of_a, &normal, least_a);
     let of_b = within(b, &of_b, &-own, least_b);
+    // Points of shapes that do not overlap are no farther apart than their gap may be, but for how far they may be outside their features.
+    let most = near.abs() + radii - 20.0 * outside + 1e-9 * size;
+    let most = if closest.distance() < -1e-9 * size { f64::INFINITY } else { most };
+    let balls_b: Vec<Ball> =
+        of_b.iter().map(|(other, _)| ball(b, *other).moved(&both.rotation, &both.translation)).collect();
     for &(one, own_of_a) in &of_a {
         let on_a = part(a, one);
-        for &(other, own_of_b) in &of_b {
+        let ball_a = ball(a, one);
+        for (&(other, own_of_b), ball_b) in of_b.iter().zip(&balls_b) {
+            if ball_a.is_farther(ball_b, most) {
+                continue;
+            }
             let crosses = matches!(
                 (one, other),
                 (FeatureId::Rim(_), FeatureId::Edge(_)) | (FeatureId::Edge(_), FeatureId::Rim(_))
@@ -138,6 +147,40 @@ fn within(core: &Core, features: &[FeatureId], normal: &Vector3<f64>, least: f64
 /// The rims that lie flat, for which points stand among these features: edges cross them still.
 fn flat_rims(core: &Core, others: &[FeatureId]) -> impl Iterator<Item = FeatureId> {
     features(core).filter(move |feature| matches!(feature, FeatureId::Rim(_)) && !others.contains(feature))
+}
+
+/// A ball about all points of a feature: its centre and radius (m).
+struct Ball(Vector3<f64>, f64);
+
+impl Ball {
+    fn moved(self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
+        Ball(rotation * self.0 + translation, self.1)
+    }
+
+    /// Whether all points of two features are farther apart than this (m).
+    fn is_farther(&self, other: &Ball, most: f64) -> bool {
+        let reach = self.1 + other.1 + most;
+        (self.0 - other.0).norm_squared() > reach * reach
+    }
+}
+
+/// The ball about a face, an edge or a vertex of a polytope; one without end about other features.
+fn ball(core: &Core, feature: FeatureId) -> Ball {
+    let Core::Polytope(polytope) = core else { return Ball(Vector3::zeros(), f64::INFINITY) };
+    match feature {
+        FeatureId::Vertex(number) => Ball(polytope.vertices[number as usize], 0.0),
+        FeatureId::Edge(edge) | FeatureId::EdgePoint { edge, .. } => {
+            let [from, to] = polytope.edges[edge as usize].ends.map(|end| polytope.vertices[end]);
+            Ball((from + to) / 2.0, (to - from).norm() / 2.0)
+        }
+        FeatureId::Face(number) => {
+            let corners = &polytope.faces[number as usize].corners;
+            let at = |corner: &usize| polytope.vertices[*corner];
+            let centre = corners.iter().map(at).sum::<Vector3<f64>>() / corners.len() as f64;
+            Ball(centre, corners.iter().map(|corner| (at(corner) - centre).norm()).fold(0.0, f64::max))
+        }
+        _ => Ball(Vector3::zeros(), f64::INFINITY),
+    }
 }
 
 /// Whether a feature can be touched.
