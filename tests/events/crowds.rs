@@ -121,20 +121,26 @@ fn boxes_that_land_on_their_corners_close_without_a_lift() {
     assert!(energy <= 1e-7, "{energy}");
 }
 
-#[test]
-fn a_ball_breaks_a_wall_without_overlap_or_energy_from_nowhere() {
-    let (wide, high) = (4, 4);
+/// A wall of so many bricks along and up, from `-left` (m) on, and a ball at a height (m) that strikes it.
+fn struck_wall(count: u32, left: f64, height: f64) -> String {
     let mut bodies = String::new();
-    for (x, z) in (0..high).flat_map(|z| (0..wide).map(move |x| (x, z))) {
-        let (along, up) = (0.4 * f64::from(x) + 0.2 * f64::from(z % 2) - 0.8, 0.1 + 0.2 * f64::from(z));
+    for (x, z) in (0..count).flat_map(|z| (0..count).map(move |x| (x, z))) {
+        let (along, up) = (0.4 * f64::from(x) + 0.2 * f64::from(z % 2) - left, 0.1 + 0.2 * f64::from(z));
         bodies += &format!(
             "[[body]]\nname = \"b{x}_{z}\"\nshape = {{ type = \"box\", size = [0.4, 0.2, 0.2] }}\ndensity = 1000.0\n\
              pose = {{ position = [{along}, 0.0, {up}] }}\n"
         );
     }
-    bodies += "[[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.2 }\ndensity = 3000.0\n\
-               pose = { position = [0.0, -0.4, 0.5] }\nvelocity = { linear = [0.0, 4.0, 0.0] }\n";
-    let (residual, lift, overlap, energy) = run_on_floor("wall_breaks", &bodies, 0.1);
+    bodies
+        + &format!(
+            "[[body]]\nname = \"ball\"\nshape = {{ type = \"sphere\", radius = 0.2 }}\ndensity = 3000.0\n\
+             pose = {{ position = [0.0, -0.4, {height}] }}\nvelocity = {{ linear = [0.0, 4.0, 0.0] }}\n"
+        )
+}
+
+#[test]
+fn a_ball_breaks_a_wall_without_overlap_or_energy_from_nowhere() {
+    let (residual, lift, overlap, energy) = run_on_floor("wall_breaks", &struck_wall(4, 0.8, 0.5), 0.1);
     // A step whose shapes overlap by more is made again, shorter.
     assert!(lift <= 1e-4, "{lift}");
     // Ten times the worst of the steps that are not solved to 5e-9.
@@ -145,17 +151,7 @@ fn a_ball_breaks_a_wall_without_overlap_or_energy_from_nowhere() {
 
 #[test]
 fn the_law_of_contact_is_solved_to_a_ten_thousandth_in_a_wall_of_64_bricks_that_is_struck() {
-    let mut bodies = String::new();
-    for (x, z) in (0..8).flat_map(|z| (0..8).map(move |x| (x, z))) {
-        let (along, up) = (0.4 * f64::from(x) + 0.2 * f64::from(z % 2) - 1.6, 0.1 + 0.2 * f64::from(z));
-        bodies += &format!(
-            "[[body]]\nname = \"b{x}_{z}\"\nshape = {{ type = \"box\", size = [0.4, 0.2, 0.2] }}\ndensity = 1000.0\n\
-             pose = {{ position = [{along}, 0.0, {up}] }}\n"
-        );
-    }
-    bodies += "[[body]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.2 }\ndensity = 3000.0\n\
-               pose = { position = [0.0, -0.4, 0.9] }\nvelocity = { linear = [0.0, 4.0, 0.0] }\n";
-    let (residual, lift, overlap, energy) = run_on_floor("large_wall_breaks", &bodies, 0.04);
+    let (residual, lift, overlap, energy) = run_on_floor("large_wall_breaks", &struck_wall(8, 1.6, 0.9), 0.04);
     // The bound of all steps. Large problems that were solved as far as small ones ended at 1.3e-4, after 2.5 times the iterations.
     assert!(residual <= 1e-4, "{residual}");
     // As of the small wall.
