@@ -105,11 +105,6 @@ impl PairGeometry {
         first && is_ball(&self.second)
     }
 
-    /// Whether the second shape is inside the first: a rope, which is near where balls about the two are far apart.
-    pub fn is_inside(&self) -> bool {
-        matches!(self.first, First::Hollow(_))
-    }
-
     /// Whether two convex shapes have many vertices: GJK alone is much less work than the exact distance.
     pub fn is_dense(&self) -> bool {
         matches!(&self.first, First::Convex(convex) if convex.is_dense() || self.second.is_dense())

@@ -20,6 +20,8 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Places that are nearer than this to each other are one, relative to the size.
 pub const SAME: f64 = 1e-7;
+/// A point that is outside both edges of a corner may be this much farther from the corner than from the edges.
+const CORNER: f64 = 20.0;
 
 /// The places of two convex shapes whose gap is below a bound (m).
 pub fn manifold(both: &Both, near: f64) -> Vec<Candidate> {
@@ -56,8 +58,8 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     // Cores that touch have no direction between two points: there a vertex that passes an edge counts as being over one face or the other.
     let sharp = closest.distance() <= 1e-9 * size;
     // Away from there it is over a face as far as contacts keep their features: over an edge the gap of a rounded shape opens anew.
-    let most = if sharp { 1e-3 } else { 1e-9 };
-    let outside = -(near.abs().min(most * size) + rounding);
+    let share = if sharp { 1e-3 } else { 1e-9 };
+    let outside = -(near.abs().min(share * size) + rounding);
     let at_closest = Guess { normal, point: closest.points[1], at_point: false };
     let mut found = Vec::new();
     let mut of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();
@@ -66,9 +68,9 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     points_on_faces(both, &normal, &mut of_a, &mut of_b);
     let of_a = within(a, &of_a, &normal, least_a);
     let of_b = within(b, &of_b, &-own, least_b);
-    // Points of shapes that do not overlap are no farther apart than their gap may be, but for how far they may be outside their features.
-    let most = near.abs() + radii - 20.0 * outside + 1e-9 * size;
-    let most = if closest.distance() < -1e-9 * size { f64::INFINITY } else { most };
+    // Places of shapes that do not overlap are no farther apart than their gap may be, but for how far they may be outside their features.
+    let overlap = closest.distance() < -1e-9 * size;
+    let most = if overlap { f64::INFINITY } else { near.abs() + radii - CORNER * outside + 1e-9 * size };
     let balls_b: Vec<Ball> =
         of_b.iter().map(|(other, _)| ball(b, *other).moved(&both.rotation, &both.translation)).collect();
     for &(one, own_of_a) in &of_a {
@@ -216,8 +218,7 @@ pub fn without_doubles(found: &mut Vec<Candidate>, same: f64, radii: [f64; 2]) {
     let surface = |one: &Candidate| [one.points[0] + one.normal * radii[0], one.points[1] - one.normal * radii[1]];
     let mut kept: Vec<Candidate> = Vec::with_capacity(found.len());
     let mut places: Vec<[Vector3<f64>; 2]> = Vec::with_capacity(found.len());
-    let near =
-        |one: &Vector3<f64>, other: &Vector3<f64>| (one.x - other.x).abs() <= same && (one - other).norm() <= same;
+    let near = |one: &Vector3<f64>, other: &Vector3<f64>| (one - other).norm() <= same;
     for candidate in found.drain(..) {
         let own = surface(&candidate);
         let double = |(other, points): (&Candidate, &[Vector3<f64>; 2])| {

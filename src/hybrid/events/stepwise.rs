@@ -8,8 +8,8 @@
 //!     q̄  = q₀ + h v̄,  on closures, within limits and out of overlaps by the least motion
 //! ```
 //!
-//! The method has first order and no rebounds; the energy that they would have given back is told. Its steps have a tenth of a millisecond, and up to
-//! a millisecond in crowds that last. A step that would gain energy has its velocities scaled down. The energy that it loses beside the work of
+//! The method has first order and no rebounds; the energy that they would have given back is told. Its steps have a microsecond in
+//! the place of one that cannot be made, a tenth of a millisecond in crowds, and up to a millisecond in crowds that last. A step that would gain energy has its velocities scaled down. The energy that it loses beside the work of
 //! motors counts as lost in impacts.
 //!
 //! Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth contact dynamics method,

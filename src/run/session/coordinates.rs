@@ -132,6 +132,16 @@ impl Coordinates {
         self.joints.iter().map(|joint| (joint.name.clone(), numbers[range(joint).clone()].to_vec())).collect()
     }
 
+    /// Checks the lengths of q and v.
+    pub(crate) fn check_lengths(&self, q: &[f64], v: &[f64]) -> Result<(), Error> {
+        for (what, given, wanted) in [("q", q.len(), self.q_count()), ("v", v.len(), self.v_count())] {
+            if given != wanted {
+                return Err(Error::Count { what, given, wanted });
+            }
+        }
+        Ok(())
+    }
+
     /// Checks the count of the numbers, and that they are finite.
     pub(crate) fn check(
         &self,

@@ -276,11 +276,7 @@ impl Model {
     /// Wrong lengths of q and v.
     pub fn put_on_motions(&self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), Error> {
         let places = self.coordinates();
-        for (what, given, wanted) in [("q", q.len(), places.q_count()), ("v", v.len(), places.v_count())] {
-            if given != wanted {
-                return Err(Error::Count { what, given, wanted });
-            }
-        }
+        places.check_lengths(q, v)?;
         places.put_on_motions(self.description(), time, q, v);
         Ok(())
     }

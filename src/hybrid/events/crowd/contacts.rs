@@ -17,7 +17,7 @@ use crate::instant::holding::near::Near;
 use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::{Contact, Touching};
-use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::Cores;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -414,14 +414,6 @@ impl Clearances {
                 known.clear -= moved + turned * reach;
             }
         }
-        if known.likely {
-            return false;
-        }
-        if known.clear <= within && !of.is_rope() {
-            let place = |body: Option<usize>| body.map_or(WORLD.position, |body| self.bodies[body].position);
-            let apart = (place(of.bodies[0]) - place(of.bodies[1])).norm() - of.reach[0] - of.reach[1];
-            known.clear = known.clear.max(apart);
-        }
-        known.clear > within
+        !known.likely && known.clear > within
     }
 }

@@ -15,6 +15,7 @@ use crate::crowd::problem::{Given, Problem};
 use crate::crowd::solver::{TOLERANCE, solve};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{Candidate, Contacts, Scene};
+use crate::instant::cone::impact::share_without_gain;
 use nalgebra::Vector3;
 
 /// The most rounds of a step.
@@ -43,27 +44,26 @@ impl Rebounding<'_> {
         closes && self.contacts.closing_rate(number, self.trees, velocity) < -self.slow
     }
 
-    /// Makes the rounds of an island: changes the rates of its freedoms, and adds the impulses of its candidates. Returns how many have met, the largest
-    /// residual, and how many rounds were not solved.
+    /// Makes the rounds among candidates of whole islands: changes the rates of their freedoms, and adds the impulses of all. Returns how many have met,
+    /// the largest residual, and how many rounds of a group were not solved.
     pub fn rounds(
         &self,
-        island: &Island,
+        candidates: impl Iterator<Item = usize>,
         velocity: &mut [f64],
         impulses: &mut [Vector3<f64>],
         room: &mut Workspace,
     ) -> (usize, f64, usize) {
         let (mut met, mut residual, mut unsolved) = (0, 0.0_f64, 0);
-        let closing: Vec<usize> =
-            island.candidates.iter().copied().filter(|&number| self.contacts.list[number].closes()).collect();
-        let first: Vec<f64> =
-            closing.iter().map(|&number| self.contacts.closing_rate(number, self.trees, velocity)).collect();
+        let mut places = vec![0; self.trees.trees.len()];
+        let closing = candidates.filter(|&number| self.contacts.list[number].closes());
+        let closing: Vec<(usize, f64)> =
+            closing.map(|number| (number, self.contacts.closing_rate(number, self.trees, velocity))).collect();
         for round in 0..ROUNDS {
-            let approaches = |&(number, first): &(usize, f64)| {
+            let approaches = |&&(number, first): &&(usize, f64)| {
                 let rate = self.contacts.closing_rate(number, self.trees, velocity);
                 rate < -self.slow && (!self.contacts.list[number].was_closed || rate < first - self.slow)
             };
-            let part = closing.iter().copied().zip(first.iter().copied()).filter(approaches);
-            let part: Vec<usize> = part.map(|(number, _)| number).collect();
+            let part: Vec<usize> = closing.iter().filter(approaches).map(|&(number, _)| number).collect();
             if part.is_empty() {
                 break;
             }
@@ -71,7 +71,7 @@ impl Rebounding<'_> {
             let sides = part.iter().map(|&number| (number, self.contacts.list[number].sides));
             for own in islands(self.trees.trees.len(), sides) {
                 if !own.candidates.is_empty() {
-                    let left = self.round(&own, velocity, impulses, room);
+                    let left = self.round(&own, &mut places, velocity, impulses, room);
                     residual = residual.max(left);
                     unsolved += usize::from(left > TOLERANCE);
                 }
@@ -80,9 +80,15 @@ impl Rebounding<'_> {
         (met, residual, unsolved)
     }
 
-    /// One round among the candidates of a group; returns its residual.
-    fn round(&self, group: &Island, velocity: &mut [f64], impulses: &mut [Vector3<f64>], room: &mut Workspace) -> f64 {
-        let mut places = vec![0; self.trees.trees.len()];
+    /// One round among the candidates of a group, whose trees get their places there; returns its residual.
+    fn round(
+        &self,
+        group: &Island,
+        places: &mut [usize],
+        velocity: &mut [f64],
+        impulses: &mut [Vector3<f64>],
+        room: &mut Workspace,
+    ) -> f64 {
         group.trees.iter().enumerate().for_each(|(place, &tree)| places[tree] = place);
         let list = &self.contacts.list;
         let given = |&number: &usize| {
@@ -91,7 +97,7 @@ impl Rebounding<'_> {
             Given { sides, law, bias: Vector3::new(0.0, belt.y, belt.z), compliance: 0.0 }
         };
         let blocks = group.candidates.iter().map(given);
-        let mut problem = Problem::new(self.trees, &self.contacts.rows, [&group.trees, &places], velocity, blocks);
+        let mut problem = Problem::new(self.trees, &self.contacts.rows, [&group.trees, places], velocity, blocks);
         let before = problem.free.clone();
         let mut rebounds = Vec::with_capacity(group.candidates.len());
         for (place, &number) in group.candidates.iter().enumerate() {
@@ -143,9 +149,7 @@ fn largest_share(problem: &Problem, [before, plastic, after]: [&[f64]; 3]) -> f6
     problem.multiply_inertia(&change, &mut momenta);
     let dot = |other: &[f64]| momenta.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
     let (linear, square) = (dot(plastic), dot(&change));
-    // E(σ) = constant + linear σ + ½ square σ²; the larger root, written without cancellation for either sign of the linear term.
-    let lost = constant.min(0.0);
-    let root = (linear * linear - 2.0 * square * lost).sqrt();
-    let share = if linear > 0.0 { -2.0 * lost / (linear + root) } else { (root - linear) / square };
-    if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+    let share = share_without_gain(constant, linear, square);
+    // Rebounds that change no rate have no share.
+    if share.is_nan() { 0.0 } else { share }
 }

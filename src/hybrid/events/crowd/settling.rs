@@ -7,7 +7,7 @@
 //! H and M are at the end of the step, v at its start. Where a contact with restitution has closed in this step, rebounds come first
 //! ([`crate::events::crowd::rebounding`]) and change v_f. There is no gap in it. Belts with the velocity s along the tangents do the work `−s · r`.
 
-use crate::crowd::islands::islands;
+use crate::crowd::islands::{Island, islands};
 use crate::crowd::laws::Law;
 use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
@@ -60,10 +60,23 @@ pub(super) fn settle(
     let mut places = vec![0; trees.trees.len()];
     let mut kept = Vec::new();
     let contacts = &*next;
+    let islands = islands(trees.trees.len(), contacts.sides(Candidate::settles));
     let rebounding = Rebounding { scene, trees, contacts, step, slow };
+    let struck =
+        |island: &&Island| island.candidates.iter().any(|&number| rebounding.rebounds(number, &start.velocity));
+    let struck: Vec<usize> =
+        islands.iter().filter(struck).flat_map(|island| island.candidates.iter().copied()).collect();
     let mut free = free.to_vec();
     let mut rebounds = vec![Vector3::zeros(); contacts.list.len()];
-    for island in islands(trees.trees.len(), contacts.sides(Candidate::settles)) {
+    if !struck.is_empty() {
+        // An impact is in the middle of the step, on average.
+        let middle: Vec<f64> = start.velocity.iter().zip(&free).map(|(begin, free)| 0.5 * (begin + free)).collect();
+        let mut rates = middle.clone();
+        (settled.closed, settled.residual, settled.unsolved) =
+            rebounding.rounds(struck.into_iter(), &mut rates, &mut rebounds, room);
+        free.iter_mut().zip(rates.iter().zip(&middle)).for_each(|(free, (after, before))| *free += after - before);
+    }
+    for island in &islands {
         if island.candidates.is_empty() {
             continue;
         }
@@ -85,17 +98,6 @@ pub(super) fn settle(
                 compliance,
             }
         };
-        if island.candidates.iter().any(|&number| rebounding.rebounds(number, &start.velocity)) {
-            // An impact is in the middle of the step, on average.
-            let mut rates: Vec<f64> =
-                start.velocity.iter().zip(&free).map(|(begin, free)| 0.5 * (begin + free)).collect();
-            let before = rates.clone();
-            let (met, residual, unsolved) = rebounding.rounds(&island, &mut rates, &mut rebounds, room);
-            settled.closed += met;
-            settled.residual = settled.residual.max(residual);
-            settled.unsolved += unsolved;
-            freedoms.iter().for_each(|&freedom| free[freedom] += rates[freedom] - before[freedom]);
-        }
         let blocks = island.candidates.iter().map(block);
         let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], &free, blocks);
         let mut impulses: Vec<Vector3<f64>> =

@@ -6,7 +6,7 @@
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!
-//! Where steps over events keep to the tolerance, their cost takes the place of 1.2e7, and given instants to which few stages are not enough count as
+//! The cost of steps over events takes the place of 1.2e7 if they keep to the tolerance, and given instants to which few stages are not enough count as
 //! events: many stages gain nothing where efforts jump every millisecond. Given steps count 1 each. The first-order steps have 1e-4 s, and a
 //! sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the work for a time of the motion is bounded: if crowds follow without
 //! end, 52 ms take 400 steps without contacts and 52 steps of first order.

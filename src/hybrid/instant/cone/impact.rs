@@ -267,9 +267,15 @@ fn largest_share(problem: &Problem, plastic: &[f64], newton: &[f64]) -> f64 {
     if gain <= 4.0 * f64::EPSILON * size {
         return 1.0;
     }
+    share_without_gain(constant, linear, square)
+}
+
+/// The largest σ in [0, 1] with `constant + linear σ + ½ square σ² ≤ 0` (J); a positive constant counts as 0.
+pub(crate) fn share_without_gain(constant: f64, linear: f64, square: f64) -> f64 {
     // The larger root, written without cancellation for either sign of the linear term.
-    let root = (linear * linear - 2.0 * square * constant.min(0.0)).sqrt();
-    let share = if linear > 0.0 { -2.0 * constant.min(0.0) / (linear + root) } else { (root - linear) / square };
+    let lost = constant.min(0.0);
+    let root = (linear * linear - 2.0 * square * lost).sqrt();
+    let share = if linear > 0.0 { -2.0 * lost / (linear + root) } else { (root - linear) / square };
     share.clamp(0.0, 1.0)
 }
 

@@ -53,11 +53,6 @@ impl Pair {
         self.rope.is_some()
     }
 
-    /// Whether it is a rope.
-    pub fn is_rope(&self) -> bool {
-        self.geometry.is_inside()
-    }
-
     /// The tolerance that is this part of its size (m).
     pub fn within(&self, part: f64) -> f64 {
         self.extents.within(part)

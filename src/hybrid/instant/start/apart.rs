@@ -116,33 +116,33 @@ fn least_pushes(square: &DMatrix<f64>, gaps: &[f64]) -> Vec<f64> {
 /// A pair that overlaps, by its number, and its overlap (m); `None` without overlaps.
 pub(crate) type Overlap = Option<(usize, f64)>;
 
-/// Moves a state apart; `close` brings it back on what else has to hold. Says which pair overlapped most, and which still does: that one, too, where a
+/// Moves a state apart; `close` brings it back on what else has to hold, if that is possible. Says which pair overlapped most, and which still does: that one, too, where a
 /// loop holds shapes inside each other, so that it cannot be closed again.
-pub(crate) fn without_overlap<E>(
+pub(crate) fn without_overlap(
     mechanism: &Mechanism,
     state: &mut State,
-    mut close: impl FnMut(&mut State) -> Result<(), E>,
-) -> Result<(Overlap, Overlap), E> {
+    mut close: impl FnMut(&mut State) -> bool,
+) -> (Overlap, Overlap) {
     let touching = Touching::new(mechanism);
     if touching.pairs.is_empty() {
-        return Ok((None, None));
+        return (None, None);
     }
     let named = |(pair, depth): (usize, f64)| (touching.pairs[pair].number, depth);
     let first = deepest(&touching, mechanism, state).map(named);
     let mut response = None;
     for _ in 0..ROUNDS {
-        let Some((_, depth)) = deepest(&touching, mechanism, state) else { return Ok((first, None)) };
+        let Some((_, depth)) = deepest(&touching, mechanism, state) else { return (first, None) };
         let response = response.get_or_insert_with(|| Response::new(mechanism));
         if !move_apart(&touching, mechanism, response, state, depth) {
             break;
         }
-        if close(state).is_err() {
-            return Ok((first, first));
+        if !close(state) {
+            return (first, first);
         }
     }
     let left = deepest(&touching, mechanism, state);
     let left = left.filter(|&(pair, depth)| depth > touching.pairs[pair].within(1e-12));
-    Ok((first, left.map(named)))
+    (first, left.map(named))
 }
 
 #[cfg(test)]

@@ -173,11 +173,8 @@ fn assemble_moving(
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     let wanted = state.clone();
     let mut done = close(mechanism, state)?;
-    let again = |state: &mut State| {
-        done = close(mechanism, state)?;
-        Ok::<(), AssemblyError>(())
-    };
-    let (overlap, left) = without_overlap(mechanism, state, again)?;
+    let again = |state: &mut State| close(mechanism, state).map(|again| done = again).is_ok();
+    let (overlap, left) = without_overlap(mechanism, state, again);
     done.0.overlap = overlap;
     if let Some((number, depth)) = left {
         let nonsmooth = &mechanism.nonsmooth;

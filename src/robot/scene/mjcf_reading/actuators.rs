@@ -207,8 +207,8 @@ impl Reader<'_> {
         }
     }
 
-    /// What an actuator drives; nothing, with a warning, if it cannot be simulated. One that depends on its length drives one joint, which all others
-    /// in its length follow.
+    /// The joints that an actuator drives; an empty list, with a warning, if it cannot be simulated. One that depends on its length drives one joint,
+    /// which all others in its length follow.
     fn driven(
         &mut self,
         actuator: &Element,

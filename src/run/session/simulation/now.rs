@@ -42,11 +42,7 @@ impl Simulation {
     /// Lengths that differ from the lengths of q and v, or an invalid start.
     pub fn write_coordinates(&self, q: &mut [f64], v: &mut [f64]) -> Result<(), Error> {
         let (places, model) = (self.model.coordinates(), self.model.description());
-        for (what, given, wanted) in [("q", q.len(), places.q_count()), ("v", v.len(), places.v_count())] {
-            if given != wanted {
-                return Err(Error::Count { what, given, wanted });
-            }
-        }
+        places.check_lengths(q, v)?;
         self.look(|state| places.write(model, &state.position, &state.velocity, q, v))
     }
 
