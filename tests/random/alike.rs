@@ -148,7 +148,7 @@ fn scene(things: &[Thing], [friction, restitution]: [f64; 2], way: &Way) -> Stri
 /// What is wrong with a seed at a tolerance (m); nothing if its runs agree.
 pub fn differs(seed: u64, tolerance: f64) -> Option<String> {
     let (things, law) = things(seed);
-    let folder = folder(seed);
+    let folder = folder("alike", seed);
     std::fs::create_dir_all(&folder).expect("a folder");
     let mut first: Option<(Vec<Vector3<f64>>, f64, bool)> = None;
     let mut wrong = None;

@@ -29,8 +29,9 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-fn folder(seed: u64) -> PathBuf {
-    std::env::temp_dir().join(format!("catena-random-{}-{seed}", std::process::id()))
+/// The folder of a seed; tests that run side by side have their own.
+fn folder(of: &str, seed: u64) -> PathBuf {
+    std::env::temp_dir().join(format!("catena-{of}-{}-{seed}", std::process::id()))
 }
 
 /// Judges all scenes of these seeds on as many threads as there are processors. Files of scenes that are right are removed.
@@ -41,7 +42,7 @@ fn judged(seeds: Range<u64>, of: fn(u64) -> Scene) -> BTreeMap<u64, Vec<judge::F
         if seed >= seeds.end {
             break;
         }
-        let (scene, folder) = (of(seed), folder(seed));
+        let (scene, folder) = (of(seed), folder("random", seed));
         let faults = judge::judge(&scene, &folder);
         if faults.is_empty() {
             let _ = std::fs::remove_dir_all(&folder);
@@ -76,7 +77,7 @@ fn assert_right(seeds: Range<u64>, of: fn(u64) -> Scene) {
     println!("{} of {count} scenes are wrong", wrong.len());
     if let Some(seed) = wrong.keys().next() {
         println!("{}", of(*seed).listing());
-        println!("its files: {}", folder(*seed).display());
+        println!("its files: {}", folder("random", *seed).display());
         println!("again: SEED={seed} cargo test --release --test random one_seed -- --ignored --nocapture");
     }
     assert!(wrong.is_empty(), "{} of {count} scenes are wrong: seeds {:?}", wrong.len(), wrong.keys());
