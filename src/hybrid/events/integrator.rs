@@ -140,14 +140,15 @@ impl Eventful {
         self.tally.smeared
     }
 
-    /// The distance by which flights that were left out of accumulating impacts can have moved bodies or joints so far (m or rad).
-    pub fn error_of_impacts(&self) -> f64 {
-        self.tally.error_of_impacts()
+    /// The distance by which flights that were left out of accumulating impacts, and laws that were not solved, can have moved bodies or joints up to an
+    /// instant (s) (m or rad).
+    pub fn error_of_impacts(&self, time: f64) -> f64 {
+        self.tally.error_of_impacts(time)
     }
 
     /// The distance by which blows in such flights can have moved them up to an instant (s) (m or rad).
     pub fn doubt_of_blows(&self, time: f64) -> f64 {
-        self.tally.doubt_of_blows(time)
+        self.tally.in_doubt.at(time)
     }
 
     /// Takes a state that no step has left.
@@ -309,7 +310,8 @@ impl Eventful {
         let (rebounds, energy) = done.cut;
         self.tally.leave_out(rebounds, energy, &self.model.whole, state);
         self.tally.left_of_impacts += done.left;
-        self.tally.doubt(done.speed_in_doubt, state.time);
+        self.tally.in_doubt.add(done.speed_in_doubt, state.time);
+        self.tally.unsolved_blows.add(done.speed_of_unsolved, state.time);
         (self.trial.fresh_joints, self.trial.fresh_motors, self.trial.fresh_pairs) =
             (done.joints, done.motors, done.pairs);
         self.enter(state);

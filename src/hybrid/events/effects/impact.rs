@@ -48,7 +48,7 @@ impl Meeting {
 }
 
 /// The results of impacts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Impulses {
     /// Along the first row of everything that is met [N m s or N s].
     pub normal: Vec<f64>,
@@ -57,6 +57,8 @@ pub(crate) struct Impulses {
     pub driven: f64,
     /// The energy that omitted rebounds have not given back (J).
     pub cut: f64,
+    /// The largest residual of a law that could not be solved to its accuracy; 1 if there is no answer at all.
+    pub residual: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
     pub rounding: f64,
 }
@@ -93,7 +95,7 @@ fn rate_of_joint(block: &Block, rate: f64) -> Option<(usize, f64)> {
 
 /// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
 pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
-    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, driven: 0.0, cut: 0.0, rounding: 0.0 };
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], ..Impulses::default() };
     if meetings.is_empty() {
         return Ok(done);
     }
@@ -109,7 +111,7 @@ pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Re
     let found = impact(&problem, &restitution, scene.solvers)?;
     let velocity = state.velocity.clone();
     rows.add(&found.impulses, &mut state.velocity);
-    (done.lost, done.cut) = (found.lost, found.cut);
+    (done.lost, done.cut, done.residual) = (found.lost, found.cut, found.residual);
     done.driven = rows.work_of_belts(&found.impulses);
     // The drive of a joint that is moved in time does work in an impact.
     if is_of_limits(scene) && !scene.whole.moves_joints() {

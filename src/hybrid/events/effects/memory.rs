@@ -78,6 +78,8 @@ pub(crate) struct Done {
     pub left: f64,
     /// The velocity that a blow may have changed otherwise, because elements would still bounce in flights that were left out [m/s].
     pub speed_in_doubt: f64,
+    /// The same, because the law of impact could not be solved to its accuracy.
+    pub speed_of_unsolved: f64,
     /// Which joints, motors and pairs have changed or begin from zero.
     pub joints: Vec<bool>,
     pub motors: Vec<bool>,

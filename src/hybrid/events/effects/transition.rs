@@ -19,7 +19,7 @@ use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs, note_seized};
-use crate::events::effects::omitted_flights::speed_in_doubt;
+use crate::events::effects::omitted_flights::{change_of_speed, speed_in_doubt};
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::effects::seizing::Seized;
 use crate::events::effects::unpressed::unpressed;
@@ -27,6 +27,7 @@ use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::problem::ROUGH;
 use crate::instant::holding::blocks::{Of, Row, Rows, row_of_freedom};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
@@ -34,8 +35,6 @@ use crate::mechanism::motion::state::State;
 
 /// Rounds in which limits that kick each other open are brought to rest.
 const CALMING: usize = 8;
-/// The best iterate of a law is rejected if its residual exceeds this part of the largest force.
-const FAR_OFF: f64 = 1e-6;
 
 /// Points that are added to flat ends, at most.
 const COMPLETING: usize = 48;
@@ -87,16 +86,17 @@ pub(crate) fn transit(
         Gathered { meetings, ends, left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
         collided = collide(scene, state, &meetings);
     }
-    let mut impulses = collided.unwrap_or_else(|_| {
-        done.unsolved += 1;
-        bring_to_rest(scene, state, &meetings)
-    });
+    let mut impulses = collided.unwrap_or_else(|_| bring_to_rest(scene, state, &meetings));
+    done.unsolved += usize::from(impulses.residual > 0.0);
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &velocity, state);
+    if impulses.residual > 0.0 {
+        done.speed_of_unsolved = impulses.residual * change_of_speed(scene, &velocity, state);
+    }
     let mut flights = ends.clone();
     for _ in 0..CALMING {
         let known = efforts(mode, state);
@@ -155,7 +155,7 @@ pub(crate) fn transit(
         match decided {
             Ok(decided) => {
                 done.unsolved += usize::from(decided.off > 0.0);
-                done.undecided = decided.off > FAR_OFF;
+                done.undecided = decided.off > ROUGH;
                 contacts.begin_to_tilt(scene, state, &decided, &mut mode.contacts);
                 unsolved = false;
                 break;
@@ -302,7 +302,7 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
             break;
         }
     }
-    Impulses { normal: vec![0.0; meetings.len()], lost, driven: 0.0, cut: 0.0, rounding: 0.0 }
+    Impulses { normal: vec![0.0; meetings.len()], lost, residual: 1.0, ..Impulses::default() }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

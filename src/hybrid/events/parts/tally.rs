@@ -45,25 +45,33 @@ pub(crate) struct Tally {
     pub left_of_impacts: f64,
     /// The distance by which single steps of first order can have moved bodies otherwise so far (m).
     pub left_of_steps: f64,
-    /// `Σ δv` [m/s] and `Σ δv t` (m) of blows that came while elements would still bounce
-    /// ([`omitted_flights`](crate::events::effects::omitted_flights)).
-    pub in_doubt: [f64; 2],
+    /// Blows that came while elements would still bounce ([`omitted_flights`](crate::events::effects::omitted_flights)): finer runs see them.
+    pub in_doubt: Doubt,
+    /// Blows whose law could not be solved to its accuracy: finer runs may fail at the same.
+    pub unsolved_blows: Doubt,
+}
+
+/// Velocities that blows may have changed otherwise: `Σ δv` [m/s] and `Σ δv t` (m).
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Doubt([f64; 2]);
+
+impl Doubt {
+    /// Notes that a blow at an instant (s) may have changed velocities otherwise [m/s].
+    pub fn add(&mut self, speed: f64, time: f64) {
+        self.0 = [self.0[0] + speed, self.0[1] + speed * time];
+    }
+
+    /// The distance by which such blows can have moved bodies or joints up to an instant (s) (m or rad): `Σ δv (t − t_i)`.
+    pub fn at(&self, time: f64) -> f64 {
+        (self.0[0] * time - self.0[1]).max(0.0)
+    }
 }
 
 impl Tally {
-    /// Notes that a blow at an instant (s) may have changed velocities otherwise [m/s].
-    pub fn doubt(&mut self, speed: f64, time: f64) {
-        self.in_doubt = [self.in_doubt[0] + speed, self.in_doubt[1] + speed * time];
-    }
-
-    /// The distance by which the ends of accumulating impacts, and single steps of first order, can have moved bodies or joints so far (m or rad).
-    pub fn error_of_impacts(&self) -> f64 {
-        self.left_of_impacts + self.left_of_steps
-    }
-
-    /// The distance by which blows in flights that are left out can have moved them up to an instant (s) (m or rad).
-    pub fn doubt_of_blows(&self, time: f64) -> f64 {
-        (self.in_doubt[0] * time - self.in_doubt[1]).max(0.0)
+    /// The distance by which the ends of accumulating impacts, single steps of first order, and impacts whose law was not solved can have moved bodies or
+    /// joints up to an instant (s) (m or rad).
+    pub fn error_of_impacts(&self, time: f64) -> f64 {
+        self.left_of_impacts + self.left_of_steps + self.unsolved_blows.at(time)
     }
 
     /// Notes rebounds that were left out before a state, and the energy that they would have given back (J), unless it is tiny beside the kinetic

@@ -19,7 +19,7 @@ use crate::instant::cone::interior::interior;
 use crate::instant::cone::laws::Form;
 use crate::instant::cone::newton::{Settings, improve};
 use crate::instant::cone::oracle::convex_rounds;
-use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, ROUGH, Unsolved};
 use crate::instant::cone::scaled::Scaled;
 use crate::instant::cone::settling::settle;
 use crate::instant::cone::sweeps::sweep;
@@ -30,8 +30,6 @@ use nalgebra::{DMatrix, DVector};
 const ACCEPTED: f64 = 1e-10;
 /// Residuals up to this end the cascade: less, because settling the states may add some times the residual.
 const SOLVED: f64 = 1e-11;
-/// A residual up to this is enough for steps of first order.
-const ROUGH: f64 = 1e-6;
 /// The largest residual of free rates that are roundings of larger ones.
 const ROUNDED: f64 = 1e-3;
 /// Proximal compliance, in units of the mobility of a block.

@@ -11,6 +11,9 @@
 
 use nalgebra::DMatrix;
 
+/// A run can go on with forces that leave a residual up to this: enough for steps of first order, and where no solver has done better.
+pub(crate) const ROUGH: f64 = 1e-6;
+
 /// The law of a block of rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {

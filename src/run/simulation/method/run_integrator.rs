@@ -116,10 +116,10 @@ impl RunIntegrator {
         self.events().map_or([0.0; 2], Eventful::smeared)
     }
 
-    /// The distance by which flights that were left out of accumulating impacts, and single steps of first order, can have moved bodies or joints so far
-    /// (m or rad).
-    pub(crate) fn error_of_impacts(&self) -> f64 {
-        self.events().map_or(0.0, Eventful::error_of_impacts)
+    /// The distance by which flights that were left out of accumulating impacts, single steps of first order, and laws that were not solved can have moved
+    /// bodies or joints up to an instant (s) (m or rad).
+    pub(crate) fn error_of_impacts(&self, time: f64) -> f64 {
+        self.events().map_or(0.0, |events| events.error_of_impacts(time))
     }
 
     /// The distance by which blows in flights that were left out can have moved them up to an instant (s) (m or rad).

@@ -259,8 +259,8 @@ impl<'a> ErrorEstimate<'a> {
             }
         }
         // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
-        let estimate =
-            error.max(ringing) + run.error_of_impacts() + self.doubt(state, run) + self.given.error(state.time);
+        let of_impacts = run.error_of_impacts(state.time) + self.doubt(state, run);
+        let estimate = error.max(ringing) + of_impacts + self.given.error(state.time);
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
         self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
