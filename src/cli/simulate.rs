@@ -65,8 +65,9 @@ pub struct Arguments {
     #[arg(long, help_heading = STEPS, conflicts_with = "stages")]
     no_estimate: bool,
 
-    /// Stages of the scheme, of order 2S-2, with a fixed --step
-    #[arg(long, help_heading = STEPS, value_name = "S", allow_hyphen_values = true, value_parser = value_parser!(u8).range(2..=16),
+    /// Stages of the scheme, of order 2S-2, with a fixed --step; 1 steps over events: impacts, sticking and limits within a step are solved together,
+    /// of order 1
+    #[arg(long, help_heading = STEPS, value_name = "S", allow_hyphen_values = true, value_parser = value_parser!(u8).range(1..=16),
           requires = "step", conflicts_with = "tolerance")]
     stages: Option<u8>,
 

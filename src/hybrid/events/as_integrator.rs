@@ -28,6 +28,8 @@ const LOOK: f64 = 1e-3;
 /// Stages resolve motions and loads over time in steps of some length. Steps with watched functions are shorter by this factor, because a force that
 /// follows a sine is negative for a part of its period.
 const SAMPLED: f64 = 2.0;
+/// The name of a method all of whose steps are over events.
+const OVER_EVENTS: &str = "midpoint over events";
 
 impl Eventful {
     /// The end of the longest step that stages resolve the targets of motors over (s), where steps are chosen, and the loads where nothing moves; no
@@ -63,6 +65,10 @@ impl Integrator for Eventful {
         if moved || self.model.is_other(mechanism) {
             self.begin(mechanism, inputs, state)?;
             self.is_blocked(state.time)?;
+        }
+        // A step over events that could not be made has left a crowd.
+        if self.model.over_events.is_some() && !self.progress.in_crowd {
+            self.begin_in_crowd(state);
         }
         if let Some(outcome) = self.go_on_in_crowd(inputs, state, until) {
             return Ok(outcome);
@@ -188,6 +194,9 @@ impl Integrator for Eventful {
         }
         if description.adaptive {
             description.step = self.tally.stepped / self.tally.steps.max(1) as f64;
+        }
+        if let Some(length) = self.model.over_events {
+            description = MethodDescription::fixed(OVER_EVENTS, 1, 1, length);
         }
         description.unsolved_contacts = self.tally.unsolved;
         description.contact_solvers = self.tally.solvers;

@@ -68,6 +68,9 @@ pub(super) struct Attempted {
 impl Eventful {
     /// The length of steps over events (s), and whether they keep to the tolerance, which asks for nothing beyond the horizon.
     pub(super) fn crowd_length(&self) -> (f64, bool) {
+        if let Some(length) = self.model.over_events {
+            return (length, true);
+        }
         let mass: f64 = self.model.whole.bodies.iter().map(|body| body.mass).sum();
         let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.model.whole.gravity.norm());
         let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
@@ -116,8 +119,13 @@ impl Eventful {
         STEP * (iterations + OVERHEAD) * self.model.whole.velocity_count as f64 / length
     }
 
-    /// Begins a run in a crowd, if the decision of its start costs more than to step over events; `false` otherwise.
+    /// Begins a run in a crowd, if all steps are over events or the decision of its start costs more than those; `false` otherwise.
     pub(super) fn begin_in_crowd(&mut self, state: &State) -> bool {
+        if self.model.over_events.is_some() {
+            self.progress.crowding.enter(state.time);
+            self.progress.in_crowd = true;
+            return true;
+        }
         let (length, keeps) = self.crowd_length();
         let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
         if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.needs_events() {
@@ -186,6 +194,9 @@ impl Eventful {
 
     /// Whether a crowd is over after a step of this length (s): it is calm, and exact steps are cheaper.
     pub(super) fn is_over(&mut self, made: &Made, length: f64) -> bool {
+        if self.model.over_events.is_some() {
+            return false;
+        }
         if self.progress.is_careful {
             return self.progress.crowding.is_calm(made.closed);
         }

@@ -22,6 +22,7 @@ use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::Of;
 use crate::instant::holding::held::{Closures, Held};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::ground::shared::Shared;
 use crate::mechanism::motion::distance::{distance, probes};
@@ -30,11 +31,13 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepError;
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::MethodError;
-use crate::stepping::recipe::Recipe;
+use crate::stepping::recipe::{Recipe, Steps};
 use std::cell::RefCell;
 
 /// A start that is outside its limits by up to this many times the tolerance of a limit is put there.
 const NEARLY: f64 = 1e5;
+/// Stages of the steps in the place of a step over events that cannot be made.
+const BESIDE: usize = 3;
 
 /// The constrained Lobatto IIIA–IIIB scheme with events.
 #[derive(Clone)]
@@ -79,6 +82,22 @@ impl Eventful {
     /// As of [`Eventful::new`].
     pub fn between_steps_of(method: OtherMethod, mechanism: &Mechanism, tolerance: f64) -> Result<Self, MethodError> {
         Eventful::with(mechanism, PieceRecipe::Other(method, tolerance))
+    }
+
+    /// Steps of this length (s) over all events, as in crowds ([`crate::events::crowd`]): the implicit midpoint rule, of first order at impacts.
+    ///
+    /// # Errors
+    /// [`MethodError::NeedsEvents`] for closed loops, joints that follow others or are moved in time, rolling and spinning friction, and ropes through
+    /// several points; [`MethodError::Step`].
+    pub fn over_events(mechanism: &Mechanism, step: f64, kept: &[Rule]) -> Result<Self, MethodError> {
+        let steps = Steps::Fixed { stages: BESIDE, step };
+        let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };
+        let mut eventful = Eventful::new(mechanism, recipe)?;
+        if eventful.workspaces.crowd.is_none() || eventful.needs_events() {
+            return Err(MethodError::NeedsEvents);
+        }
+        eventful.model.over_events = Some(step);
+        Ok(eventful)
     }
 
     fn with(mechanism: &Mechanism, recipe: PieceRecipe) -> Result<Self, MethodError> {

@@ -45,6 +45,12 @@ pub enum MethodError {
         "steps with 32 digits are for trees of joints under gravity alone; this one has loops, mimic joints, forces, or limits, dry friction or motors, which --without leaves out"
     )]
     NotPlain,
+    /// One stage steps over events, which some elements need.
+    #[error(
+        "one stage steps over events: closed loops, joints that follow others or are moved in time, rolling and spinning friction, and ropes through \
+         several points need two stages or more"
+    )]
+    NeedsEvents,
     /// Steps with 32 digits have eight lanes.
     #[error("steps with 32 digits have at most {MOST_PRECISE_STAGES} stages, not {stages}")]
     TooManyStages {

@@ -29,6 +29,8 @@ pub(crate) struct HybridModel {
     pub height: f64,
     /// Steps over events have this many times their length: more than one in a run with which another is compared.
     pub coarser: f64,
+    /// Their length, if all steps are such (s).
+    pub over_events: Option<f64>,
 }
 
 impl HybridModel {
@@ -40,6 +42,7 @@ impl HybridModel {
             recipe,
             height: HEIGHT,
             coarser: 1.0,
+            over_events: None,
         };
         model.leave_of_impacts(1.0, 1.0);
         model

@@ -280,7 +280,7 @@ pub fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<S
         (None, Some(step), _) => return refuse(step.span(), "simulation.step needs stages"),
         (Some(stages), Some(step), None) => {
             if !STAGES.contains(stages.get_ref()) {
-                return refuse(stages.span(), "simulation.stages must be 2 to 16");
+                return refuse(stages.span(), "simulation.stages must be 1 to 16");
             }
             Some((*stages.get_ref(), step.get_ref().0))
         }

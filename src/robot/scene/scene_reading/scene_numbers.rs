@@ -7,7 +7,7 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::fmt;
 
 /// The possible numbers of stages.
-pub(crate) const STAGES: std::ops::RangeInclusive<usize> = 2..=16;
+pub(crate) const STAGES: std::ops::RangeInclusive<usize> = 1..=16;
 
 /// A finite number.
 #[derive(Clone, Copy, Default, serde::Deserialize)]

@@ -179,10 +179,12 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
 }
 
 /// Whether the accuracy of a run feels its steps of first order: what moves at 1 m/s goes on by more than a thousandth of it in them. Given steps have
-/// none, and feel all.
+/// none, and feel all, unless they are to be of first order.
 pub(crate) fn first_order_is_felt(description: &MethodDescription) -> bool {
     let time = description.first_order_time;
-    description.first_order_steps > 0 && description.tolerance.is_none_or(|tolerance| time > FELT * tolerance)
+    description.first_order_steps > 0
+        && description.order > 1
+        && description.tolerance.is_none_or(|tolerance| time > FELT * tolerance)
 }
 
 /// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s).

@@ -54,6 +54,9 @@ impl RunIntegrator {
             let inside = RunIntegrator::new(locked.mechanism(), steps, kept)?.0;
             return Ok(RunIntegrator(Box::new(WithoutLocked::new(mechanism, locked, inside))));
         }
+        if let Steps::Fixed { stages: 1, step } = steps {
+            return Ok(RunIntegrator(Box::new(Eventful::over_events(mechanism, step, kept)?)));
+        }
         let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };
         if !mechanism.nonsmooth.is_empty() {
             return Ok(RunIntegrator(Box::new(Eventful::new(mechanism, recipe)?)));

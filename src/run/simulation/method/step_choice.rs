@@ -14,9 +14,9 @@ pub enum StepChoice {
     Tolerance(f64),
     /// The same, with the control of each step's own error alone: the run makes no estimate of its error at the end, for about half the time.
     Unestimated(f64),
-    /// Stages and step as given, with steps of so many seconds.
+    /// Stages and step as given, with steps of so many seconds. One stage steps over events, of first order at impacts.
     Fixed {
-        /// Number of stages.
+        /// Number of stages: 1, or 2 to 16 of the Lobatto scheme.
         stages: usize,
         /// Length of the steps (s).
         step: f64,
