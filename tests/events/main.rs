@@ -64,6 +64,7 @@ mod pendulum;
 mod rams;
 mod reactions;
 mod reeved;
+mod rests_after_rebounds;
 mod rests_under_loads;
 mod robots;
 mod robots_on_floor;

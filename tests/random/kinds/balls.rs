@@ -72,6 +72,29 @@ pub fn slides(draw: &mut Draw, mut scene: Scene) -> Scene {
     scene
 }
 
+/// A block falls flat, bounces with its friction, and slides until it stops, after v²/(2 μ g) + μ h from where it was let go, whatever its restitution.
+pub fn lands(draw: &mut Draw, mut scene: Scene) -> Scene {
+    let (friction, restitution, height) = (draw.range(0.05, 0.9), draw.range(0.0, 0.3), draw.range(0.001, 0.02));
+    let falls = (2.0 * height / GRAVITY).sqrt();
+    // It slides on after the last bounce.
+    let bounces = friction * GRAVITY * falls * (1.0 + 2.0 * restitution / (1.0 - restitution));
+    let speed = bounces + draw.range(0.1, 3.0);
+    let mut size = Vector3::from_fn(|_, _| draw.range(0.1, 0.5));
+    size.z = 0.5 * size.min();
+    let mut block = Robot::new("block");
+    block.solid("block", draw.range(0.2, 8.0), Shape::Box { size });
+    let velocity = Vector3::new(speed, 0.0, 0.0);
+    let place = Vector3::new(0.0, 0.0, 0.5 * size.z + height);
+    scene.robot(&block, &Start { linear: velocity, ..Start::floating(place) }, false);
+    scene.obstacle(Shape::HalfSpace, Vector3::zeros(), Vector3::zeros());
+    scene.contacts(false, friction, restitution);
+    scene.duration = speed / (friction * GRAVITY) + 0.5;
+    let right = speed * speed / (2.0 * friction * GRAVITY) + friction * height;
+    scene.answers.push(Answer::Place { link: "block".to_string(), axis: 0, right, bound: 2e-6 });
+    scene.is_calm = true;
+    scene
+}
+
 /// A ball rolls down a slope that is steep enough for 5/14 g sin α t², and not too steep for its friction.
 pub fn rolls(draw: &mut Draw, mut scene: Scene) -> Scene {
     let (radius, mass, slope) = (draw.range(0.03, 0.3), draw.range(0.2, 5.0), draw.range(0.05, 0.5));

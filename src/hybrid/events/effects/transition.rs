@@ -109,6 +109,18 @@ pub(crate) fn transit(
             (contacts.pair_of(of).map_or(of, Of::Contact), until)
         }));
         done.left += left;
+        // A rebound that is left out would have had friction: the impact is made again, without restitution there.
+        let rebounds = low.iter().any(|&index| meetings[index].restitution > 0.0);
+        low.iter().for_each(|&index| meetings[index].restitution = 0.0);
+        if rebounds {
+            let after = std::mem::replace(&mut state.velocity, velocity.clone());
+            if let Ok(again) = collide(scene, state, &meetings) {
+                (done.lost, done.driven) = (settled + lifted + again.lost, again.driven);
+                impulses.normal = again.normal;
+                continue;
+            }
+            state.velocity = after;
+        }
         done.lost += stop(scene, state, &meetings, &low);
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();

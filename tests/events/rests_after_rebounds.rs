@@ -1,0 +1,62 @@
+//! Rebounds that are left out before a body rests: each with its friction, so that what slides on has the momentum that it would have after them.
+//!
+//! ```text
+//!     Σ P = m v + m g cos α t     all impulses of bounces and of the rest after them: v is the speed of the first impact
+//!     x(t) = ½ (g sin α − μ g cos α) t² + μ h,     after a fall from the height h, whatever the restitution is
+//! ```
+
+use crate::mechanisms::GRAVITY;
+use crate::scene_files::{report, scene_of};
+use catena::report::Report;
+
+/// A box that falls flat on something.
+fn dropped(height: f64, under: &str, angle: f64) -> String {
+    let [along, down] = [GRAVITY * angle.sin(), -GRAVITY * angle.cos()];
+    format!(
+        "[scene]\ngravity = [{along:?}, 0.0, {down:?}]\n[[obstacle]]\nname = \"under\"\nshape = {{ type = \"half_space\" }}\n{under}\n\
+         [[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.2, 0.2, 0.05] }}\nmass = 1.3\n\
+         pose = {{ position = [0.0, 0.0, {:?}] }}\n",
+        0.025 + height
+    )
+}
+
+fn along(report: &Report) -> f64 {
+    report.links[0].1.position[0]
+}
+
+#[test]
+fn a_box_that_falls_on_a_slope_slides_as_far_as_if_it_had_not_bounced() {
+    // The last rebound was stopped without its friction, 9e-6 m/s: 9e-5 m after ten seconds, of which 2e-10 m were told.
+    let (angle, friction) = (0.36651914_f64, 0.31);
+    for (restitution, height) in [(0.05, 0.002), (0.085, 0.013), (0.1, 0.005), (0.23, 0.011)] {
+        let under = format!("friction = {friction}\nrestitution = {restitution}");
+        let file = scene_of("falls_on_slope", "", &dropped(height, &under, angle));
+        let expected = 50.0 * GRAVITY * (angle.sin() - friction * angle.cos()) + friction * height;
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let end = report(&file, &[], &[], Some(10.0), tolerance);
+            let off = (along(&end) - expected).abs();
+            println!("restitution {restitution} at {tolerance:e}: {off:e} m");
+            // Roundings of 34 m; the rebounds that are left out are of 1e-4 of the tolerance.
+            assert!(off < 1e-12 + 1e-4 * tolerance, "restitution {restitution} at {tolerance:e}: {off:e} m");
+        }
+    }
+}
+
+#[test]
+fn a_box_that_falls_on_a_belt_sticks_when_its_friction_has_brought_it_to_the_speed_of_the_belt() {
+    let (speed, friction, height) = (0.9, 0.27, 0.005);
+    for restitution in [0.0, 0.06, 0.1] {
+        let under =
+            format!("friction = {friction}\nrestitution = {restitution}\nsurface_velocity = [{speed}, 0.0, 0.0]");
+        let file = scene_of("falls_on_belt", "", &dropped(height, &under, 0.0));
+        // The speed is μ g t after the fall, until it is that of the belt.
+        let sticks = speed / (friction * GRAVITY);
+        let expected = 0.5 * friction * GRAVITY * sticks * sticks - friction * height + speed * (10.0 - sticks);
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let end = report(&file, &[], &[], Some(10.0), tolerance);
+            let off = (along(&end) - expected).abs();
+            println!("restitution {restitution} at {tolerance:e}: {off:e} m of {expected}");
+            assert!(off < 1e-12 + 1e-4 * tolerance, "restitution {restitution} at {tolerance:e}: {off:e} m");
+        }
+    }
+}
