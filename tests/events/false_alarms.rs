@@ -166,3 +166,18 @@ fn a_box_that_falls_into_a_corner_moves_alike_at_every_size_and_tolerance() {
         assert!(off <= 3.0 * told.max(1e-6), "size {size} at {tolerance:e}: {off:e}, told {told:e}");
     }
 }
+
+#[test]
+fn a_can_that_slips_on_a_turntable_passes_no_singular_position() {
+    // The points of its end imply each other, which was taken for a position of the moved joint.
+    let disc = "<link name='base'/><link name='disc'><inertial><mass value='50'/><inertia ixx='5' iyy='5' izz='5' ixy='0' ixz='0' iyz='0'/></inertial>\
+        <collision><origin xyz='0 0 -0.1'/><geometry><cylinder radius='6' length='0.2'/></geometry></collision></link>\
+        <joint name='s' type='continuous'><parent link='base'/><child link='disc'/><axis xyz='0 0 1'/></joint>";
+    let can = "[contact]\nfriction = 0.47\n[[robot]]\nurdf = \"robot.urdf\"\n[[motion]]\njoint = \"s\"\n\
+        position = { formula = \"2.3*t+0.3*t^2\" }\n[[body]]\nname = \"can\"\n\
+        shape = { type = \"cylinder\", radius = 0.002, length = 0.002 }\nmass = 0.7\npose = { position = [0.61, -0.13, 0.001] }\n\
+        velocity = { linear = [0.299, 1.403, 0], angular = [0, 0, 2.3] }\n";
+    let end = report(&scene_of("turntable", disc, can), &[], &[], Some(1.0), 1e-6);
+    let slips = end.events.list.iter().filter(|event| event.time > 0.5).count();
+    assert!(slips > 0 && end.warnings.is_empty(), "{:?}, {:?}", end.events.list, end.warnings);
+}

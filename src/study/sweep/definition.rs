@@ -63,7 +63,10 @@ pub struct Sweep {
 pub fn read_sweep(path: &Path, packages: &PackagePath) -> Result<Sweep, SweepError> {
     let source = read_text(path)?;
     let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(&source) };
-    let file: FileTable = text.read()?;
+    let file: FileTable = text.read().map_err(|error| match path.extension().and_then(|ending| ending.to_str()) {
+        Some("urdf" | "xacro" | "xml") => SweepError::NotASweep { path: path.to_path_buf() },
+        _ => error.into(),
+    })?;
     let mut reader = Reader { text: &text, hash: Sha256::new(), columns: Vec::new() };
     reader.mix(env!("CARGO_PKG_VERSION").as_bytes());
     reader.mix(source.as_bytes());

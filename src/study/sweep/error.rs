@@ -12,6 +12,12 @@ pub enum SweepError {
     /// The sweep file, or a file that it names.
     #[error(transparent)]
     File(#[from] SceneError),
+    /// A robot where a sweep file should be.
+    #[error("{}: this is a robot, and no sweep file: write one in TOML that names it as scene of its table [sweep]", path.display())]
+    NotASweep {
+        /// The robot.
+        path: PathBuf,
+    },
     /// The scene, with the numbers of its files.
     #[error(transparent)]
     Model(#[from] ModelError),

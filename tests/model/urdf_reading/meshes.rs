@@ -67,7 +67,11 @@ fn missing_meshes_are_reported_once_for_each_package() {
     let messages: Vec<&str> = robot.warnings.iter().map(|warning| warning.message.as_str()).collect();
     assert_eq!(messages.len(), 3, "{messages:#?}");
     assert!(messages[0].starts_with("the mesh \"package://p/a\" was not found; tried "), "{}", messages[0]);
-    assert!(messages[0].ends_with("; the same for 1 more of package://p"), "{}", messages[0]);
+    assert!(
+        messages[0].ends_with("; the same for 1 more of package://p; --package NAME=DIR says where a package is"),
+        "{}",
+        messages[0]
+    );
     assert_eq!(messages[1], "the mesh \"c.stl\" was not found; tried c.stl");
     assert_eq!(messages[2], "the mesh \"http://x/y.stl\" is not a local file (http://)");
 }

@@ -92,6 +92,7 @@ fn bad_usage_is_refused() {
         (&["sweep", "sweep.toml", "-o", "out", "--format", "xlsx"], "neither csv nor parquet"),
         (&["sweep", "sweep.toml", "-o", "-"], "give a folder"),
         (&["sweep", "sweep.toml", "-o", "out", "--jobs", "0"], "--jobs"),
+        (&["sweep", "pendulum.urdf", "-o", "out"], "pendulum.urdf: this is a robot, and no sweep file"),
     ] {
         let output = run(&folder, arguments);
         assert_one_error(&output, 2, said);

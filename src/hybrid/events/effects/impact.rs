@@ -57,9 +57,9 @@ pub(crate) struct Impulses {
     pub driven: f64,
     /// The energy that omitted rebounds have not given back (J).
     pub cut: f64,
-    /// The largest residual of a law that could not be solved to its accuracy; 1 if there is no answer at all.
+    /// The part of the rates in which it is not known, because the law could not be solved to its accuracy.
     pub residual: f64,
-    /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
+    /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of, as of a light body between heavy ones, or not known.
     pub rounding: f64,
 }
 
@@ -134,8 +134,8 @@ pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Re
         }
     }
     let terms = rows.square.row_iter().map(|row| row.iter().zip(&found.impulses).map(|(d, p)| (d * p).abs()).sum());
-    done.rounding = ROUNDING * terms.fold(0.0, f64::max);
     let largest = before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    done.rounding = ROUNDING * terms.fold(0.0, f64::max) + found.residual * largest;
     let mut row = 0;
     for (index, meeting) in meetings.iter().enumerate() {
         done.normal[index] = found.impulses[row];

@@ -86,8 +86,9 @@ pub(crate) fn transit(
         Gathered { meetings, ends, left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
         collided = collide(scene, state, &meetings);
     }
+    let failed = collided.is_err();
     let mut impulses = collided.unwrap_or_else(|_| bring_to_rest(scene, state, &meetings));
-    done.unsolved += usize::from(impulses.residual > 0.0);
+    done.unsolved += usize::from(failed || impulses.residual > 0.0);
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
@@ -296,10 +297,12 @@ fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize
     lost
 }
 
-/// All meetings come to rest along their first rows: the fallback if the law of impact could not be solved.
+/// All meetings come to rest along their first rows: the fallback if the law of impact could not be solved. Slips of contacts with friction are then not
+/// known.
 fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Impulses {
     let mut rests: Vec<usize> = Vec::new();
     let mut lost = 0.0;
+    let fastest = meetings.iter().map(|meeting| meeting.rate(&state.velocity).abs()).fold(0.0, f64::max);
     // Limits that come to rest may make others approach.
     loop {
         let approach = |index: &usize| !rests.contains(index) && meetings[*index].rate(&state.velocity) < 0.0;
@@ -314,7 +317,11 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
             break;
         }
     }
-    Impulses { normal: vec![0.0; meetings.len()], lost, residual: 1.0, ..Impulses::default() }
+    let rate = |row: &Row| row.iter().zip(&state.velocity).map(|(a, b)| a * b).sum::<f64>().abs();
+    let slips = |meeting: &Meeting| meeting.block.rows[1..].iter().map(rate).fold(0.0, f64::max);
+    let slip = rests.iter().map(|&index| slips(&meetings[index])).fold(0.0, f64::max);
+    let residual = if slip > 0.0 { (slip / fastest).min(1.0) } else { 0.0 };
+    Impulses { normal: vec![0.0; meetings.len()], lost, residual, ..Impulses::default() }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

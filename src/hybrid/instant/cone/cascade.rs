@@ -244,6 +244,15 @@ pub(super) fn soft(scaled: &Scaled) -> Option<Vec<f64>> {
     (scaled.merit(&forces, &rates).sqrt() <= ACCEPTED * fastest(scaled)).then_some(forces)
 }
 
+/// What an answer leaves of the law, as a part of the largest free rate: unlike the residual it does not praise large forces.
+pub(super) fn left_of_rates(problem: &Problem, answer: &Answer) -> f64 {
+    let scaled = Scaled::new(problem);
+    let forces = scaled.scale(&answer.forces);
+    let mut rates = vec![0.0; forces.len()];
+    scaled.rates(&forces, &mut rates);
+    scaled.merit(&forces, &rates).sqrt() / fastest(&scaled)
+}
+
 /// The largest free rate.
 fn fastest(scaled: &Scaled) -> f64 {
     scaled.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()))

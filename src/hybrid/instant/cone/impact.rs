@@ -9,12 +9,12 @@
 //! is made of the approaching blocks, and rounds follow until every block parts. If all are 0 there is one plastic impact of all. A light body
 //! between heavy ones takes about as many rounds as its mass is less. If the last 50 rounds have lost more than a twentieth of the loss of a plastic
 //! impact of all, that impact ends them, because such rounds tend to it. Elastic ones go on. If v_N does not exist, because contacts that pinch a
-//! body cannot all rebound, σ = 0. If no solver reaches its accuracy, as for points that nearly coincide, the best forces are taken up to a residual of
-//! 1e-6.
+//! body cannot all rebound, σ = 0. If no solver reaches its accuracy, as for points that nearly coincide, the best impulses are taken
+//! if they leave a millionth of the rates: of large impulses on a light body that may be a small residual, and says nothing.
 //!
 //! Source: B. Smith, D. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, Reflections on simultaneous impact, ACM Transactions on Graphics 31 (2012).
 
-use crate::instant::cone::cascade::{solve_counted, solve_to_part};
+use crate::instant::cone::cascade::{left_of_rates, solve_counted, solve_to_part};
 use crate::instant::cone::problem::{Answer, Law, Problem, ROUGH, Unsolved};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use nalgebra::DMatrix;
@@ -50,7 +50,7 @@ pub struct Impact {
     pub cut: f64,
     /// Rounds that were plastic because v_N does not exist.
     pub without_rebound: usize,
-    /// The largest residual of plastic answers that no solver has brought to its accuracy; zero if there were none.
+    /// The largest part of the rates that plastic answers leave which no solver has brought to its accuracy; zero if there were none.
     pub residual: f64,
 }
 
@@ -191,8 +191,8 @@ fn round(
     let left = largest(&free) / largest(problem.free);
     let left = if left < LATE { left } else { 1.0 };
     let answer = match solve_to_part(&round, None, left, solvers) {
-        Err(Unsolved::Stopped { best }) if best.residual <= ROUGH => {
-            state.residual = state.residual.max(best.residual);
+        Err(Unsolved::Stopped { best }) if left_of_rates(&round, &best) <= ROUGH => {
+            state.residual = state.residual.max(left_of_rates(&round, &best));
             *best
         }
         other => other?,

@@ -66,7 +66,7 @@ impl CouplingReader<'_> {
                 TargetKey::Number(given) => {
                     let length = value(*given, &length.span())?;
                     if let Some(longest) = longest {
-                        let message = "a rope has its longest if its length changes in time";
+                        let message = "the length of this rope does not change in time: remove `longest`";
                         return refuse(&longest.span(), Problem::Keys(message));
                     }
                     (length, None)

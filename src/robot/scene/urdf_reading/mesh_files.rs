@@ -72,7 +72,9 @@ impl MeshFiles {
                     0 => String::new(),
                     others => format!("; the same for {others} more of {}", missing.place),
                 };
-                let message = format!("the mesh {:?} {}{others}", missing.first, missing.reason);
+                let packaged = missing.place.starts_with("package://") || missing.place.starts_with("model://");
+                let advice = if packaged { "; --package NAME=DIR says where a package is" } else { "" };
+                let message = format!("the mesh {:?} {}{others}{advice}", missing.first, missing.reason);
                 Warning::odd(file, Some(missing.line), Some(missing.element), message)
             })
             .collect();

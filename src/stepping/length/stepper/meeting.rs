@@ -68,7 +68,7 @@ impl Stepper {
             (self.ahead, self.ahead_of_dampers) = (None, None);
             if let Some(known) = self.kernel.known() {
                 self.modes.heed(known);
-                self.ranks.hear(known.weak, state.time);
+                self.ranks.hear(known.weak, mechanism, state.time);
             }
             self.look_at_dampers(mechanism, state);
         }
