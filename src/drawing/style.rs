@@ -73,6 +73,7 @@ pub fn look(method: &str, foreign: usize) -> Look {
     let ours = |color, marker| Look { color, marker, filled: true, dash: Dash::Solid, width: 2 };
     let rival = |color, marker| Look { color, marker, filled: false, dash: Dash::Dashed, width: 2 };
     match method {
+        "over-events" => ours(BLACK, Marker::TriangleDown),
         "lobatto-2" => ours(SKY_BLUE, Marker::Triangle),
         "lobatto-3" => ours(PURPLE, Marker::Square),
         "lobatto-5" => ours(GREEN, Marker::Diamond),

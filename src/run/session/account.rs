@@ -163,9 +163,10 @@ impl Begun {
         let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
         let step_error = choice.step().and_then(|_| match checked {
             Some(other) => {
-                Some(StepErrorReport::by_half_the_step(distance(&probes(mechanism, &state), &probes(mechanism, other))))
+                let apart = distance(&probes(mechanism, &state), &probes(mechanism, other));
+                Some(StepErrorReport::by_half_the_step(apart, method.order))
             }
-            None => StepErrorReport::by_energy(mechanism, &summary, duration),
+            None => StepErrorReport::by_energy(mechanism, &method, &summary, duration),
         });
         if let Some(accuracy) = &mut accuracy {
             accuracy.see_energy(&summary);

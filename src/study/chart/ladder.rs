@@ -5,6 +5,9 @@
 
 use crate::chart::method::{Method, Setting};
 
+/// The longest step over events (s).
+const LONGEST: f64 = 8e-3;
+
 /// The longest step of at most `wanted` seconds that divides `duration`.
 pub fn whole_step(duration: f64, wanted: f64) -> f64 {
     duration / (duration / wanted).ceil().max(1.0)
@@ -18,6 +21,9 @@ pub fn ladder(method: Method, duration: f64, time_scale: f64, quick: bool) -> Ve
         // A tolerance is one of single steps here: of calm motions a hundred metres leave a millimetre.
         (Method::LobattoTolerance | Method::LobattoUnestimated, _) => return tolerances(-2, 12, quick),
         (Method::Dop853 | Method::Dop853Regularised, _) => return tolerances(0, 14, quick),
+        // Whatever the motion is between events.
+        (Method::OverEvents, false) => return steps(duration, LONGEST, 2.0, 10),
+        (Method::OverEvents, true) => return steps(duration, LONGEST, 4.0, 5),
         (Method::Euler, false) => (0.5, 2.0, 22),
         (Method::Euler, true) => (0.125, 4.0, 5),
         (Method::Rk4, false) => (1.0, root, 30),

@@ -2,7 +2,7 @@
 //!
 //! On a mechanism with limits, dry friction or motors ours locate events, and so does DOP853, by the same code ([`crate::events`]); semi-implicit
 //! Euler and RK4 have the usual regularisations ([`super::regularised`]), and DOP853 once more with these. Contacts between shapes are known to ours
-//! alone.
+//! alone, and so do steps over events, which solve all events of a step together, with first order.
 
 use crate::chart::regularised::{Softness, regularised_system};
 use crate::events::Eventful;
@@ -20,6 +20,8 @@ use std::fmt;
 /// A way of integrating, as a curve of the chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
+    /// Fixed steps over events, of motions that have them.
+    OverEvents,
     /// The Lobatto scheme with this many stages and fixed steps.
     Lobatto(usize),
     /// The same, solved to 32 digits; for references, it is no curve.
@@ -50,6 +52,7 @@ pub enum Setting {
 impl Method {
     /// The methods of motions with events, ours first, in the order of the legend.
     pub const WITH_EVENTS: &'static [Method] = &[
+        Method::OverEvents,
         Method::Lobatto(2),
         Method::Lobatto(3),
         Method::Lobatto(5),
@@ -61,8 +64,8 @@ impl Method {
         Method::Dop853,
         Method::Dop853Regularised,
     ];
-    /// The methods of smooth motions: all but the last, which regularises events.
-    pub const ALL: &'static [Method] = Method::WITH_EVENTS.split_at(Method::WITH_EVENTS.len() - 1).0;
+    /// The methods of smooth motions: all but the first and the last, which step over events and regularise them.
+    pub const ALL: &'static [Method] = Method::WITH_EVENTS.split_at(Method::WITH_EVENTS.len() - 1).0.split_at(1).1;
 
     /// The methods for a mechanism: the ones that know all its elements.
     pub fn of(mechanism: &Mechanism) -> impl Iterator<Item = Method> {
@@ -73,6 +76,7 @@ impl Method {
     /// The name in CSV files.
     pub fn id(self) -> String {
         match self {
+            Method::OverEvents => "over-events".to_string(),
             Method::Lobatto(stages) => format!("lobatto-{stages}"),
             Method::Precise(stages) => format!("lobatto-{stages}-32-digits"),
             Method::LobattoTolerance => "lobatto-tolerance".to_string(),
@@ -92,6 +96,7 @@ impl Method {
     /// The name in legends and tables.
     pub fn label(self) -> String {
         match self {
+            Method::OverEvents => "over events, order 1".to_string(),
             Method::Lobatto(stages) => format!("{stages} stages, order {}", 2 * stages - 2),
             Method::Precise(stages) => format!("{stages} stages, 32 digits"),
             Method::LobattoTolerance => "tolerance".to_string(),
@@ -105,7 +110,14 @@ impl Method {
 
     /// Whether it is one of ours.
     pub fn is_ours(self) -> bool {
-        matches!(self, Method::Lobatto(_) | Method::Precise(_) | Method::LobattoTolerance | Method::LobattoUnestimated)
+        matches!(
+            self,
+            Method::OverEvents
+                | Method::Lobatto(_)
+                | Method::Precise(_)
+                | Method::LobattoTolerance
+                | Method::LobattoUnestimated
+        )
     }
 
     /// Whether it knows what this mechanism is made of; closed loops apart, that is all but contacts, which ours alone know.
@@ -175,6 +187,7 @@ impl Method {
     fn with_events(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         let ours = |steps: StepChoice| Some(steps.integrator(mechanism, &[]).ok()?.into_integrator());
         match (self, setting) {
+            (Method::OverEvents, Setting::Step(step)) => ours(StepChoice::Fixed { stages: 1, step }),
             (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
             (Method::LobattoTolerance | Method::LobattoUnestimated, Setting::Tolerance(tolerance)) => {
                 ours(StepChoice::Tolerance(tolerance))

@@ -3,7 +3,7 @@
 //!
 //! The first formulation is the Lobatto scheme in maximal coordinates: with 32 digits for trees under gravity, and with 14 to 16 stages elsewhere.
 //! The second is DOP853 in joint coordinates near the end of double precision. Each runs at several settings, so that rounding falls differently.
-//! DOP853 knows no contacts, so scenes with contacts have the first formulation alone. Their end points give:
+//! DOP853 knows no contacts, so scenes with contacts have the first formulation alone, with steps that three tolerances choose. Their end points give:
 //!
 //! - the *scatter* of a formulation: the largest distance of one of its runs from their mean;
 //! - the *agreement*: the distance between the two means.
@@ -11,6 +11,7 @@
 //! The reference is the mean of the formulation with the smaller scatter. Down to the agreement an error is vouched
 //! for by both formulations; between agreement and scatter by one alone; below the scatter it is noise.
 
+use crate::chart::ladder::whole_step;
 use crate::chart::method::{Method, Setting};
 use crate::chart::scene::Scene;
 use crate::chart::timing::{Effort, Ended, timed_run};
@@ -55,6 +56,9 @@ impl Reference {
 const PRECISE: [(Method, f64); 3] = [(Method::Precise(9), 0.2), (Method::Precise(9), 0.18), (Method::Precise(9), 0.16)];
 /// and elsewhere with few and large steps, because rounding grows with their number.
 const LARGE: [(Method, f64); 3] = [(Method::Lobatto(16), 0.83), (Method::Lobatto(15), 0.7), (Method::Lobatto(14), 0.6)];
+
+/// and with contacts, where some spans between events need shorter steps than others.
+const CHOSEN: [f64; 3] = [1e-9, 3e-10, 1e-10];
 
 /// The mean step of our tolerance mode is about this multiple of the step of DOP853.
 const OURS: f64 = 4.0;
@@ -134,9 +138,11 @@ pub fn reference(scene: &Scene, interrupt: &AtomicBool, told: &mut dyn FnMut(&st
 
     told("reference in maximal coordinates");
     let finest = if mechanism.is_plain_tree() && mechanism.nonsmooth.is_empty() { PRECISE } else { LARGE };
-    let steps = finest.map(|(method, fraction)| {
-        (method, Setting::Step(crate::chart::ladder::whole_step(duration, fraction * time_scale)))
-    });
+    let steps = if rival {
+        finest.map(|(method, fraction)| (method, Setting::Step(whole_step(duration, fraction * time_scale))))
+    } else {
+        CHOSEN.map(|tolerance| (Method::LobattoUnestimated, Setting::Tolerance(tolerance)))
+    };
     let (maximal, slowest) = Family::run("Lobatto in maximal coordinates", scene, &steps, interrupt);
     if stopped() {
         return Err(interrupted());

@@ -1,7 +1,7 @@
 //! An estimate of the error at the end of a run with fixed steps.
 //!
 //! ```text
-//!     by half the step:  the distance of the ends of two runs, with h and h/2; the second has 2^(2s−2) times less of an error
+//!     by half the step:  d/(1 − 2^−p)               d: the distance of the ends of two runs, with h and h/2 (m); p: the order
 //!     by the energy:     10 · e · v T,    v = sqrt(2 T_max / m)          e: largest energy error over the largest kinetic energy T_max (J)
 //! ```
 //!
@@ -32,14 +32,20 @@ pub struct StepErrorReport {
 }
 
 impl StepErrorReport {
-    /// The estimate from the distance of a run with half the step at the end (m).
-    pub(crate) fn by_half_the_step(apart: f64) -> Self {
-        StepErrorReport { estimated: apart, by: "half the step" }
+    /// The estimate of a method of this order from the distance of a run with half the step at the end (m).
+    pub(crate) fn by_half_the_step(apart: f64, order: usize) -> Self {
+        StepErrorReport { estimated: apart / (1.0 - 0.5_f64.powi(order as i32)), by: "half the step" }
     }
 
-    /// The estimate from the energy error of a run of this duration (s); `None` if rounding hides it.
-    pub(crate) fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Option<Self> {
-        if summary.max_relative_energy_error > COARSE && is_energy_rounding(summary) {
+    /// The estimate from the energy error of a run of this duration (s); `None` if rounding hides it, and for steps over events, whose balance of energy
+    /// says nothing of their error.
+    pub(crate) fn by_energy(
+        mechanism: &Mechanism,
+        method: &MethodDescription,
+        summary: &Summary,
+        duration: f64,
+    ) -> Option<Self> {
+        if method.stages == 1 || summary.max_relative_energy_error > COARSE && is_energy_rounding(summary) {
             return None;
         }
         let error = summary.max_relative_energy_error;

@@ -111,6 +111,9 @@ impl fmt::Display for Report {
         if let (Some(unknown), true) = (&self.no_accuracy, self.method.adaptive) {
             writeln!(out, "  accuracy    not known: {}", unknown.reason)?;
         }
+        if self.method.stages == 1 && self.step_error.is_none() {
+            writeln!(out, "  accuracy    not known: add --check for an estimate by half the step")?;
+        }
         if let Some(StepErrorReport { estimated, by }) = self.step_error {
             let more = if by == "energy" { "; more where the motion amplifies errors" } else { "" };
             writeln!(out, "  accuracy    {estimated:.1e} m estimated at the end, by {by}{more}")?;
