@@ -7,7 +7,7 @@ import math
 import os
 import subprocess
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -140,8 +140,8 @@ BODY = """<robot name="body"><link name="body"><inertial><mass value="{mass!r}"/
 """
 
 
-def ours(program: str, scene: Scene, folder: Path) -> Iterator[Measured]:
-    """Our own program with tolerances from 1e-2 to 1e-12 m; `solve_cpu_seconds`, and the whole process."""
+def write(scene: Scene, folder: Path) -> Path:
+    """The file of a scene for our own program."""
     text = f"[scene]\nname = {scene.name!r}\ngravity = {list(scene.gravity)}\n"
     for number, body in enumerate(scene.bodies):
         shape = f'<sphere radius="{body.radius!r}"/>'
@@ -155,19 +155,43 @@ def ours(program: str, scene: Scene, folder: Path) -> Iterator[Measured]:
     text += '[[obstacle]]\nname = "floor"\nshape = { type = "half_space" }\n'
     text += f'[contact]\npairs = "all"\nfriction = {scene.friction!r}\nrestitution = {scene.restitution!r}\n'
     file = folder / f"{scene.name}.toml"
-    file.write_text(text)
-    for exponent in range(2, 13, 2):
-        command = [program, "simulate", str(file), "--no-log", "--json", "--duration", repr(scene.duration)]
-        command += ["--tolerance", f"1e-{exponent}"]
-        solve, process, report = math.inf, math.inf, {}
-        for _ in range(REPEATS):
-            ended = subprocess.run(command, capture_output=True, text=True, check=False)
-            if ended.returncode != 0:
-                raise catena.CatenaError(ended.stderr.strip() or f"catena ended with {ended.returncode}")
-            report = json.loads(ended.stdout)
-            solve, process = min(solve, report["solve_cpu_seconds"]), min(process, report["cpu_seconds"])
-        # In the order of the scene.
+    file.write_text(f"{text}[simulation]\nduration = {scene.duration!r}\n")
+    return file
+
+
+def _run(command: list[str]) -> tuple[np.ndarray, float, float]:
+    """Where bodies end, in the order of the scene, and the least CPU times of the solver and of the process [s]."""
+    solve, process, places = math.inf, math.inf, np.zeros(0)
+    for _ in range(REPEATS):
+        ended = subprocess.run(command, capture_output=True, text=True, check=False)
+        if ended.returncode != 0:
+            raise catena.CatenaError(ended.stderr.strip() or f"catena ended with {ended.returncode}")
+        report = json.loads(ended.stdout)
+        solve, process = min(solve, report["solve_cpu_seconds"]), min(process, report["cpu_seconds"])
         places = np.array([link["center_of_mass"] for link in report["links"].values()])
-        setting = f"tolerance=1e-{exponent}"
-        yield _row(scene, "catena", setting, places, solve)
-        yield _row(scene, "catena, whole process", setting, places, process)
+        if process > LONG:
+            break
+    return places, solve, process
+
+
+def answered(program: str, scene: Scene, folder: Path) -> Scene:
+    """The scene with an answer: our own, at 1e-10 m, if there is no formula."""
+    if scene.answer is not None:
+        return scene
+    places, *_ = _run([program, "simulate", str(write(scene, folder)), "--no-log", "--json", "--tolerance", "1e-10"])
+    return replace(scene, answer=tuple(map(tuple, places)))
+
+
+def ours(program: str, scene: Scene, folder: Path) -> Iterator[Measured]:
+    """Our own program with tolerances from 1e-2 to 1e-12 m and with steps over events; `solve_cpu_seconds`, and the whole process."""
+    command = [program, "simulate", str(write(scene, folder)), "--no-log", "--json"]
+    for exponent in range(2, 13, 2):
+        setting = f"1e-{exponent}"
+        places, solve, process = _run([*command, "--tolerance", setting])
+        yield _row(scene, "catena", f"tolerance={setting}", places, solve)
+        yield _row(scene, "catena, whole process", f"tolerance={setting}", places, process)
+    for step in STEPS:
+        places, solve, _ = _run([*command, "--stages", "1", "--step", repr(step)])
+        yield _row(scene, "catena, over events", f"step={step}", places, solve)
+        if solve > LONGEST:
+            break

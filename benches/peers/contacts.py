@@ -1,10 +1,10 @@
-"""Contacts with exact answers against MuJoCo and Rapier: error at the end over CPU time, in one run of three minutes.
+"""Contacts against MuJoCo and Rapier: error at the end over CPU time, in one run of three minutes.
 
     benches/peers/venv/bin/python benches/peers/contacts.py -o peers
 
 `README.md` beside this file says how to install MuJoCo and build the program of Rapier; a peer that is not there is
-left out with a line that says so. Writes `contacts.csv`, `contacts.svg` and `contacts.png`, and prints for every method
-its least error and what that costs.
+left out with a line that says so. Writes `contacts.csv`, `contacts.svg` and `contacts.png`, prints for every method its
+least error and what that costs, and lets `catena chart` draw the scene without a formula with all peers in `chart/`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import argparse
 import csv
 import importlib.util
 import math
+import subprocess
 import sys
 import tempfile
 from dataclasses import astuple, fields
@@ -26,6 +27,7 @@ from contact_scenes import Scene, scenes
 STYLES = {
     "catena": {"color": "#d55e00", "marker": "*"},
     "catena, whole process": {"color": "#e69f00", "marker": "*", "linestyle": "--"},
+    "catena, over events": {"color": "#000000", "marker": "v"},
     "MuJoCo, default": {"color": "#0072b2", "marker": "o"},
     "MuJoCo, stiff": {"color": "#56b4e9", "marker": "s"},
     "MuJoCo, stiff, noslip": {"color": "#56b4e9", "marker": "^", "linestyle": "--"},
@@ -68,7 +70,7 @@ def draw(rows: list[Measured], folder: Path) -> None:
     from matplotlib import pyplot as plt
 
     all_scenes = scenes()
-    figure, axes = plt.subplots(2, 3, figsize=(13.5, 8.0), layout="constrained")
+    figure, axes = plt.subplots(2, 4, figsize=(17.5, 8.0), layout="constrained")
     handles = {}
     for axis, scene in zip(axes.flat, all_scenes, strict=False):
         for method, style in STYLES.items():
@@ -92,6 +94,18 @@ def draw(rows: list[Measured], folder: Path) -> None:
         figure.savefig(folder / f"contacts.{ending}", dpi=90, metadata={"Date": None} if ending == "svg" else None)
 
 
+def chart(program: str, rows: list[Measured], folder: Path) -> None:
+    """Draws the scenes without a formula in our own chart, with the peers' measurements."""
+    peers = folder / "peers.csv"
+    with peers.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(field.name for field in fields(Measured))
+        writer.writerows(astuple(row) for row in rows if not row.method.startswith("catena"))
+    files = [str(contact_peers.write(scene, folder)) for scene in scenes() if scene.answer is None]
+    command = [program, "chart", *files, "--quick", "--quiet", "--csv", str(peers), "-o", str(folder / "chart")]
+    subprocess.run(command, check=True)
+
+
 def main() -> int:
     """Measures all scenes, prints a table for each, and writes the files."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -108,7 +122,7 @@ def main() -> int:
         program = catena.find(chosen.catena)
         with tempfile.TemporaryDirectory() as folder:
             for scene in scenes():
-                found = measure(program, scene, Path(folder))
+                found = measure(program, contact_peers.answered(program, scene, Path(folder)), Path(folder))
                 print(f"{scene.title}\n{table(found)}", flush=True)
                 rows += found
     except catena.CatenaError as error:
@@ -119,6 +133,7 @@ def main() -> int:
         writer.writerow(field.name for field in fields(Measured))
         writer.writerows(astuple(row) for row in rows)
     draw(rows, chosen.output)
+    chart(program, rows, chosen.output)
     return 0
 
 

@@ -12,7 +12,7 @@ use catena::mechanism::motion::event::EventKind;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// Two bars of J1's data at x = 0 and x = 2 that carry a coupler of 2 kg, 1 m below their hinges; all axes along y.
-fn parallelogram(effort: f64) -> Mechanism {
+pub fn parallelogram(effort: f64) -> Mechanism {
     let bar = |name: &str, x: f64| hinge(name, None, Vector3::new(x, 0.0, 0.0), 0.5, 2.0, 0.02);
     // The coupler hangs on the first bar, 1 m below its hinge; its centre of mass is 1 m further along x.
     let mut coupler = hinge("coupler", Some(0), Vector3::new(0.0, 0.0, -0.5), 0.0, 2.0, 0.1);

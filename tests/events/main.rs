@@ -59,6 +59,7 @@ mod motions;
 mod motors;
 mod moved_contacts;
 mod orders;
+mod over_all_events;
 mod over_edges;
 mod pendulum;
 mod rams;
