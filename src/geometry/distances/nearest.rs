@@ -7,9 +7,10 @@
 use crate::distances::best::Best;
 use crate::distances::deepest::deepest;
 use crate::features::both::{Both, Candidate};
-use crate::features::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
+use crate::features::feature::{FeatureId, Part, inside, normals, part};
 use crate::features::guesses::{guesses, is_beyond};
 use crate::features::meet::{Guess, meet};
+use crate::features::slab::lying;
 use crate::shapes::convex::{Core, Cylinder};
 use crate::shapes::polytope::{Face, Polytope};
 use nalgebra::Vector3;
@@ -154,9 +155,10 @@ fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f6
     let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)), at_point: false };
     // The points found so far lie on both, so no pair that is farther apart is nearer, or less deep.
     let reach = if everywhere { best.reach() } else { f64::INFINITY };
-    for one in features(a).filter(|&feature| lies_near(a, feature, normal, least_a)) {
+    let of_b = lying(b, &-own, least_b);
+    for one in lying(a, normal, least_a) {
         let on_a = part(a, one);
-        for other in features(b).filter(|&feature| lies_near(b, feature, &-own, least_b)) {
+        for &other in &of_b {
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
             if is_beyond(&on_a, &on_b, reach) {
                 continue;
