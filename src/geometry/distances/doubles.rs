@@ -68,3 +68,46 @@ impl Line {
         before.iter().rev().take_while(is_near).chain(after.iter().take_while(is_near)).map(|one| one.1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::feature::FeatureId;
+    use crate::tests::scenes::Numbers;
+
+    #[test]
+    fn of_many_places_the_same_are_left_as_by_a_look_at_all_pairs() {
+        let mut numbers = Numbers::new(2);
+        for round in 0..50 {
+            let spots: Vec<[Vector3<f64>; 2]> = (0..40).map(|_| [numbers.vector(), numbers.vector()]).collect();
+            // A flat face across an axis, and normals of two sides.
+            let places: Vec<Candidate> = (0..300)
+                .map(|number| {
+                    let mut spot = |side: usize| spots[(numbers.next().abs() * 40.0) as usize % 40][side];
+                    let mut points = [spot(0), spot(1)];
+                    points.iter_mut().for_each(|point| *point += numbers.vector() * 2e-4);
+                    points[0].x = if round % 2 == 0 { 0.3 } else { points[0].x };
+                    let normal = if number % 5 == 0 { -Vector3::z() } else { Vector3::z() };
+                    let features = [FeatureId::Vertex(number), FeatureId::Face(0)];
+                    Candidate { normal, points, features, separation: 0.0 }
+                })
+                .collect();
+            let same = 1e-4;
+            let mut wanted: Vec<&Candidate> = Vec::new();
+            for one in &places {
+                let near = |other: &&&Candidate| {
+                    let apart = |side: usize| (one.points[side] - other.points[side]).norm() <= same;
+                    (apart(0) || apart(1)) && one.normal.dot(&other.normal) > 0.9
+                };
+                if wanted.iter().find(near).is_none() {
+                    wanted.push(one);
+                }
+            }
+            let mut found = places.clone();
+            without_doubles(&mut found, same, [0.0; 2]);
+            let names = |one: &Candidate| one.features[0];
+            assert!(found.len() < 290 && found.len() > 40);
+            assert!(found.iter().map(names).eq(wanted.into_iter().map(names)), "round {round}");
+        }
+    }
+}

@@ -13,7 +13,7 @@
 
 use crate::distances::axes::Found;
 use crate::distances::manifold::places_in_slabs;
-use crate::distances::nearest::nearest;
+use crate::distances::nearest::nearest_soon;
 use crate::features::both::{Both, Candidate};
 use crate::shapes::plane::across;
 use nalgebra::Vector3;
@@ -33,7 +33,7 @@ const FIRST: f64 = 0.1;
 
 /// A few of the places of two convex shapes whose gap is below a bound (m).
 pub fn few(both: &Both, near: f64) -> Found {
-    let Some(closest) = nearest(both) else { return Found::Places(Vec::new()) };
+    let Some(closest) = nearest_soon(both) else { return Found::Places(Vec::new()) };
     let gap = closest.distance() - both.a.radius - both.b.radius;
     if gap.is_nan() {
         return Found::Places(Vec::new());

@@ -99,3 +99,35 @@ fn ball(core: &Core, feature: FeatureId) -> Ball {
         _ => Ball(Vector3::zeros(), f64::INFINITY),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::slab::reaching;
+    use crate::shapes::convex::Convex;
+    use crate::tests::scenes::{Numbers, collider};
+
+    #[test]
+    fn a_sweep_finds_the_pairs_of_features_that_a_look_at_all_of_them_finds() {
+        let mut numbers = Numbers::new(4);
+        let mut hull = || {
+            let of = collider("hull", 1.0, &mut numbers);
+            Convex::new(&of.shape, &of.pose).expect("possible").expect("convex")
+        };
+        let (a, b) = (hull(), hull());
+        for _ in 0..50 {
+            let pose = numbers.pose(0.5);
+            let both = Both { a: &a, b: &b, rotation: *pose.rotation.matrix(), translation: pose.translation.vector };
+            let all = |core: &Core| crate::features::feature::features(core).map(|one| (one, true)).collect::<Vec<_>>();
+            let (of_a, of_b) = (all(&a.core), all(&b.core));
+            assert!(of_a.len() * of_b.len() > FEW && reaching(&a.core, &nalgebra::Vector3::x(), 0.0).is_none());
+            let found = near_pairs(&both, [&of_a, &of_b], 0.02);
+            let ball_of = |other: FeatureId| ball(&b.core, other).moved(&both.rotation, &both.translation);
+            let pairs = (0..of_a.len()).flat_map(|one| (0..of_b.len()).map(move |other| (one, other)));
+            let wanted: Vec<(usize, usize)> = pairs
+                .filter(|&(one, other)| !ball(&a.core, of_a[one].0).is_farther(&ball_of(of_b[other].0), 0.02))
+                .collect();
+            assert_eq!(found, wanted);
+        }
+    }
+}

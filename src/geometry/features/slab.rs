@@ -65,3 +65,39 @@ impl<'p> Slab<'p> {
         faces.chain(edges.into_iter().map(FeatureId::Edge)).chain(vertices).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::convex::Convex;
+    use crate::tests::scenes::Numbers;
+    use catena_mechanism::description::contact::Shape;
+    use catena_mechanism::description::joint::Pose;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_walk_finds_the_features_in_a_slab_that_a_look_at_all_of_them_finds() {
+        let mut numbers = Numbers::new(6);
+        for flat in [false, true] {
+            let mut point = || {
+                let point = numbers.vector().normalize() * 0.2;
+                if flat { Vector3::new(point.x, point.y, point.z.max(-0.1)) } else { point }
+            };
+            let shape = Shape::Hull(Arc::new((0..600).map(|_| point()).collect()));
+            let core = Convex::new(&shape, &Pose::identity()).expect("possible").expect("convex").core;
+            let mut counts = [0, 0];
+            for round in 0..200 {
+                let any = numbers.vector().normalize();
+                let normal = if round % 4 == 0 { -Vector3::z() } else { any };
+                let least = core.support(&normal) - [0.0, 1e-9, 1e-3, 0.02, 0.5][round % 5];
+                let wanted: Vec<FeatureId> =
+                    features(&core).filter(|&feature| lies_near(&core, feature, &normal, least)).collect();
+                assert_eq!(lying(&core, &normal, least), wanted, "round {round}");
+                let reaching = reaching(&core, &normal, least).expect("many vertices");
+                assert!(wanted.iter().all(|feature| reaching.contains(feature)));
+                counts = [counts[0] + wanted.len(), counts[1] + reaching.len()];
+            }
+            assert!(counts[0] > 1000 && counts[1] > counts[0] + 1000, "{counts:?}");
+        }
+    }
+}
