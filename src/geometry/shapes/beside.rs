@@ -1,7 +1,5 @@
 //! The edges and faces at each vertex of a polytope with many vertices.
 
-use crate::shapes::polytope::{Edge, Face};
-
 /// Numbers of edges and faces, vertex after vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beside {
@@ -18,12 +16,13 @@ struct Lists {
 }
 
 impl Beside {
-    /// For this number of vertices.
-    pub fn new(count: usize, edges: &[Edge], faces: &[Face]) -> Self {
-        Beside {
-            edges: Lists::new(count, edges.iter().map(|edge| &edge.ends[..])),
-            faces: Lists::new(count, faces.iter().map(|face| &face.corners[..])),
-        }
+    /// For this number of vertices, from the vertices of edges and of faces.
+    pub fn new<'c>(
+        count: usize,
+        edges: impl Iterator<Item = &'c [usize]> + Clone,
+        faces: impl Iterator<Item = &'c [usize]> + Clone,
+    ) -> Self {
+        Beside { edges: Lists::new(count, edges), faces: Lists::new(count, faces) }
     }
 
     /// The edges of a vertex, in order.

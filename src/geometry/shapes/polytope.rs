@@ -89,8 +89,12 @@ impl Polytope {
         };
         let edges: Vec<Edge> = sides.chunk_by(|one, other| one.0 == other.0).map(edge).collect();
         let neighbours = Neighbours::new(&vertices, edges.iter().map(|edge| edge.ends));
-        let beside =
-            if neighbours.are_known() { Beside::new(vertices.len(), &edges, &faces) } else { Beside::default() };
+        let beside = if neighbours.are_known() {
+            let ends = edges.iter().map(|edge| &edge.ends[..]);
+            Beside::new(vertices.len(), ends, faces.iter().map(|face| &face.corners[..]))
+        } else {
+            Beside::default()
+        };
         let directions = if vertices.len() <= FEW { directions(&vertices, &edges) } else { Vec::new() };
         Polytope { vertices, edges, faces, neighbours, beside, directions }
     }
