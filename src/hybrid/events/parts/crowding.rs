@@ -162,10 +162,7 @@ impl Crowding {
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let dearer = bearable.is_some_and(|bearable| {
-                let excess = (work + decided) / bearable;
-                excess > 1.0 && excess * breaks as f64 >= LABOUR_EVENTS as f64
-            });
+            let dearer = bearable.is_some_and(|bearable| work + decided > bearable && breaks >= LABOUR_EVENTS);
             let laboured = work > most && events >= LABOUR_EVENTS || dearer;
             if !crowded && !laboured {
                 return false;
