@@ -66,7 +66,7 @@ pub(crate) fn proximal_points(
         if residual < 0.5 * halved {
             (halved, since) = (residual, room.iterations);
         }
-        if room.iterations - since > effort.patience {
+        if room.iterations - since > effort.patience || room.is_interrupted() {
             break;
         }
         if inner <= within {

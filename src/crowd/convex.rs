@@ -59,7 +59,7 @@ pub(crate) fn rounds(
             (*residual, *best) = (found, tried);
         }
         let most = if *residual <= ENOUGH { 1 } else { STALLED };
-        if *residual <= tolerance || (round + 1 >= LEAST_ROUNDS && stalled >= most) {
+        if *residual <= tolerance || (round + 1 >= LEAST_ROUNDS && stalled >= most) || room.is_interrupted() {
             break;
         }
     }

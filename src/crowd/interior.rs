@@ -68,6 +68,9 @@ pub(crate) fn interior(problem: &Problem, impulses: &mut [Vector3<f64>], depth: 
     let mut v = Vec::new();
     let mut stall = Stall::new(first);
     for _ in 0..ITERATIONS {
+        if room.is_interrupted() {
+            return false;
+        }
         problem.velocity(&point.impulses, &mut v);
         let rates = |number: usize| problem.rate(number, &v, &point.impulses[number]) - point.rates[number];
         let off: Vec<Vector3<f64>> = (0..problem.blocks.len()).map(rates).collect();

@@ -21,6 +21,9 @@ use crate::laws::Response;
 use crate::problem::{Merit, Problem};
 use crate::stall::Stall;
 use nalgebra::Vector3;
+use std::borrow::Borrow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The proximal part lies between these.
 const PROXIMAL: [f64; 2] = [1e-8, 1.0];
@@ -45,11 +48,16 @@ pub(crate) struct Centre {
     pub impulses: Vec<Vector3<f64>>,
 }
 
+/// A flag that is set from outside when nothing more is wanted.
+pub type Interrupt = Arc<dyn Borrow<AtomicBool> + Send + Sync>;
+
 /// Room for the iterations of any island, and their count.
 #[derive(Clone, Default)]
 pub struct Workspace {
     pub factors: Factors,
     pub iterations: usize,
+    /// Once it is set, iterations end, wherever they are.
+    pub interrupt: Option<Interrupt>,
     pub(crate) direction: Vec<f64>,
     /// u, and the changes of u and r of a whole step.
     pub(crate) rates: Vec<Vector3<f64>>,
@@ -64,6 +72,11 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// Whether what is iterated is not wanted any more.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupt.as_ref().is_some_and(|flag| (**flag).borrow().load(Ordering::Relaxed))
+    }
+
     /// Takes the rates u, or u', of impulses.
     fn see(&mut self, problem: &Problem, v: &[f64], impulses: &[Vector3<f64>]) -> Merit {
         problem.rates(v, impulses, &mut self.rates);
@@ -94,7 +107,7 @@ pub fn newton(
     let (mut unsuccessful, mut firm) = (0, 1.0_f64);
     let mut stall = Stall::new(merit.residual);
     for _ in 0..most as usize {
-        if merit.residual <= tolerance || stall.lasts(STALLED) {
+        if merit.residual <= tolerance || stall.lasts(STALLED) || room.is_interrupted() {
             break;
         }
         direction(problem, impulses, [firm, merit.residual], room);

@@ -3,6 +3,7 @@
 //! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
 
 use crate::distances::axes::{Found, places};
+use crate::distances::few::few;
 use crate::distances::hollow::Hollow;
 use crate::distances::manifold::manifold;
 use crate::distances::nearest::nearest;
@@ -182,31 +183,16 @@ impl PairGeometry {
     pub fn touches(&self, a: &Pose, b: &Pose, near: f64) -> Vec<TouchPlace> {
         let (first, in_first) = self.relative(a, b);
         let (rotation, translation) = &in_first;
-        let second = |feature: FeatureId| Bearer { part: part(&self.second.core, feature), radius: self.second.radius };
-        let found: Vec<TouchPlace> = match &self.first {
-            First::HalfSpace(half_space) => {
-                let found = half_space.manifold(&self.second, rotation, translation, near);
-                let bearer = || Bearer { part: half_space.part(), radius: 0.0 };
-                found.iter().map(|one| place(one, [bearer(), second(one.features[1])], &in_first, first)).collect()
-            }
+        let found = match &self.first {
+            First::HalfSpace(half_space) => half_space.manifold(&self.second, rotation, translation, near),
             First::Hollow(rope) => {
                 let found = rope.nearest(&(rotation * self.second.centre + translation));
-                let bearer = Bearer { part: rope.part(), radius: 0.0 };
-                let near = Some(found).filter(|found| found.distance() < near);
-                near.map(|one| place(&one, [bearer, second(one.features[1])], &in_first, first)).into_iter().collect()
+                Some(found).filter(|found| found.distance() < near).into_iter().collect()
             }
-            First::Mesh(mesh) => {
-                let found = mesh.manifold(&self.second, rotation, translation, near);
-                let bearer = |feature| Bearer { part: mesh.part(feature), radius: 0.0 };
-                let placed =
-                    |one: &Candidate| place(one, [bearer(one.features[0]), second(one.features[1])], &in_first, first);
-                found.iter().map(placed).collect()
-            }
-            First::Convex(convex) => {
-                self.placed(convex, &manifold(&both(convex, &self.second, &in_first), near), &in_first, first)
-            }
+            First::Mesh(mesh) => mesh.manifold(&self.second, rotation, translation, near),
+            First::Convex(convex) => manifold(&both(convex, &self.second, &in_first), near),
         };
-        if self.exchanged { found.into_iter().map(TouchPlace::exchanged).collect() } else { found }
+        self.placed(&found, &in_first, first)
     }
 
     /// The places where the gap is below a bound (m) along each face normal that separates two convex shapes that touch, if there are several, as at
@@ -214,31 +200,39 @@ impl PairGeometry {
     pub fn touches_otherwise(&self, a: &Pose, b: &Pose, near: f64) -> Vec<Vec<TouchPlace>> {
         let First::Convex(convex) = &self.first else { return Vec::new() };
         let (first, in_first) = self.relative(a, b);
-        let placed = |found: &Vec<Candidate>| {
-            let found = self.placed(convex, found, &in_first, first).into_iter();
-            found.map(|place| if self.exchanged { place.exchanged() } else { place }).collect()
-        };
-        manifolds(&both(convex, &self.second, &in_first), near).iter().map(placed).collect()
+        let found = manifolds(&both(convex, &self.second, &in_first), near);
+        found.iter().map(|found| self.placed(found, &in_first, first)).collect()
     }
 
-    /// The same places in a way that is quicker for small polytopes, and a lower bound of the distance (m) where there are none. Two polytopes have
-    /// the same places to rounding, perhaps under other names. `likely` tells whether there were places a moment ago.
+    /// The same places in a way that is quicker, and a lower bound of the distance (m) where there are none. Two small polytopes have the same places to
+    /// rounding, perhaps under other names. Of shapes with many vertices there are a few of the places, among them the nearest, if there are many. `likely`
+    /// tells whether there were places a moment ago.
     pub fn touches_soon(&self, a: &Pose, b: &Pose, near: f64, likely: bool) -> (Vec<TouchPlace>, f64) {
         let apart = self.least_distance(a, b, near);
         if apart > near {
             return (Vec::new(), apart);
         }
-        if let First::Convex(convex) = &self.first {
-            let (first, in_first) = self.relative(a, b);
-            match places(&both(convex, &self.second, &in_first), near) {
-                Found::Apart(distance) => return (Vec::new(), distance),
-                Found::Places(found) => {
-                    let found = self.placed(convex, &found, &in_first, first);
-                    let exchanged = |place: TouchPlace| if self.exchanged { place.exchanged() } else { place };
-                    return (found.into_iter().map(exchanged).collect(), f64::NEG_INFINITY);
+        let (first, in_first) = self.relative(a, b);
+        let found = match &self.first {
+            First::Convex(convex) => {
+                let both = both(convex, &self.second, &in_first);
+                match places(&both, near) {
+                    Found::Unknown if self.is_dense() => few(&both, near),
+                    found => found,
                 }
-                Found::Unknown => {}
             }
+            First::HalfSpace(half_space) => {
+                let (rotation, translation) = &in_first;
+                half_space.few(&self.second, rotation, translation, near).map_or(Found::Unknown, Found::Places)
+            }
+            First::Mesh(_) | First::Hollow(_) => Found::Unknown,
+        };
+        match found {
+            Found::Apart(distance) => return (Vec::new(), distance),
+            Found::Places(found) => {
+                return (self.placed(&found, &in_first, first), f64::NEG_INFINITY);
+            }
+            Found::Unknown => {}
         }
         if !likely {
             let distance = self.distance(a, b).distance;
@@ -249,17 +243,21 @@ impl PairGeometry {
         (self.touches(a, b, near), f64::NEG_INFINITY)
     }
 
-    /// Places of two convex shapes from what was found in the frame of the first.
-    fn placed(
-        &self,
-        convex: &Convex,
-        found: &[Candidate],
-        in_first: &(Matrix3<f64>, Vector3<f64>),
-        first: &Pose,
-    ) -> Vec<TouchPlace> {
+    /// The places of what was found in the frame of the first.
+    fn placed(&self, found: &[Candidate], in_first: &(Matrix3<f64>, Vector3<f64>), first: &Pose) -> Vec<TouchPlace> {
         let of = |convex: &Convex, feature| Bearer { part: part(&convex.core, feature), radius: convex.radius };
-        let bearers = |one: &Candidate| [of(convex, one.features[0]), of(&self.second, one.features[1])];
-        found.iter().map(|one| place(one, bearers(one), in_first, first)).collect()
+        let sharp = |part| Bearer { part, radius: 0.0 };
+        let on_first = |feature: FeatureId| match &self.first {
+            First::HalfSpace(half_space) => sharp(half_space.part()),
+            First::Hollow(rope) => sharp(rope.part()),
+            First::Mesh(mesh) => sharp(mesh.part(feature)),
+            First::Convex(convex) => of(convex, feature),
+        };
+        let exchanged = |place: TouchPlace| if self.exchanged { place.exchanged() } else { place };
+        let placed = |one: &Candidate| {
+            place(one, [on_first(one.features[0]), of(&self.second, one.features[1])], in_first, first)
+        };
+        found.iter().map(placed).map(exchanged).collect()
     }
 
     /// The place at which a rim touches a round feature, or another rim, as the joint has it: with the normal and the points from the first body to

@@ -11,7 +11,9 @@
 //!
 //! Source: S. Gottschalk, Separating axis theorem, TR96-024, University of North Carolina (1996).
 
-use crate::distances::manifold::{SAME, without_doubles, without_inner};
+use crate::distances::doubles::without_doubles;
+use crate::distances::inner::without_inner;
+use crate::distances::manifold::SAME;
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::FeatureId;
 use crate::shapes::convex::Core;

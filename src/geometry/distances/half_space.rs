@@ -8,6 +8,7 @@
 //! slanted, with both if it lies. An end that is flat on the plane to within `near` touches with four points of its rim; see
 //! [`crate::features::feature::FeatureId::RimPoint`].
 
+use crate::distances::few::{MOST, tilts};
 use crate::features::both::Candidate;
 use crate::features::feature::{FeatureId, Part, contact_features, part};
 use crate::features::meet::{Guess, meet};
@@ -66,10 +67,38 @@ impl HalfSpace {
             && polytope.neighbours.are_known()
         {
             let vertex = |vertex: usize| place(FeatureId::Vertex(vertex as u32));
-            let low = polytope.neighbours.connected(lowest as usize, |number| vertex(number).is_some());
-            return low.into_iter().filter_map(vertex).collect();
+            let low = polytope.neighbours.connected(lowest as usize, usize::MAX, |number| vertex(number).is_some());
+            return low.into_iter().flatten().filter_map(vertex).collect();
         }
         contact_features(&b.core, &down, near - gap).filter_map(place).collect()
+    }
+
+    /// A few of these points of a polytope with many vertices, instead of all: the lowest ones after small turns ([`crate::distances::few`]); `None` of other shapes.
+    pub fn few(
+        &self,
+        b: &Convex,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+        near: f64,
+    ) -> Option<Vec<Candidate>> {
+        let Core::Polytope(polytope) = &b.core else { return None };
+        if !polytope.neighbours.are_known() {
+            return None;
+        }
+        let down = -rotation.tr_mul(&self.normal);
+        let lowest = polytope.support_vertex(&down);
+        let candidate = |vertex: usize| {
+            self.candidate(rotation * polytope.vertices[vertex] + translation, FeatureId::Vertex(vertex as u32))
+        };
+        let is_near = |vertex: usize| candidate(vertex).distance() - b.radius < near;
+        let low = polytope.neighbours.connected(lowest, MOST, is_near).unwrap_or_else(|| {
+            let mut low: Vec<usize> =
+                tilts(&down, near, b.size).map(|tilt| polytope.support_vertex(&(down + tilt))).collect();
+            low.sort_unstable();
+            low.dedup();
+            low
+        });
+        Some(low.into_iter().filter(|&vertex| is_near(vertex)).map(candidate).collect())
     }
 
     /// The least height of the vertices of a polytope that are not among these (m); `None` for other cores. Because the vertices below any height are

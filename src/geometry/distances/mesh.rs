@@ -16,7 +16,9 @@
 //! The surface is a shell whose outside is where the normals point. A convex shape that is wholly behind it counts as apart from it, so
 //! passing through is noticed on the way only.
 
-use crate::distances::manifold::{manifold, without_doubles, without_inner};
+use crate::distances::doubles::without_doubles;
+use crate::distances::inner::without_inner;
+use crate::distances::manifold::manifold;
 use crate::distances::nearest::nearest;
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::{FeatureId, Part, inside};

@@ -7,15 +7,20 @@
 use crate::distances::best::Best;
 use crate::distances::deepest::deepest;
 use crate::features::both::{Both, Candidate};
-use crate::features::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
+use crate::features::feature::{FeatureId, Part, inside, normals, part};
 use crate::features::guesses::{guesses, is_beyond};
 use crate::features::meet::{Guess, meet};
+use crate::features::slab::lying;
 use crate::shapes::convex::{Core, Cylinder};
 use crate::shapes::polytope::{Face, Polytope};
 use nalgebra::Vector3;
 
 /// How far from the support planes features are looked for, relative to the size, one after the other.
 const DEPTHS: [f64; 4] = [1e-9, 1e-6, 1e-3, 0.05];
+/// The same of shapes with thousands of features, which have too many of them deeper.
+const THIN: [f64; 3] = [1e-9, 1e-6, 1e-5];
+/// Overlaps up to this part of the size are shallow.
+const SHALLOW: f64 = 1e-4;
 /// At the same place by rounding, relative to the size.
 const COINCIDENT: f64 = 2e-14;
 /// The faces of a polytope with at most this many are looked through.
@@ -35,24 +40,54 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
     }
     let mut best = Best::new(both);
     if let Some(normal) = both.hint(&Vector3::zeros()) {
-        search(&mut best, both, &normal);
+        search(&mut best, both, &normal, &DEPTHS);
     }
     if best.is_global() {
         return best.found();
     }
+    if both.a.is_dense() || both.b.is_dense() {
+        // Thousands of normals are tried only if none of the ones beside is proved to be the one.
+        let mut soon = Best::new(both);
+        soon.try_normal(&both.centres());
+        search_apart(&mut soon, both, &THIN);
+        if soon.is_global() {
+            return soon.found();
+        }
+    }
     try_normals(&mut best, both);
-    search_apart(&mut best, both);
+    search_apart(&mut best, both, &DEPTHS);
     if best.is_global() {
         return best.found();
     }
     try_crossings(&mut best, both);
     let start = best.steepest().1;
-    search(&mut best, both, &start);
+    search(&mut best, both, &start, &DEPTHS);
     if !best.is_exact() {
-        search_apart(&mut best, both);
+        search_apart(&mut best, both, &DEPTHS);
     }
     let bound = supports(both, best.steepest());
     best.found().filter(|found| best.error(found) <= bound.certificate()).or(Some(bound))
+}
+
+/// The same for shapes with thousands of faces, of which not all normals are tried while the two overlap by little, or touch.
+///
+/// Of shapes that overlap an exact depth δ among the normals that were tried is the least one up to δ, which is small here. Those that do not are at a
+/// distance that is exact.
+pub fn nearest_soon(both: &Both) -> Option<Candidate> {
+    if both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
+        let mut best = Best::new(both);
+        if let Some(normal) = both.hint(&Vector3::zeros()) {
+            search(&mut best, both, &normal, &THIN);
+        }
+        if !best.is_global() {
+            best.try_normal(&both.centres());
+            search_apart(&mut best, both, &THIN);
+        }
+        if best.is_exact() && best.steepest().0 >= -SHALLOW * both.size() {
+            return best.found();
+        }
+    }
+    nearest(both)
 }
 
 /// The nearest points of a point, or of the centre of a ball, and a polytope with few faces, if a face is nearest: the one that the point is farthest in
@@ -84,7 +119,7 @@ fn in_front_of_a_face(both: &Both) -> Option<Candidate> {
 }
 
 /// Moves the two apart along the best normal, runs GJK there, and searches along its normal: the normal of a small depth.
-fn search_apart(best: &mut Best, both: &Both) {
+fn search_apart(best: &mut Best, both: &Both, depths: &[f64]) {
     for apart in [0.1, 1e-2, 1e-3, 1e-4] {
         let (separation, normal) = best.steepest();
         if let Some(normal) = both.hint(&(normal * (apart * both.size() - separation))) {
@@ -92,12 +127,12 @@ fn search_apart(best: &mut Best, both: &Both) {
         }
     }
     let start = best.steepest().1;
-    search(best, both, &start);
+    search(best, both, &start, depths);
 }
 
-/// Offers the features near the support planes of a normal, until the best is exact.
-fn search(best: &mut Best, both: &Both, normal: &Vector3<f64>) {
-    for depth in DEPTHS {
+/// Offers the features within these depths of the support planes of a normal, until the best is exact.
+fn search(best: &mut Best, both: &Both, normal: &Vector3<f64>, depths: &[f64]) {
+    for &depth in depths {
         offer_features(best, both, normal, depth * both.size(), false);
         if best.is_exact() {
             return;
@@ -154,9 +189,10 @@ fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f6
     let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)), at_point: false };
     // The points found so far lie on both, so no pair that is farther apart is nearer, or less deep.
     let reach = if everywhere { best.reach() } else { f64::INFINITY };
-    for one in features(a).filter(|&feature| lies_near(a, feature, normal, least_a)) {
+    let of_b = lying(b, &-own, least_b);
+    for one in lying(a, normal, least_a) {
         let on_a = part(a, one);
-        for other in features(b).filter(|&feature| lies_near(b, feature, &-own, least_b)) {
+        for &other in &of_b {
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
             if is_beyond(&on_a, &on_b, reach) {
                 continue;
@@ -248,7 +284,7 @@ mod tests {
             let both = Both { a, b, rotation, translation };
             let mut best = Best::new(&both);
             if let Some(normal) = both.hint(&Vector3::zeros()) {
-                search(&mut best, &both, &normal);
+                search(&mut best, &both, &normal, &DEPTHS);
             }
             let searched = best.found().filter(|_| best.is_global());
             match (in_front_of_a_face(&both), searched) {

@@ -10,3 +10,4 @@ pub(crate) mod lens;
 pub(crate) mod meet;
 pub(crate) mod place;
 pub(crate) mod rims;
+pub(crate) mod slab;

@@ -1,5 +1,6 @@
 //! The shapes, prepared from user input: planes, polytopes, hulls, round bodies; convex pieces of surfaces.
 
+pub(crate) mod beside;
 pub(crate) mod cells;
 pub(crate) mod convex;
 pub(crate) mod decompose;

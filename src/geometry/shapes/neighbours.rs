@@ -96,20 +96,39 @@ impl Neighbours {
         self.compare(top, height, self.slack * direction.norm(), along)
     }
 
-    /// The vertices that are connected with one along edges and pass a test, in the order of their numbers. They have to be known.
-    pub fn connected(&self, from: usize, passes: impl Fn(usize) -> bool) -> Vec<usize> {
+    /// The vertices that are connected with one along edges and pass a test, in the order of their numbers; `None` if there are more than `most`. They
+    /// have to be known.
+    pub fn connected(&self, from: usize, most: usize, passes: impl Fn(usize) -> bool) -> Option<Vec<usize>> {
         let mut reached = vec![false; self.starts.len() - 1];
-        let mut waiting = vec![from];
-        reached[from] = passes(from);
+        let (mut found, mut waiting) = (Vec::new(), vec![from]);
+        if passes(from) {
+            reached[from] = true;
+            found.push(from);
+        }
         while let Some(vertex) = waiting.pop() {
             for next in self.of(vertex).iter().map(|&next| next as usize) {
                 if !reached[next] && passes(next) {
                     reached[next] = true;
+                    found.push(next);
                     waiting.push(next);
                 }
             }
+            if found.len() > most {
+                return None;
+            }
         }
-        (0..reached.len()).filter(|&vertex| reached[vertex]).collect()
+        found.sort_unstable();
+        Some(found)
+    }
+
+    /// All vertices `n · v ≥ least`, in the order of their numbers. They have to be known.
+    pub fn above(&self, vertices: &[Vector3<f64>], direction: &Vector3<f64>, least: f64) -> Vec<usize> {
+        let along = |vertex: usize| direction.dot(&vertices[vertex]);
+        // Facets are flat to the slack only: where they are not, a vertex above has perhaps no neighbour above.
+        let deeper = least - self.slack * direction.norm();
+        let top = self.support(vertices, direction);
+        let found = self.connected(top, usize::MAX, |vertex| along(vertex) >= deeper).unwrap_or_default();
+        found.into_iter().filter(|&vertex| along(vertex) >= least).collect()
     }
 
     /// The highest of the vertices that are connected with the top above its height less the slack, the first of several.

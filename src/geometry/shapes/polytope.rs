@@ -2,6 +2,7 @@
 //!
 //! Its support number is `h(n) = max n · v` over the vertices v. Lengths are in m, in the frame of the body.
 
+use crate::shapes::beside::Beside;
 use crate::shapes::neighbours::Neighbours;
 use nalgebra::Vector3;
 
@@ -36,6 +37,8 @@ pub struct Polytope {
     pub faces: Vec<Face>,
     /// The neighbours of its vertices, of one with many.
     pub neighbours: Neighbours,
+    /// The edges and faces at its vertices, where neighbours are known.
+    pub beside: Beside,
     /// Unit vectors along its edges, one for edges that are parallel; none of a polytope with more than [`FEW`] vertices, and none without faces.
     pub directions: Vec<Vector3<f64>>,
 }
@@ -53,6 +56,7 @@ impl Polytope {
             edges: Vec::new(),
             faces: Vec::new(),
             neighbours: Neighbours::default(),
+            beside: Beside::default(),
             directions: Vec::new(),
         }
     }
@@ -64,6 +68,7 @@ impl Polytope {
             edges: vec![Edge { ends: [0, 1], faces: None, open: true }],
             faces: Vec::new(),
             neighbours: Neighbours::default(),
+            beside: Beside::default(),
             directions: Vec::new(),
         }
     }
@@ -84,8 +89,14 @@ impl Polytope {
         };
         let edges: Vec<Edge> = sides.chunk_by(|one, other| one.0 == other.0).map(edge).collect();
         let neighbours = Neighbours::new(&vertices, edges.iter().map(|edge| edge.ends));
+        let beside = if neighbours.are_known() {
+            let ends = edges.iter().map(|edge| &edge.ends[..]);
+            Beside::new(vertices.len(), ends, faces.iter().map(|face| &face.corners[..]))
+        } else {
+            Beside::default()
+        };
         let directions = if vertices.len() <= FEW { directions(&vertices, &edges) } else { Vec::new() };
-        Polytope { vertices, edges, faces, neighbours, directions }
+        Polytope { vertices, edges, faces, neighbours, beside, directions }
     }
 
     /// The triangle with these corners (m), with a face on either side: face 0 is the one that they go round counterclockwise.

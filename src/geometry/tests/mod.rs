@@ -4,6 +4,7 @@ mod axes;
 mod beyond;
 mod certificates;
 mod extents;
+mod few;
 mod manifolds;
 mod margins;
 mod meshes;

@@ -73,6 +73,11 @@ impl Integrator for Eventful {
         if let Some(outcome) = self.go_on_in_crowd(inputs, state, until) {
             return Ok(outcome);
         }
+        if self.progress.in_crowd {
+            // It was interrupted.
+            self.previous.left = None;
+            return Ok(StepOutcome::default());
+        }
         self.heed(inputs, state);
         self.follow_commands(inputs, state);
         let mut next = self.model.next_instant(state.time, until);

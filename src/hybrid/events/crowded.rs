@@ -15,6 +15,7 @@
 //! A step that cannot be made is tried with a quarter of its length. A crowd ends by it only after the last try. A step whose residual is above 1e-4 is
 //! made once more, with a quarter of its length, and the one with the smaller residual is taken.
 
+use crate::crowd::newton::Interrupt;
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
 use crate::events::effects::resting::energy;
@@ -78,6 +79,18 @@ impl Eventful {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
             _ => (PLAIN, self.progress.beyond_horizon),
         }
+    }
+
+    /// Once this flag is set, a step over events that is being made is given up: then a step has no length, and leaves the state as it is.
+    pub fn heed_interrupt(&mut self, interrupt: Interrupt) {
+        if let Some(crowd) = &mut self.workspaces.crowd {
+            crowd.heed(interrupt);
+        }
+    }
+
+    /// Whether that flag is set, in a run that may step over events.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.workspaces.crowd.as_ref().is_some_and(|crowd| crowd.is_interrupted())
     }
 
     /// The error of the run is estimated: up to its horizon given instants alone are no reason for steps over events.
@@ -177,6 +190,9 @@ impl Eventful {
             self.step_in_crowd(inputs, state, next, self.model.coarser * length)
         };
         let Some((mut outcome, made)) = made else {
+            if self.is_interrupted() {
+                return None;
+            }
             self.progress.in_crowd = false;
             self.progress.is_careful = false;
             self.pass_anew(inputs, state);
@@ -266,7 +282,7 @@ impl Eventful {
             progress,
             ..
         } = self;
-        let crowd = crowd.as_mut()?;
+        let crowd = crowd.as_mut().filter(|crowd| !crowd.is_interrupted())?;
         if recipe.keeps(Rule::Sleep) || progress.is_careful {
             crowd.keep_awake();
         }

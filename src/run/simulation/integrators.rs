@@ -164,7 +164,10 @@ impl<'a> Wanted<'a> {
         };
         if self.stepped {
             let (stop, stages) = (first_stop(mechanism, tolerance), StageChoice::of(mechanism, tolerance));
-            let run = RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop, stages }, kept)?.asked_for();
+            let mut run = RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop, stages }, kept)?.asked_for();
+            if let Some(Held::Shared(flag)) = &self.interrupt {
+                run.heed_interrupt(flag);
+            }
             return Ok((run.counted(counted).into(), UnknownAccuracy::Stepped));
         }
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));

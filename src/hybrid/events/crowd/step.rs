@@ -11,7 +11,7 @@
 //! Source: J. J. Moreau (1988) and M. Jean (1999) for the step; L. Paoli, M. Schatzman, A numerical scheme for impact problems, SIAM Journal on Numerical
 //! Analysis 40 (2002) for positions apart from rates.
 
-use crate::crowd::newton::Workspace;
+use crate::crowd::newton::{Interrupt, Workspace};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::{CLOSED, Candidate, Clearances, Contacts, Key, Scene, has_row};
 use crate::events::crowd::energies::Energies;
@@ -133,8 +133,23 @@ impl Crowd {
         })
     }
 
+    /// Once this flag is set, no step is made: one that is being made ends within an iteration.
+    pub fn heed(&mut self, interrupt: Interrupt) {
+        self.room.interrupt = Some(interrupt);
+    }
+
+    /// That flag.
+    pub fn interrupt(&self) -> Option<Interrupt> {
+        self.room.interrupt.clone()
+    }
+
+    /// Whether that flag is set.
+    pub fn is_interrupted(&self) -> bool {
+        self.room.is_interrupted()
+    }
+
     /// Makes a step of this length (s) from a state, evenly if nothing that acts changes in time; `None` where a mass matrix is singular, a number is not
-    /// finite, or shapes overlap far at its end: nothing of it is kept.
+    /// finite, shapes overlap far at its end, or it is interrupted: nothing of it is kept.
     pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
         let made = self.make(scene, forces, state, step, evenly);
         if made.is_none() {
@@ -197,6 +212,9 @@ impl Crowd {
             self.place_middle(start, &displacement, step, whole);
             place_bodies(whole, state, &mut self.bodies);
             self.next.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
+            if self.is_interrupted() {
+                return None;
+            }
             if attempt == AGAIN || !self.widen(scene, start, &displacement, step) {
                 break;
             }
@@ -231,7 +249,7 @@ impl Crowd {
         made.unsolved += found.unsolved;
         made.closed = found.closed;
         made.friction = found.friction;
-        if !state.velocity.iter().all(|rate| rate.is_finite()) {
+        if self.is_interrupted() || !state.velocity.iter().all(|rate| rate.is_finite()) {
             return None;
         }
         let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();

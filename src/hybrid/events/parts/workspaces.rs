@@ -54,7 +54,11 @@ impl Workspaces {
         self.response = Shared::new(Response::new(mechanism));
         self.rooms.clear();
         self.pieces.clear();
+        let interrupt = self.crowd.as_ref().and_then(|crowd| crowd.interrupt());
         self.crowd = Crowd::new(mechanism).map(Shared::new);
+        if let (Some(crowd), Some(interrupt)) = (&mut self.crowd, interrupt) {
+            crowd.heed(interrupt);
+        }
     }
 
     /// The piece in use.

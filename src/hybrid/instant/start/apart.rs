@@ -4,7 +4,7 @@
 //!     minimise ½ dqᵀ H dq   subject to  φ + W dq ≥ 0,  J dq = 0          dq = Y Wᵀ r,   0 ≤ r ⊥ D r + φ ≥ 0
 //! ```
 //!
-//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` ([`crate::instant::holding::blocks`]), and limits of joints; repeated
+//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` (as in [`crate::instant::holding::blocks`]), and limits of joints; repeated
 //! with the new gaps until every overlap is rounding. Hundreds of vertices may be near, and a few of them push: rows are taken into the problem one
 //! by one, the most violated first, until all are satisfied (a cutting-plane method).
 //!
@@ -12,13 +12,13 @@
 
 use crate::instant::cone::bounded::minimise;
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{row_of_freedom, rows_of_contact};
 use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Largest number of rounds.
 const ROUNDS: usize = 60;
@@ -79,10 +79,19 @@ pub(crate) fn move_apart(
             }
         }
     }
-    let rows = Rows::new(response, state, rows);
-    let pushes = least_pushes(&rows.square, &gaps);
-    let mut change = vec![0.0; mechanism.velocity_count];
-    rows.add(&pushes, &mut change);
+    let columns = response.answers(state, &rows);
+    let entries: Vec<Vec<(usize, f64)>> =
+        rows.iter().map(|row| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect()).collect();
+    let answer = |row: usize, column: usize| {
+        entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
+    };
+    // Symmetric to the last bit.
+    let column_of = |column: usize| {
+        let mean = |row: usize| 0.5 * (answer(row, column) + answer(column, row));
+        (0..rows.len()).map(|row| if row == column { answer(row, row) } else { mean(row) }).collect()
+    };
+    let pushes = least_pushes(column_of, &gaps);
+    let mut change: Vec<f64> = (&columns * DVector::from_vec(pushes)).iter().copied().collect();
     let largest = change.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     if largest > REACH {
         change.iter_mut().for_each(|value| *value *= REACH / largest);
@@ -91,24 +100,26 @@ pub(crate) fn move_apart(
     true
 }
 
-/// The least pushes r ≥ 0 with `D r + φ ≥ 0`.
-fn least_pushes(square: &DMatrix<f64>, gaps: &[f64]) -> Vec<f64> {
+/// The least pushes r ≥ 0 with `D r + φ ≥ 0`, of which the columns of D are made that are asked for: of thousands of rows a few push.
+fn least_pushes(column_of: impl Fn(usize) -> Vec<f64>, gaps: &[f64]) -> Vec<f64> {
     let deepest = gaps.iter().fold(0.0_f64, |most, gap| most.max(-gap));
     let mut left = gaps.to_vec();
     let mut pushes = vec![0.0; gaps.len()];
     let mut taken: Vec<usize> = Vec::new();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
     loop {
         let violated = (0..gaps.len()).filter(|row| left[*row] < -CLOSED * deepest && !taken.contains(row));
         let Some(next) = violated.min_by(|&one, &other| left[one].total_cmp(&left[other])) else { return pushes };
         taken.push(next);
-        let of = |row: usize, column: usize| square[(taken[row], taken[column])];
+        columns.push(column_of(next));
+        let of = |row: usize, column: usize| columns[column][taken[row]];
         let own: Vec<f64> = taken.iter().map(|&row| gaps[row]).collect();
         let only_away = vec![(0.0, f64::INFINITY); taken.len()];
         let found = minimise(&DMatrix::from_fn(taken.len(), taken.len(), of), &own, &only_away).efforts;
         left.copy_from_slice(gaps);
-        for (&row, &push) in taken.iter().zip(&found) {
+        for ((&row, column), &push) in taken.iter().zip(&columns).zip(&found) {
             pushes[row] = push;
-            left.iter_mut().zip(square.column(row).iter()).for_each(|(left, mobility)| *left += mobility * push);
+            left.iter_mut().zip(column).for_each(|(left, mobility)| *left += mobility * push);
         }
     }
 }
@@ -161,7 +172,9 @@ mod tests {
             let all = minimise(&square, &gaps, &vec![(0.0, f64::INFINITY); 40]).efforts;
             let motion = |pushes: Vec<f64>| rows.transpose() * nalgebra::DVector::from_vec(pushes);
             // The least motion is unique, whatever the pushes; both have it to rounding.
-            let difference = (motion(all) - motion(least_pushes(&square, &gaps))).amax();
+            let difference = (motion(all)
+                - motion(least_pushes(|column| square.column(column).iter().copied().collect(), &gaps)))
+            .amax();
             assert!(difference < 1e-11, "round {round}: {difference:e}");
         }
     }

@@ -6,6 +6,7 @@ use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::Integrator;
+use crate::simulation::method::held::Owner;
 use crate::simulation::method::run_steps::RunSteps;
 use crate::simulation::method::without_locked::WithoutLocked;
 use crate::stepping::integrator::{Lobatto, MethodError};
@@ -13,6 +14,7 @@ use crate::stepping::recipe::{Recipe, Steps};
 use crate::stepping::trees::other_tree::OnOtherTree;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// The integrator of a run, or of an island.
 pub struct RunIntegrator(Box<dyn RunSteps>);
@@ -94,6 +96,11 @@ impl RunIntegrator {
     /// The error of the run is estimated.
     pub(crate) fn keep_estimate(&mut self) {
         self.events_mut().into_iter().for_each(Eventful::keep_estimate);
+    }
+
+    /// Once this flag is set, no step is made to its end that is long in work.
+    pub(crate) fn heed_interrupt(&mut self, interrupt: &Owner<AtomicBool>) {
+        self.events_mut().into_iter().for_each(|events| events.heed_interrupt(interrupt.clone()));
     }
 
     /// A bound of the overlap of shapes in the steps so far (m).
