@@ -48,7 +48,7 @@ pub(crate) struct Centre {
     pub impulses: Vec<Vector3<f64>>,
 }
 
-/// A flag that is set from outside when nothing more is wanted.
+/// A flag that is set from outside when the result is not wanted any more.
 pub type Interrupt = Arc<dyn Borrow<AtomicBool> + Send + Sync>;
 
 /// Room for the iterations of any island, and their count.

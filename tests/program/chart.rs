@@ -332,8 +332,10 @@ fn a_chart_of_contacts_is_measured_against_our_own_refinement_and_says_who_is_le
     };
     for method in Method::WITH_EVENTS {
         assert_eq!(runs.iter().any(|run| run.method == method.id()), method.is_ours(), "{method:?}");
-        // A block that slides straight to its stop is a parabola, which two stages have exactly.
-        assert!(!method.is_ours() || least(*method) < 1e-11, "{method:?}: {:e}", least(*method));
+        // A block that slides straight to its stop is a parabola, which two stages have exactly, and the midpoint rule, too; steps over events find its forces
+        // to 5e-9 of themselves.
+        let bound = if *method == Method::OverEvents { 1e-8 } else { 1e-11 };
+        assert!(!method.is_ours() || least(*method) < bound, "{method:?}: {:e}", least(*method));
     }
     // Where the block stops, and that nothing else was simulated.
     let (model, start) = Model::from_scene(&read_scene(&scene, &PackagePath::default()).unwrap()).unwrap();

@@ -50,7 +50,7 @@ fn wrong_options_are_named_before_anything_is_written() {
     assert_eq!(refused(new().tolerance(f64::NAN)), "tolerance is NaN: give a finite number");
     assert_eq!(refused(new().duration(-1.0)), "duration is -1: must be greater than zero");
     assert_eq!(refused(new().rate(1e7)), "rate is 10000000: must be at most 1e6");
-    assert!(refused(new().fixed(1, 0.01)).contains("stages"));
+    assert!(refused(new().fixed(0, 0.01)).contains("stages"));
     assert!(refused(new().fixed(4, f64::INFINITY)).contains("step is inf"));
     assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 0, "nothing was written");
     let over = folder.join("copy.urdf");

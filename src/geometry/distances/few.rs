@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The hull of a mesh has thousands of vertices within a centimetre of another. A gap is linear in a small turn, so a place that is the deepest after
-//! none of the turns touches only after others. The nearest place is always there, and every place is one of all: nothing is held apart too early. What
+//! none of the turns touches only after others. The nearest place is always there, and every place is one of all: no pair is held apart too early. What
 //! is left out may overlap before the others stop it, by about the height of the surface between two of them; a step that ends so is made again with
 //! the overlapping place.
 //!
@@ -63,7 +63,7 @@ fn leave_few(found: &mut Vec<Candidate>, normal: &Vector3<f64>, near: f64, size:
     found.retain(|_| kept.next().unwrap_or(true));
 }
 
-/// The turns θ e_k of shapes of a size (m) that are nearer than `near` (m), each as a vector across a normal; none of them first.
+/// The turns θ e_k of shapes of a size (m) that are nearer than `near` (m), each as a vector across a normal; no turn comes first.
 pub fn tilts(normal: &Vector3<f64>, near: f64, size: f64) -> impl Iterator<Item = Vector3<f64>> {
     let (x, y) = across(normal);
     let largest = (near / size).clamp(LEAST, LARGEST);

@@ -46,7 +46,7 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
         return best.found();
     }
     if both.a.is_dense() || both.b.is_dense() {
-        // Thousands of normals are tried only if none of the ones beside is proved to be the one.
+        // Thousands of normals are tried only if the ones beside are not proved to be the one.
         let mut soon = Best::new(both);
         soon.try_normal(&both.centres());
         search_apart(&mut soon, both, &THIN);

@@ -40,7 +40,7 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
         (format!("{ONE}[simulation]\nduration = 0"), &["scene.toml:4: simulation.duration: 0 must be greater"]),
         (format!("{ONE}[simulation]\nstages = 3"), &["scene.toml:4: ", "needs a step"]),
         (format!("{ONE}[simulation]\nstep = 0.1"), &["scene.toml:4: ", "needs stages"]),
-        (format!("{ONE}[simulation]\nstages = 17\nstep = 0.1"), &["scene.toml:4: ", "2 to 16"]),
+        (format!("{ONE}[simulation]\nstages = 17\nstep = 0.1"), &["scene.toml:4: ", "1 to 16"]),
         (
             format!("{ONE}[simulation]\nstages = 3\nstep = 0.1\ntolerance = 1e-3"),
             &["scene.toml:6: ", "either tolerance, or stages and step"],

@@ -27,7 +27,7 @@ fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
         &["pendulum.urdf", "--rate", "1e300"],
         &["pendulum.urdf", "--tolerance", "NaN"],
         &["pendulum.urdf", "--tolerance", "-1e-6"],
-        &["pendulum.urdf", "--stages", "1", "--step", "0.01"],
+        &["pendulum.urdf", "--stages", "0", "--step", "0.01"],
         &["pendulum.urdf", "--stages", "17", "--step", "0.01"],
         &["pendulum.urdf", "--stages", "3", "--step", "0"],
         &["pendulum.urdf", "--stages", "3"],

@@ -52,6 +52,8 @@ impl Meeting {
 pub(crate) struct Impulses {
     /// Along the first row of everything that is met [N m s or N s].
     pub normal: Vec<f64>,
+    /// Along all rows of everything that is met, one after another.
+    pub rows: Vec<f64>,
     /// Kinetic energy that was lost, and the work of driven surfaces (J).
     pub lost: f64,
     pub driven: f64,
@@ -95,7 +97,8 @@ fn rate_of_joint(block: &Block, rate: f64) -> Option<(usize, f64)> {
 
 /// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
 pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
-    let mut done = Impulses { normal: vec![0.0; meetings.len()], ..Impulses::default() };
+    let count = meetings.iter().map(|meeting| meeting.block.rows.len()).sum();
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], rows: vec![0.0; count], ..Impulses::default() };
     if meetings.is_empty() {
         return Ok(done);
     }
@@ -148,5 +151,6 @@ pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Re
         }
         row += meeting.block.rows.len();
     }
+    done.rows = found.impulses;
     Ok(done)
 }

@@ -8,6 +8,7 @@ pub(crate) mod flat_ends;
 pub(crate) mod gathering;
 pub(crate) mod immobile;
 pub(crate) mod impact;
+pub(crate) mod low_rebounds;
 pub(crate) mod memory;
 pub(crate) mod noted;
 pub(crate) mod omitted_flights;

@@ -59,7 +59,7 @@ pub(crate) fn speed_in_doubt(
     change_of_speed(scene, &state.velocity, after)
 }
 
-/// The largest difference between the velocities of any body [m/s] with the velocity `before` in the place of that of a state, and in that state.
+/// The largest difference between the velocities of any body [m/s] with the velocity `before` instead of its own in a state.
 pub(crate) fn change_of_speed(scene: &Scene, before: &[f64], after: &State) -> f64 {
     let state = State { velocity: before.to_vec(), ..after.clone() };
     distance(&probe_velocities(scene.whole, &state), &probe_velocities(scene.whole, after))

@@ -17,6 +17,7 @@ use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
 use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
 use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
+use crate::events::effects::low_rebounds::bring_low_to_rest;
 use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs, note_seized};
 use crate::events::effects::omitted_flights::{change_of_speed, speed_in_doubt};
@@ -26,9 +27,8 @@ use crate::events::effects::unpressed::unpressed;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
-use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::ROUGH;
-use crate::instant::holding::blocks::{Of, Row, Rows, row_of_freedom};
+use crate::instant::holding::blocks::{Of, Row, row_of_freedom};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -91,46 +91,21 @@ pub(crate) fn transit(
     done.unsolved += usize::from(failed || impulses.residual > 0.0);
     contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
-    (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
     done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &velocity, state);
     if impulses.residual > 0.0 {
         done.speed_of_unsolved = impulses.residual * change_of_speed(scene, &velocity, state);
     }
+    let known = |state: &State| efforts(mode, state);
+    let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, found.height);
+    (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
+    done.left += low.left;
     let mut flights = ends.clone();
-    for _ in 0..CALMING {
-        let known = efforts(mode, state);
-        let Low { stopped: low, until, left } = too_low(scene, state, &meetings, &rates, &known, found.height);
-        if low.is_empty() {
-            break;
-        }
-        flights.extend(low.iter().zip(until).map(|(&index, until)| {
-            let of = meetings[index].block.of;
-            (contacts.pair_of(of).map_or(of, Of::Contact), until)
-        }));
-        done.left += left;
-        // A rebound that is left out would have had friction: the impact is made again, without restitution there.
-        let rebounds = low.iter().any(|&index| meetings[index].restitution > 0.0);
-        low.iter().for_each(|&index| meetings[index].restitution = 0.0);
-        if rebounds {
-            let after = std::mem::replace(&mut state.velocity, velocity.clone());
-            if let Ok(again) = collide(scene, state, &meetings) {
-                (done.lost, done.driven) = (settled + lifted + again.lost, again.driven);
-                impulses.normal = again.normal;
-                continue;
-            }
-            state.velocity = after;
-        }
-        done.lost += stop(scene, state, &meetings, &low);
-        let plastic: Vec<Meeting> =
-            meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
-        let Ok(more) = collide(scene, state, &plastic) else { break };
-        (done.lost, done.driven) = (done.lost + more.lost, done.driven + more.driven);
-        for (sum, impulse) in impulses.normal.iter_mut().zip(more.normal) {
-            *sum += impulse;
-        }
-    }
+    flights.extend(low.stopped.iter().zip(low.until).map(|(&index, until)| {
+        let of = meetings[index].block.of;
+        (contacts.pair_of(of).map_or(of, Of::Contact), until)
+    }));
     let met =
         Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
     note_impacts(scene, memory, state.time, &contacts, &met, &mut done);
@@ -229,74 +204,6 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
     }
 }
 
-/// Meetings that leave too slowly to matter.
-#[derive(Default)]
-struct Low {
-    /// Their numbers.
-    stopped: Vec<usize>,
-    /// When the last flight of each would end (s): `t + 2 γ/(a (1 − e))`.
-    until: Vec<f64>,
-    /// The sum of their heights (m or rad).
-    left: f64,
-}
-
-/// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest
-/// push. An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
-/// without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
-/// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
-fn too_low(
-    scene: &mut Scene,
-    state: &State,
-    meetings: &[Meeting],
-    before: &[f64],
-    efforts: &[f64],
-    height: f64,
-) -> Low {
-    let is_rebound = |index: usize| {
-        let meeting = &meetings[index];
-        before[index] <= meeting.rest || (meeting.rate(&state.velocity) - before[index]).abs() > meeting.rest
-    };
-    let leaves =
-        |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
-    if !meetings.iter().enumerate().any(leaves) {
-        return Low::default();
-    }
-    let mut free = vec![0.0; state.velocity.len()];
-    scene.response.accelerations(state, efforts, &mut free);
-    let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
-    let normals: Vec<Row> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
-    if !normals.is_empty() {
-        let rows = Rows::new(scene.response, state, normals);
-        let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
-        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
-    }
-    let mut low = Low::default();
-    for (index, meeting) in meetings.iter().enumerate() {
-        let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height {
-            low.stopped.push(index);
-            low.until.push(state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution)));
-            low.left += rate * rate / (2.0 * pull);
-        }
-    }
-    low
-}
-
-/// Stops these along their first rows, and keeps those that rest; returns the kinetic energy that this takes (J).
-fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize]) -> f64 {
-    let rests =
-        |index: &usize| low.contains(index) || meetings[*index].rate(&state.velocity).abs() <= meetings[*index].rest;
-    let stopped: Vec<&Meeting> = (0..meetings.len()).filter(rests).map(|index| &meetings[index]).collect();
-    let first = stopped.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
-    let lost = bring_rows_to_rest(scene, state, first);
-    for meeting in stopped {
-        if let Of::Joint(joint) = meeting.block.of {
-            state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
-        }
-    }
-    lost
-}
-
 /// All meetings come to rest along their first rows: the fallback if the law of impact could not be solved. Slips of contacts with friction are then not
 /// known.
 fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Impulses {
@@ -321,7 +228,8 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
     let slips = |meeting: &Meeting| meeting.block.rows[1..].iter().map(rate).fold(0.0, f64::max);
     let slip = rests.iter().map(|&index| slips(&meetings[index])).fold(0.0, f64::max);
     let residual = if slip > 0.0 { (slip / fastest).min(1.0) } else { 0.0 };
-    Impulses { normal: vec![0.0; meetings.len()], lost, residual, ..Impulses::default() }
+    let count = meetings.iter().map(|meeting| meeting.block.rows.len()).sum();
+    Impulses { normal: vec![0.0; meetings.len()], rows: vec![0.0; count], lost, residual, ..Impulses::default() }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

@@ -10,7 +10,7 @@
 //! between heavy ones takes about as many rounds as its mass is less. If the last 50 rounds have lost more than a twentieth of the loss of a plastic
 //! impact of all, that impact ends them, because such rounds tend to it. Elastic ones go on. If v_N does not exist, because contacts that pinch a
 //! body cannot all rebound, σ = 0. If no solver reaches its accuracy, as for points that nearly coincide, the best impulses are taken
-//! if they leave a millionth of the rates: of large impulses on a light body that may be a small residual, and says nothing.
+//! if they leave a millionth of the rates: of large impulses on a light body that may be a small residual of wrong rates.
 //!
 //! Source: B. Smith, D. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, Reflections on simultaneous impact, ACM Transactions on Graphics 31 (2012).
 
@@ -50,7 +50,7 @@ pub struct Impact {
     pub cut: f64,
     /// Rounds that were plastic because v_N does not exist.
     pub without_rebound: usize,
-    /// The largest part of the rates that plastic answers leave which no solver has brought to its accuracy; zero if there were none.
+    /// The largest part of the rates that plastic answers leave which no solver has brought to its accuracy; zero where all were.
     pub residual: f64,
 }
 

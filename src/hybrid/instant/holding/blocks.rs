@@ -71,6 +71,24 @@ impl From<Vec<f64>> for Row {
     }
 }
 
+impl Row {
+    /// `u = w + W v` of this row.
+    pub fn rate(&self, velocity: &[f64]) -> f64 {
+        let rate: f64 = self.entries.iter().zip(velocity).map(|(a, b)| a * b).sum();
+        if self.belt == 0.0 { rate } else { rate + self.belt }
+    }
+
+    /// The sum of some rows times factors.
+    pub fn combined(rows: &[Row], factors: &[f64]) -> Self {
+        let mut sum = Row { entries: vec![0.0; rows.first().map_or(0, |row| row.entries.len())], belt: 0.0 };
+        for (row, factor) in rows.iter().zip(factors) {
+            sum.entries.iter_mut().zip(&row.entries).for_each(|(sum, entry)| *sum += factor * entry);
+            sum.belt += factor * row.belt;
+        }
+        sum
+    }
+}
+
 impl Deref for Row {
     type Target = [f64];
 
@@ -287,11 +305,14 @@ impl Rows {
 
     /// `u = W v + w`.
     pub fn rates(&self, velocity: &[f64]) -> Vec<f64> {
-        let rate = |row: &Row| {
-            let rate: f64 = row.iter().zip(velocity).map(|(a, b)| a * b).sum();
-            if row.belt == 0.0 { rate } else { rate + row.belt }
-        };
-        self.rows.iter().map(rate).collect()
+        self.rows.iter().map(|row| row.rate(velocity)).collect()
+    }
+
+    /// W' Y Wᵀ: the rates along other rows that unit impulses along these give.
+    pub fn responses(&self, others: &[Row]) -> DMatrix<f64> {
+        DMatrix::from_fn(others.len(), self.rows.len(), |row, column| {
+            others[row].iter().zip(self.columns.column(column).iter()).map(|(a, b)| a * b).sum()
+        })
     }
 
     /// The work of the drives of belts for impulses along the rows, `−w · P` (J).

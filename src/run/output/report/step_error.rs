@@ -38,7 +38,7 @@ impl StepErrorReport {
     }
 
     /// The estimate from the energy error of a run of this duration (s); `None` if rounding hides it, and for steps over events, whose balance of energy
-    /// says nothing of their error.
+    /// does not depend on their error.
     pub(crate) fn by_energy(
         mechanism: &Mechanism,
         method: &MethodDescription,

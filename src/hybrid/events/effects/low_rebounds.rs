@@ -1,0 +1,154 @@
+//! Rebounds that are too low to matter, and are left out after an impact.
+//!
+//! ```text
+//!     left out:  γ⁺ > 0  with  (γ⁺)² ≤ 2 |a| · height           γ⁺ rate after the impact [m/s or rad/s], a acceleration under what pushes then
+//!     ends:      t + 2 γ⁺/(|a| (1 − e))                         the last of the flights that would follow (s)
+//! ```
+//!
+//! The impulses of all such flights and of the rest after them have the sum that an impact without restitution and the rest have, and so does their
+//! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, which takes back the friction of its rebound:
+//!
+//! ```text
+//!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N of what slides, and n of what does not
+//! ```
+
+use crate::events::effects::decision::Scene;
+use crate::events::effects::impact::{Impulses, Meeting, collide};
+use crate::events::effects::resting::{bring_rows_to_rest, energy};
+use crate::instant::cone::bounded::minimise;
+use crate::instant::holding::blocks::{Of, Row, Rows};
+use crate::mechanism::motion::state::State;
+use nalgebra::DVector;
+
+/// Rounds in which what kicks others open is brought to rest.
+const CALMING: usize = 8;
+/// Singular values below this part of the largest mobility are zero: points of a face imply each other.
+const SINGULAR: f64 = 1e-11;
+
+/// Meetings that leave too slowly to matter.
+#[derive(Default)]
+pub(crate) struct Low {
+    /// Their numbers.
+    pub stopped: Vec<usize>,
+    /// When the last flight of each would end (s): `t + 2 γ/(a (1 − e))`.
+    pub until: Vec<f64>,
+    /// The sum of their heights (m or rad).
+    pub left: f64,
+}
+
+/// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest
+/// push. An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
+/// without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
+/// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
+fn too_low(
+    scene: &mut Scene,
+    state: &State,
+    meetings: &[Meeting],
+    before: &[f64],
+    efforts: &[f64],
+    height: f64,
+) -> Low {
+    let is_rebound = |index: usize| {
+        let meeting = &meetings[index];
+        before[index] <= meeting.rest || (meeting.rate(&state.velocity) - before[index]).abs() > meeting.rest
+    };
+    let leaves =
+        |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
+    if !meetings.iter().enumerate().any(leaves) {
+        return Low::default();
+    }
+    let mut free = vec![0.0; state.velocity.len()];
+    scene.response.accelerations(state, efforts, &mut free);
+    let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
+    let normals: Vec<Row> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    if !normals.is_empty() {
+        let rows = Rows::new(scene.response, state, normals);
+        let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
+        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
+    }
+    let mut low = Low::default();
+    for (index, meeting) in meetings.iter().enumerate() {
+        let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
+        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height {
+            low.stopped.push(index);
+            low.until.push(state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution)));
+            low.left += rate * rate / (2.0 * pull);
+        }
+    }
+    low
+}
+
+/// Brings to rest what leaves too slowly to matter after an impact on all meetings, which had these rates before, in rounds: what is stopped may kick others
+/// open. `impulses` have the energies of all rounds afterwards; returns what has been stopped.
+pub(crate) fn bring_low_to_rest(
+    scene: &mut Scene,
+    state: &mut State,
+    meetings: &[Meeting],
+    impulses: &mut Impulses,
+    before: &[f64],
+    mut efforts: impl FnMut(&State) -> Vec<f64>,
+    height: f64,
+) -> Low {
+    let mut all = Low::default();
+    for _ in 0..CALMING {
+        let known = efforts(state);
+        let Low { stopped: low, until, left } = too_low(scene, state, meetings, before, &known, height);
+        if low.is_empty() {
+            break;
+        }
+        all.left += left;
+        all.until.extend(until);
+        all.stopped.extend(&low);
+        stop(scene, state, meetings, &low, impulses);
+        let plastic: Vec<Meeting> =
+            meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
+        let Ok(more) = collide(scene, state, &plastic) else { break };
+        impulses.lost += more.lost;
+        impulses.driven += more.driven;
+        for (sum, impulse) in impulses.normal.iter_mut().zip(more.normal) {
+            *sum += impulse;
+        }
+    }
+    all
+}
+
+/// Stops these along their first rows, and keeps those that rest; adds the energies that this takes.
+fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize], impulses: &mut Impulses) {
+    let rests =
+        |index: &usize| low.contains(index) || meetings[*index].rate(&state.velocity).abs() <= meetings[*index].rest;
+    let stopped: Vec<usize> = (0..meetings.len()).filter(rests).collect();
+    let slides: Vec<Option<Row>> = stopped.iter().map(|&index| sliding(meetings, index, impulses, state)).collect();
+    let first: Vec<Row> = stopped.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
+    if slides.iter().all(Option::is_none) {
+        impulses.lost += bring_rows_to_rest(scene, state, first);
+    } else {
+        let along = slides.into_iter().zip(&first).map(|(slides, first)| slides.unwrap_or_else(|| first.clone()));
+        let along = Rows::new(scene.response, state, along.collect());
+        let rates =
+            DVector::from_iterator(first.len(), stopped.iter().map(|&index| meetings[index].rate(&state.velocity)));
+        let square = along.responses(&first);
+        let least = SINGULAR * square.amax();
+        // The numbers of rows and columns are the same.
+        let Ok(pulls) = square.svd(true, true).solve(&-rates, least) else { return };
+        let kinetic = energy(scene.whole, state).kinetic;
+        along.add(pulls.as_slice(), &mut state.velocity);
+        let driven = along.work_of_belts(pulls.as_slice());
+        impulses.driven += driven;
+        impulses.lost += kinetic + driven - energy(scene.whole, state).kinetic;
+    }
+    for index in stopped {
+        if let Of::Joint(joint) = meetings[index].block.of {
+            state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
+        }
+    }
+}
+
+/// The direction of the impulse of a contact that rebounds and slides after it, `n + P_T/P_N`; `None` of others.
+fn sliding(meetings: &[Meeting], index: usize, impulses: &Impulses, state: &State) -> Option<Row> {
+    let Meeting { block, rest, restitution } = &meetings[index];
+    let start: usize = meetings[..index].iter().map(|meeting| meeting.block.rows.len()).sum();
+    let &[normal, first, second] = impulses.rows.get(start..start + block.rows.len())? else { return None };
+    let rate = |row: &Row| row.rate(&state.velocity);
+    let slips = rate(&block.rows[1]).hypot(rate(&block.rows[2])) > *rest;
+    (*restitution > 0.0 && normal > 0.0 && slips).then(|| Row::combined(&block.rows, &[1.0, first / normal, second / normal]))
+}
