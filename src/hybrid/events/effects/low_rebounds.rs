@@ -117,30 +117,50 @@ fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize
     let rests =
         |index: &usize| low.contains(index) || meetings[*index].rate(&state.velocity).abs() <= meetings[*index].rest;
     let stopped: Vec<usize> = (0..meetings.len()).filter(rests).collect();
-    let slides: Vec<Option<Row>> = stopped.iter().map(|&index| sliding(meetings, index, impulses, state)).collect();
-    let first: Vec<Row> = stopped.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
-    if slides.iter().all(Option::is_none) {
+    if !pull_back(scene, state, meetings, &stopped, impulses) {
+        let first = stopped.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
         impulses.lost += bring_rows_to_rest(scene, state, first);
-    } else {
-        let along = slides.into_iter().zip(&first).map(|(slides, first)| slides.unwrap_or_else(|| first.clone()));
-        let along = Rows::new(scene.response, state, along.collect());
-        let rates =
-            DVector::from_iterator(first.len(), stopped.iter().map(|&index| meetings[index].rate(&state.velocity)));
-        let square = along.responses(&first);
-        let least = SINGULAR * square.amax();
-        // The numbers of rows and columns are the same.
-        let Ok(pulls) = square.svd(true, true).solve(&-rates, least) else { return };
-        let kinetic = energy(scene.whole, state).kinetic;
-        along.add(pulls.as_slice(), &mut state.velocity);
-        let driven = along.work_of_belts(pulls.as_slice());
-        impulses.driven += driven;
-        impulses.lost += kinetic + driven - energy(scene.whole, state).kinetic;
     }
     for index in stopped {
         if let Of::Joint(joint) = meetings[index].block.of {
             state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
         }
     }
+}
+
+/// Stops these by pulls along their impulses if some of them slide; otherwise, or if such pulls would push or be larger than the impulses, as where friction
+/// jams, the state stays as it is, and this is `false`.
+fn pull_back(
+    scene: &mut Scene,
+    state: &mut State,
+    meetings: &[Meeting],
+    stopped: &[usize],
+    impulses: &mut Impulses,
+) -> bool {
+    let slides: Vec<Option<Row>> = stopped.iter().map(|&index| sliding(meetings, index, impulses, state)).collect();
+    if slides.iter().all(Option::is_none) {
+        return false;
+    }
+    let first: Vec<Row> = stopped.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
+    let along = slides.into_iter().zip(&first).map(|(slides, first)| slides.unwrap_or_else(|| first.clone()));
+    let along = Rows::new(scene.response, state, along.collect());
+    let rates = stopped.iter().map(|&index| -meetings[index].rate(&state.velocity));
+    let square = along.responses(&first);
+    let least = SINGULAR * square.amax();
+    let Ok(pulls) = square.svd(true, true).solve(&DVector::from_iterator(first.len(), rates), least) else {
+        return false;
+    };
+    let most: f64 = stopped.iter().map(|&index| impulses.normal[index]).sum();
+    // NaN is no pull, either.
+    if !(-most..=0.0).contains(&pulls.sum()) {
+        return false;
+    }
+    let kinetic = energy(scene.whole, state).kinetic;
+    along.add(pulls.as_slice(), &mut state.velocity);
+    let driven = along.work_of_belts(pulls.as_slice());
+    impulses.driven += driven;
+    impulses.lost += kinetic + driven - energy(scene.whole, state).kinetic;
+    true
 }
 
 /// The direction of the impulse of a contact that rebounds and slides after it, `n + P_T/P_N`; `None` of others.
@@ -150,5 +170,6 @@ fn sliding(meetings: &[Meeting], index: usize, impulses: &Impulses, state: &Stat
     let &[normal, first, second] = impulses.rows.get(start..start + block.rows.len())? else { return None };
     let rate = |row: &Row| row.rate(&state.velocity);
     let slips = rate(&block.rows[1]).hypot(rate(&block.rows[2])) > *rest;
-    (*restitution > 0.0 && normal > 0.0 && slips).then(|| Row::combined(&block.rows, &[1.0, first / normal, second / normal]))
+    (*restitution > 0.0 && normal > 0.0 && slips)
+        .then(|| Row::combined(&block.rows, &[1.0, first / normal, second / normal]))
 }
