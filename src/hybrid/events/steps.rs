@@ -6,6 +6,7 @@
 //! ```
 
 use crate::events::careful::MOST;
+use crate::events::covered::MOMENT;
 use crate::events::crowded::{ITERATION, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
@@ -214,7 +215,9 @@ impl Eventful {
 
     /// Why the step is to be made anew, although it could be made to its end.
     fn defect(&mut self, inputs: Inputs, state: &State, ending: &Ending, outcome: &StepOutcome) -> Option<Rejected> {
-        let overlaps = outcome.step > JAM && self.overlaps(state);
+        // Of a moment next to an event the end shows all.
+        let is_moment = outcome.step <= MOMENT && matches!(ending, Ending::Ballistic(_));
+        let overlaps = (outcome.step > JAM || is_moment) && self.overlaps(state);
         if overlaps {
             Some(Rejected::Overlap)
         } else if !ending.is_at_start() && self.has_hole(self.trial.origin.time) {
