@@ -17,8 +17,8 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
 pub(super) const SAME_END: f64 = 1e-9;
-/// The end of a step that is no longer (s) shows all: bodies at 10 m/s move by a hundredth of a micrometre.
-pub(super) const MOMENT: f64 = 1e-9;
+/// The ends of a step that is no longer (s) show all: bodies at 10 m/s move by a micrometre, which is less than what they could pass through.
+pub(super) const MOMENT: f64 = 1e-7;
 /// Closed contacts are looked at inside one span of this number: states inside spans are projected on the contacts, which takes as long as the span.
 const SELDOM: usize = 16;
 /// Instants at which a step that is checked is asked.
