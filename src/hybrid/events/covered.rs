@@ -13,12 +13,13 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
+use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 
 /// Roots within this part of a step before its end are its end.
 pub(super) const SAME_END: f64 = 1e-9;
-/// The ends of a step that is no longer (s) show all: bodies at 10 m/s move by a micrometre, which is less than what they could pass through.
-pub(super) const MOMENT: f64 = 1e-7;
+/// Bodies move less in a moment (m).
+const IN_A_MOMENT: f64 = 1e-6;
 /// Closed contacts are looked at inside one span of this number: states inside spans are projected on the contacts, which takes as long as the span.
 const SELDOM: usize = 16;
 /// Instants at which a step that is checked is asked.
@@ -81,7 +82,7 @@ impl Eventful {
         self.trial.overlap
     }
 
-    /// Whether a pair that may close has a stretch of the last step in which it was not looked at, unless that is a moment.
+    /// Whether a pair that may close has a stretch of the last step in which it was not looked at.
     pub(super) fn has_hole(&self, since: f64) -> bool {
         let end = self.workspaces.active().small.time;
         let covered = end - SAME_END * (end - since);
@@ -92,7 +93,22 @@ impl Eventful {
         };
         // The reserves of all others last.
         let mut asked = self.trial.reserves.asked().iter().filter_map(|&pair| self.open_pair(pair));
-        end - since > MOMENT && asked.any(|watched| until(watched) < covered)
+        end > since && asked.any(|watched| until(watched) < covered)
+    }
+
+    /// Whether all open pairs but these are apart by more than bodies move in a moment, at its end.
+    pub(super) fn closes_alone(&mut self, triggers: &[Watched], end: &State) -> bool {
+        let Eventful {
+            model: HybridModel { whole, touching, .. },
+            trial: StepTrial { bodies, placed, near, .. },
+            mode,
+            ..
+        } = self;
+        placed.place(whole, end, bodies);
+        let closes = |pair: usize| triggers.contains(&Watched::Approach(pair));
+        let is_closed = |pair: usize| mode.contacts.iter().any(|closed| closed.contact.pair == pair);
+        let is_apart = |pair: usize| touching.distance_within(pair, bodies, IN_A_MOMENT) >= IN_A_MOMENT;
+        near.pairs().iter().all(|&pair| closes(pair) || is_closed(pair) || is_apart(pair))
     }
 
     /// Bounds how deep shapes overlap in the last step (m).

@@ -6,6 +6,8 @@ use crate::mechanism::motion::state::State;
 
 /// A step that does not look at all functions is no shorter than this (s).
 const BLIND: f64 = 1e-9;
+/// The longest step to a gap that closes at once (s).
+const MOMENT: f64 = 1e-7;
 
 /// The kind of the next step. A mode in which all bodies rest has steps, too: only the time goes on in them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +45,11 @@ impl Ending {
     /// Whether no time has passed.
     pub fn is_at_start(&self) -> bool {
         matches!(self, Ending::AtStart(_))
+    }
+
+    /// Whether a step of this length (s) goes to a gap that closes at once. No certificate covers it; bodies move by a micrometre at 10 m/s.
+    pub fn is_moment(&self, length: f64) -> bool {
+        matches!(self, Ending::Ballistic(_)) && length <= MOMENT
     }
 
     /// Whether the scheme has made a step.

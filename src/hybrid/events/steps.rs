@@ -6,7 +6,6 @@
 //! ```
 
 use crate::events::careful::MOST;
-use crate::events::covered::MOMENT;
 use crate::events::crowded::{ITERATION, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
@@ -215,12 +214,11 @@ impl Eventful {
 
     /// Why the step is to be made anew, although it could be made to its end.
     fn defect(&mut self, inputs: Inputs, state: &State, ending: &Ending, outcome: &StepOutcome) -> Option<Rejected> {
-        // Of a moment next to an event the end shows all.
-        let is_moment = outcome.step <= MOMENT && matches!(ending, Ending::Ballistic(_));
+        let is_moment = ending.is_moment(outcome.step) && self.closes_alone(ending.triggers(), state);
         let overlaps = (outcome.step > JAM || is_moment) && self.overlaps(state);
         if overlaps {
             Some(Rejected::Overlap)
-        } else if !ending.is_at_start() && self.has_hole(self.trial.origin.time) {
+        } else if !ending.is_at_start() && !is_moment && self.has_hole(self.trial.origin.time) {
             Some(Rejected::Unseen)
         } else if ending.is_of_scheme() && !ending.is_at_start() && self.passes_a_stop(state) {
             Some(Rejected::SlipTurned)
@@ -244,7 +242,9 @@ impl Eventful {
         self.trace_step(state, &ending);
         if !at_start && !self.model.touching.pairs.is_empty() {
             self.bound_overlap(since);
-            self.check_covers(since);
+            if !ending.is_moment(outcome.step) {
+                self.check_covers(since);
+            }
         }
         outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         self.remember(state);
