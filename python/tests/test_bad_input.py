@@ -47,7 +47,7 @@ def test_wrong_lengths_and_numbers(arm):
     [
         ({"tolerance": -1.0}, "tolerance is -1: must be greater than zero"),
         ({"tolerance": float("nan")}, "tolerance is NaN"),
-        ({"stages": 1, "step": 0.1}, "stages"),
+        ({"stages": 0, "step": 0.1}, "stages"),
         ({"keep": "nothing"}, "there is no rule"),
     ],
 )
