@@ -43,7 +43,7 @@ pub struct Meeting {
 impl Meeting {
     /// The rate along its first row.
     pub fn rate(&self, velocity: &[f64]) -> f64 {
-        self.block.rows[0].iter().zip(velocity).map(|(a, b)| a * b).sum()
+        self.block.rows[0].rate(velocity)
     }
 }
 
@@ -63,6 +63,14 @@ pub(crate) struct Impulses {
     pub residual: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of, as of a light body between heavy ones, or not known.
     pub rounding: f64,
+}
+
+impl Impulses {
+    /// No impulse on any of these.
+    pub fn none(meetings: &[Meeting]) -> Self {
+        let rows = meetings.iter().map(|meeting| meeting.block.rows.len()).sum();
+        Impulses { normal: vec![0.0; meetings.len()], rows: vec![0.0; rows], ..Impulses::default() }
+    }
 }
 
 /// The normal impulses that would hold everything that is met (N s), the least ones: where they press says where a flat end begins to tip.
@@ -97,8 +105,7 @@ fn rate_of_joint(block: &Block, rate: f64) -> Option<(usize, f64)> {
 
 /// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
 pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
-    let count = meetings.iter().map(|meeting| meeting.block.rows.len()).sum();
-    let mut done = Impulses { normal: vec![0.0; meetings.len()], rows: vec![0.0; count], ..Impulses::default() };
+    let mut done = Impulses::none(meetings);
     if meetings.is_empty() {
         return Ok(done);
     }

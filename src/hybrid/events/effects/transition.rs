@@ -224,12 +224,11 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
             break;
         }
     }
-    let rate = |row: &Row| row.iter().zip(&state.velocity).map(|(a, b)| a * b).sum::<f64>().abs();
+    let rate = |row: &Row| row.rate(&state.velocity).abs();
     let slips = |meeting: &Meeting| meeting.block.rows[1..].iter().map(rate).fold(0.0, f64::max);
     let slip = rests.iter().map(|&index| slips(&meetings[index])).fold(0.0, f64::max);
     let residual = if slip > 0.0 { (slip / fastest).min(1.0) } else { 0.0 };
-    let count = meetings.iter().map(|meeting| meeting.block.rows.len()).sum();
-    Impulses { normal: vec![0.0; meetings.len()], rows: vec![0.0; count], lost, residual, ..Impulses::default() }
+    Impulses { lost, residual, ..Impulses::none(meetings) }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

@@ -191,8 +191,14 @@ fn round(
     let left = largest(&free) / largest(problem.free);
     let left = if left < LATE { left } else { 1.0 };
     let answer = match solve_to_part(&round, None, left, solvers) {
-        Err(Unsolved::Stopped { best }) if left_of_rates(&round, &best) <= ROUGH => {
-            state.residual = state.residual.max(left_of_rates(&round, &best));
+        Err(Unsolved::Stopped { best }) => {
+            let of_rates = left_of_rates(&round, &best);
+            // NaN is not enough, either.
+            let is_enough = of_rates <= ROUGH;
+            if !is_enough {
+                return Err(Unsolved::Stopped { best });
+            }
+            state.residual = state.residual.max(of_rates);
             *best
         }
         other => other?,
