@@ -201,7 +201,7 @@ impl Integrator for Eventful {
             description.step = self.tally.stepped / self.tally.steps.max(1) as f64;
         }
         if let Some(length) = self.model.over_events {
-            description = MethodDescription::fixed(OVER_EVENTS, 1, 1, length);
+            description = MethodDescription::fixed(OVER_EVENTS, Eventful::STAGES_OVER_EVENTS, 1, length);
         }
         description.unsolved_contacts = self.tally.unsolved;
         description.contact_solvers = self.tally.solvers;

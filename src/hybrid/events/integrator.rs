@@ -84,6 +84,9 @@ impl Eventful {
         Eventful::with(mechanism, PieceRecipe::Other(method, tolerance))
     }
 
+    /// The number of stages of steps over events: the Lobatto scheme begins with two.
+    pub const STAGES_OVER_EVENTS: usize = 1;
+
     /// Steps of this length (s) over all events, as in crowds ([`crate::events::crowd`]): the implicit midpoint rule, of first order at impacts.
     ///
     /// # Errors

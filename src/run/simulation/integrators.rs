@@ -165,9 +165,7 @@ impl<'a> Wanted<'a> {
         if self.stepped {
             let (stop, stages) = (first_stop(mechanism, tolerance), StageChoice::of(mechanism, tolerance));
             let mut run = RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop, stages }, kept)?.asked_for();
-            if let Some(Held::Shared(flag)) = &self.interrupt {
-                run.heed_interrupt(flag);
-            }
+            run.heed_interrupt(self.interrupt.as_ref());
             return Ok((run.counted(counted).into(), UnknownAccuracy::Stepped));
         }
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));

@@ -187,7 +187,9 @@ impl Method {
     fn with_events(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         let ours = |steps: StepChoice| Some(steps.integrator(mechanism, &[]).ok()?.into_integrator());
         match (self, setting) {
-            (Method::OverEvents, Setting::Step(step)) => ours(StepChoice::Fixed { stages: 1, step }),
+            (Method::OverEvents, Setting::Step(step)) => {
+                ours(StepChoice::Fixed { stages: StepChoice::OVER_EVENTS, step })
+            }
             (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
             (Method::LobattoTolerance | Method::LobattoUnestimated, Setting::Tolerance(tolerance)) => {
                 ours(StepChoice::Tolerance(tolerance))

@@ -3,6 +3,7 @@
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use crate::output::report::solvers::SolversReport;
+use crate::simulation::StepChoice;
 use serde::Serialize;
 
 /// Steps of first order that take less of the motion than this part of the accuracy, over 1 m/s, are not felt.
@@ -183,7 +184,7 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
 pub(crate) fn first_order_is_felt(description: &MethodDescription) -> bool {
     let time = description.first_order_time;
     description.first_order_steps > 0
-        && description.order > 1
+        && description.stages != StepChoice::OVER_EVENTS
         && description.tolerance.is_none_or(|tolerance| time > FELT * tolerance)
 }
 

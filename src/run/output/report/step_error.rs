@@ -12,6 +12,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::ground::words::rounded;
 use crate::mechanism::motion::integrator::MethodDescription;
 use crate::output::report::rounding::{COARSE, is_energy_rounding};
+use crate::simulation::StepChoice;
 use crate::simulation::Summary;
 use serde::Serialize;
 
@@ -45,7 +46,9 @@ impl StepErrorReport {
         summary: &Summary,
         duration: f64,
     ) -> Option<Self> {
-        if method.stages == 1 || summary.max_relative_energy_error > COARSE && is_energy_rounding(summary) {
+        if method.stages == StepChoice::OVER_EVENTS
+            || summary.max_relative_energy_error > COARSE && is_energy_rounding(summary)
+        {
             return None;
         }
         let error = summary.max_relative_energy_error;

@@ -3,6 +3,7 @@
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::output::report::method::OverSlipsReport;
 use crate::output::report::{Report, StepErrorReport};
+use crate::simulation::StepChoice;
 use std::fmt;
 
 /// Energies below this part of the largest are roundings of it, and written as 0.
@@ -111,7 +112,7 @@ impl fmt::Display for Report {
         if let (Some(unknown), true) = (&self.no_accuracy, self.method.adaptive) {
             writeln!(out, "  accuracy    not known: {}", unknown.reason)?;
         }
-        if self.method.stages == 1 && self.step_error.is_none() {
+        if self.method.stages == StepChoice::OVER_EVENTS && self.step_error.is_none() {
             writeln!(out, "  accuracy    not known: add --check for an estimate by half the step")?;
         }
         if let Some(StepErrorReport { estimated, by }) = self.step_error {

@@ -6,7 +6,7 @@ use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::Integrator;
-use crate::simulation::method::held::Owner;
+use crate::simulation::method::held::Held;
 use crate::simulation::method::run_steps::RunSteps;
 use crate::simulation::method::without_locked::WithoutLocked;
 use crate::stepping::integrator::{Lobatto, MethodError};
@@ -56,7 +56,7 @@ impl RunIntegrator {
             let inside = RunIntegrator::new(locked.mechanism(), steps, kept)?.0;
             return Ok(RunIntegrator(Box::new(WithoutLocked::new(mechanism, locked, inside))));
         }
-        if let Steps::Fixed { stages: 1, step } = steps {
+        if let Steps::Fixed { stages: Eventful::STAGES_OVER_EVENTS, step } = steps {
             return Ok(RunIntegrator(Box::new(Eventful::over_events(mechanism, step, kept)?)));
         }
         let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };
@@ -98,9 +98,11 @@ impl RunIntegrator {
         self.events_mut().into_iter().for_each(Eventful::keep_estimate);
     }
 
-    /// Once this flag is set, no step is made to its end that is long in work.
-    pub(crate) fn heed_interrupt(&mut self, interrupt: &Owner<AtomicBool>) {
-        self.events_mut().into_iter().for_each(|events| events.heed_interrupt(interrupt.clone()));
+    /// Once a flag that is shared is set, no step is made to its end that is long in work.
+    pub(crate) fn heed_interrupt(&mut self, interrupt: Option<&Held<AtomicBool>>) {
+        if let (Some(Held::Shared(flag)), Some(events)) = (interrupt, self.events_mut()) {
+            events.heed_interrupt(flag.clone());
+        }
     }
 
     /// A bound of the overlap of shapes in the steps so far (m).

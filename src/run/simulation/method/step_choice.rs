@@ -1,5 +1,6 @@
 //! How the steps of a run are chosen.
 
+use crate::events::Eventful;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::simulation::method::run_integrator::RunIntegrator;
@@ -16,7 +17,7 @@ pub enum StepChoice {
     Unestimated(f64),
     /// Stages and step as given, with steps of so many seconds. One stage steps over events, of first order at impacts.
     Fixed {
-        /// Number of stages: 1, or 2 to 16 of the Lobatto scheme.
+        /// Number of stages: [`StepChoice::OVER_EVENTS`], or 2 to 16 of the Lobatto scheme.
         stages: usize,
         /// Length of the steps (s).
         step: f64,
@@ -38,6 +39,9 @@ pub enum StepChoice {
 }
 
 impl StepChoice {
+    /// The number of stages of steps over events: the Lobatto scheme begins with two.
+    pub const OVER_EVENTS: usize = Eventful::STAGES_OVER_EVENTS;
+
     /// The same for a run of this duration (s), in which no fixed step is longer.
     #[must_use]
     pub fn within(self, duration: f64) -> Self {

@@ -67,9 +67,7 @@ impl Terms<'_> {
         if self.estimate {
             run.keep_estimate();
         }
-        if let Some(Held::Shared(flag)) = &self.interrupt {
-            run.heed_interrupt(flag);
-        }
+        run.heed_interrupt(self.interrupt.as_ref());
         // The height that accumulating impacts leave is an error, as the increments at the stop are.
         Ok(run.leaving(stop / self.first_stop(mechanism), 1.0))
     }
