@@ -13,6 +13,9 @@
 //! ```text
 //!     λ⁰ = 0,   λᵏ⁺¹ = normal force of the problem with λᵏ           contracts by about ρ/L, L the size of the body
 //! ```
+//!
+//! Where forces are not unique, as at the corners of a box, each problem shares the load in another way below the accuracy to which it is solved. The
+//! rounds end where |λᵏ⁺¹ − λᵏ| no longer shrinks.
 
 use crate::instant::cone::problem::{Answer, Law, Problem, Unsolved};
 use crate::instant::holding::blocks::{Block, Of, Row, row_of_torque};
@@ -25,6 +28,8 @@ use nalgebra::{DMatrix, Vector3};
 /// Rounds of normal forces, at most; they are found where none changes by more than this part of the largest.
 const ROUNDS: usize = 40;
 const FOUND: f64 = 1e-14;
+/// Normal forces that are not unique change by less than this part of the largest from round to round.
+const SHARED: f64 = 1e-6;
 
 /// How a contact turns: the part of `ω_b − ω_a` across the normal, and along it [rad/s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -175,7 +180,7 @@ pub(crate) fn solve_with_moments(
     if !have_moments(blocks) {
         return solve(&Problem { mobility, free, laws });
     }
-    let mut forces = vec![0.0; free.len()];
+    let (mut forces, mut before) = (vec![0.0; free.len()], f64::INFINITY);
     for _ in 0..ROUNDS {
         give_loads(blocks, mobility, free, &forces);
         let answer = solve(&Problem { mobility, free, laws })?;
@@ -187,10 +192,10 @@ pub(crate) fn solve_with_moments(
             }
             row += block.rows.len();
         }
-        if changed <= FOUND * largest {
+        if changed <= FOUND * largest || (changed <= SHARED * largest && changed >= before) {
             return Ok(answer);
         }
-        forces = answer.forces;
+        (forces, before) = (answer.forces, changed);
     }
     give_loads(blocks, mobility, free, &forces);
     let mut best = solve(&Problem { mobility, free, laws })?;

@@ -211,7 +211,6 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
         return Ok((correction, Some(Arc::new(counted))));
     }
     let mut projection = Projection::new(mechanism);
-    projection.take_motions(true);
     let mut start = Start::new(mechanism);
     // If the start is not closed yet, the directions nearby are taken.
     projection.heed(Counted::at(mechanism, state).known_nearby());
@@ -247,6 +246,8 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
     let known = known_of_steps(&counted, mechanism, &mut projection, &mut start);
     projection.heed(known);
     start.set(mechanism, state);
+    // Gradients of gaps are those of equations that stand still; the velocities are those of joints that are moved.
+    projection.take_motions(true);
     let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
     let Projected { gap: rate, worst, correction: changed } =
         projection.velocities(mechanism, &start, &mut state.velocity);
