@@ -418,3 +418,20 @@ fn a_box_rides_on_a_table_that_is_moved_and_slips_on_it_where_its_friction_is_no
     let slid = 0.5 * (speed(slips) + own(low)) * (low - slips);
     near("sine beyond the grip", end("0.1*sin(7*t)", 0.7, 0.53), slid + table(slips) + table(0.53) - table(low));
 }
+
+/// The motion has a rate at the start that is no part of the gaps that the start is moved by.
+#[test]
+fn a_start_beyond_a_limit_is_moved_onto_it_whatever_the_rate_of_a_motion_beside_it() {
+    let folder = scratch("motion_beside_limit");
+    let text = |amplitude: f64| {
+        let beside = "[[joint]]\nname = \"hinge\"\nlimit = [-1, 0.5]\n";
+        format!("{beside}[[motion]]\njoint = \"shaker\"\nposition = {{ formula = \"a*sin(20*t)\", a = {amplitude} }}\n")
+    };
+    for amplitude in [0.02, 0.1, 0.4] {
+        let file = kapitza(&folder, &format!("beside_{amplitude}"), &text(amplitude));
+        let start = report(&file, &[("hinge", 0.8)], &[], Some(1e-9), 1e-9);
+        // In 1e-9 s the hinge moves by less than its rate at the limit, some rad/s, allows.
+        let (angle, _) = joint(&start, "hinge");
+        assert!((angle - 0.5).abs() < 1e-7, "{amplitude}: {angle}");
+    }
+}

@@ -129,6 +129,26 @@ fn a_wheel_on_the_two_ends_of_its_line_of_contact_is_braked_as_one_body() {
     near("heat", (end.energy.friction, 0.75 * speed * speed));
 }
 
+/// Its corners share the load in many ways: the law is solved all the same, and `run` asks that no warning says otherwise.
+#[test]
+fn a_box_that_slides_to_rest_on_rolling_and_spinning_friction_stops_where_dry_friction_stops_it() {
+    let (friction, speed, sideways) = (0.4, 1.0, 0.2);
+    let scene = |height: f64, [along, across]: [f64; 2]| {
+        format!(
+            "[[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.4, 0.2, 0.1] }}\nmass = 4\npose.position = [0, 0, {height}]\n\
+             velocity = {{ linear = [{along}, {across}, 0] }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = {friction}\n\
+             rolling_friction = 0.002\nspinning_friction = 0.001\n"
+        )
+    };
+    let end = run("box_slides", &scene(0.05, [speed, sideways]), 1.0);
+    let way = (speed * speed + sideways * sideways) / (2.0 * friction * GRAVITY);
+    let [x, y, _] = link(&end, "box").position;
+    near("the way", (x.hypot(y), way));
+    let end = run("box_drops", &scene(0.25, [0.0, 0.0]), 1.0);
+    near("the height", (link(&end, "box").position[2], 0.05));
+}
+
 #[test]
 fn derivatives_refuse_rolling_friction() {
     let file = scratch("rolling_derivatives").join("scene.toml");

@@ -17,6 +17,7 @@ use crate::output::report::{
     carried_reports, link_reports, ringing_warning, singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
+use crate::session::between_ticks::between_ticks;
 use crate::session::description::{Origin, WENT_ON, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
@@ -37,6 +38,7 @@ pub(crate) struct Account {
     clock: Instant,
     processor: ProcessTime,
     far: Option<FarSpring>,
+    between: Vec<String>,
 }
 
 /// A run that has made its first step.
@@ -46,6 +48,8 @@ pub(crate) struct Begun {
     model: ModelReport,
     /// Warnings about accuracies that no step size can reach.
     warnings: Vec<String>,
+    /// Warnings about efforts that are worked out anew at the start.
+    between: Vec<String>,
 }
 
 /// What a log says of a run before its first step. It is put into words for logs alone.
@@ -100,18 +104,20 @@ impl Account {
     /// Opens the account before the integrators are made.
     pub fn open(model: &Model, state: &State, settled: Settled) -> Self {
         let far = FarSpring::of(&model.mechanism, state);
-        Account { settled, since: state.time, clock: Instant::now(), processor: ProcessTime::now(), far }
+        let between = between_ticks(&model.mechanism, state.time);
+        Account { settled, since: state.time, clock: Instant::now(), processor: ProcessTime::now(), far, between }
     }
 
     /// Goes on before the first step; `counted` are the ranks of the closures at the start.
-    pub fn begun(self, model: &Model, counted: Option<&Counted>, simulation: &Simulation) -> Begun {
+    pub fn begun(mut self, model: &Model, counted: Option<&Counted>, simulation: &Simulation) -> Begun {
         let redundancy = counted.map(|counted| redundancy_counted(&model.mechanism, counted)).unwrap_or_default();
         let tolerance = self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE);
         let warnings = self.far.iter().filter_map(|far| far.warning(tolerance)).collect();
         let model = ModelReport::new(model, &redundancy, simulation.parts());
         let (method, may_restart) = (simulation.description(), simulation.tells_at_once());
         let course = Described { settled: self.settled, method, may_restart };
-        Begun { course, account: self, model, warnings }
+        let between = std::mem::take(&mut self.between);
+        Begun { course, account: self, model, warnings, between }
     }
 }
 
@@ -123,6 +129,11 @@ impl Described {
 }
 
 impl Begun {
+    /// The run goes on from a state that knows the efforts of all motors.
+    pub fn knows_efforts(&mut self) {
+        self.between.clear();
+    }
+
     /// Creates the log of the run, with the entries known before the first step. Stops waiting for a pipe once `interrupted` is set.
     ///
     /// # Errors
@@ -141,13 +152,14 @@ impl Begun {
         let mut recorder = create(path, model, self.course.in_words(model, origin), options)?;
         drop(held);
         recorder.heed(interrupted);
-        self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
+        let warnings = self.warnings.iter().chain(&self.between);
+        warnings.for_each(|warning| recorder.say(Severity::Warning, warning));
         Ok(recorder)
     }
 
     /// Completes the log, however the run ended, and returns the outcome, the report and the warnings. `input` is the user's name of the model.
     pub fn close(self, model: &Model, input: String, origin: &Origin, run: Ended) -> Closed {
-        let Begun { account, course, model: model_report, warnings: unreached } = self;
+        let Begun { account, course, model: model_report, warnings: unreached, between } = self;
         let Ended { finished, ended, checked, speeds, recorder, output } = run;
         let Settled { duration, choice, .. } = account.settled;
         let mechanism = &model.mechanism;
@@ -228,7 +240,7 @@ impl Begun {
             joints,
             loops,
             islands: islands.iter().map(IslandReport::new).collect(),
-            warnings: model.warning_lines().chain(unreached).chain(of_method).collect(),
+            warnings: model.warning_lines().chain(unreached).chain(between).chain(of_method).collect(),
             accuracy,
             no_accuracy,
             step_error,

@@ -11,6 +11,7 @@
 mod account;
 mod asked;
 mod batch;
+mod between_ticks;
 mod control;
 mod coordinates;
 mod description;

@@ -174,6 +174,13 @@ impl Running {
         })
     }
 
+    /// Goes on from a checkpoint, with the efforts that it knows; returns `false` if it is of other settings.
+    pub(crate) fn restore(&mut self, kept: &Checkpoint) -> bool {
+        self.end = kept.state().time + self.duration;
+        self.begun.knows_efforts();
+        self.simulation.restore(kept)
+    }
+
     /// Goes on from another state as a new run would; stays as it is and returns `false` if that needs a new one.
     pub(crate) fn place(&mut self, state: &State) -> bool {
         let Some(fresh) = &self.fresh else { return false };

@@ -46,10 +46,7 @@ impl Simulation {
             self.start_anew(state.time(), &q, &v)?;
             self.begin(STEPPED)?;
         }
-        let restored = self.running.as_mut().is_some_and(|running| {
-            running.end = state.time() + running.duration;
-            running.simulation.restore(&state.kept)
-        });
+        let restored = self.running.as_mut().is_some_and(|running| running.restore(&state.kept));
         if !restored {
             return Err(Error::OtherSettings);
         }
