@@ -48,7 +48,9 @@ impl Eventful {
         } else {
             SAMPLED
         };
-        let resolved = resolved.min(self.model.whole.resolved_step(time, times * resolved, until) / times);
+        // That a stretch of `times` the step is resolved is asked beyond the end of the run, too: else each step would be a part of what is left.
+        let stretch = times * resolved;
+        let resolved = resolved.min(self.model.whole.resolved_step(time, stretch, until.max(time + stretch)) / times);
         if resolved < step.min(until - time) { time + resolved } else { until }
     }
 }
