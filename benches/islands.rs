@@ -16,6 +16,7 @@ use catena::stepping::length::stage_choice::StageChoice;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
+use catena::mechanism;
 #[path = "../tests/shared/models/mod.rs"]
 mod models;
 

@@ -11,6 +11,7 @@ use catena::stepping::integrator::Lobatto;
 use cpu_time::ThreadTime;
 use std::process::Command;
 
+use catena::mechanism;
 #[path = "../tests/shared/models/mod.rs"]
 mod models;
 

@@ -15,6 +15,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use std::time::Duration;
 
+use catena::mechanism;
 #[path = "../tests/shared/models/mod.rs"]
 mod models;
 

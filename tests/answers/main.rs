@@ -1,5 +1,8 @@
 //! Motions that something else knows: the comparator in joint coordinates, and answers of others.
 
+// The models are those of programs with the crates of the method alone, too.
+use catena::mechanism;
+
 #[path = "../shared/common/mod.rs"]
 mod common;
 #[path = "../shared/models/mod.rs"]

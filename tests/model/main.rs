@@ -1,5 +1,8 @@
 //! From files to mechanisms: what is read, what is left out, and that nothing is lost by it.
 
+// The models are those of programs with the crates of the method alone, too.
+use catena::mechanism;
+
 #[path = "../shared/closed/mod.rs"]
 mod closed;
 #[path = "../shared/common/mod.rs"]

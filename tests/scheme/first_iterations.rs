@@ -2,7 +2,7 @@
 //! single is tested where these are made, in `src/lobatto/first.rs`.
 
 use crate::models::{self, Model};
-use catena::kernels::{are_complete_for, step_for};
+use catena::kernels::step_for;
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena::lobatto::tableau::butcher::Tableau;
@@ -48,21 +48,6 @@ fn steps_that_begin_in_single_precision_end_where_others_do() {
             assert!(single < 2.0 * stop, "{name} to {stop:e}: {single:.1e} off, {double:.1e} in double precision");
             // Where one iteration in double precision is exact, as of sliders, the roundings of the first take one or two more.
             assert!(in_single <= in_double + 2, "{name} to {stop:e}: {in_single} iterations instead of {in_double}");
-        }
-    }
-}
-
-#[test]
-fn steps_that_begin_in_single_precision_have_the_same_bits_with_avx2_and_avx_512() {
-    if !are_complete_for(Isa::Avx2) {
-        println!("skipped: AVX2 with more than four lanes is not compiled; test with --features every-processor");
-        return;
-    }
-    for model in every_model() {
-        for stop in [1e-3, 1e-7] {
-            let narrow = end(&model, Isa::Avx2, stop, true);
-            let wide = end(&model, Isa::Avx512, stop, true);
-            assert!(narrow == wide, "{} to {stop:e}", model.mechanism.name);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The fast kernel makes the same step as the literal scheme (2.5.11), with forces and without.
 
 use crate::models::{self, Model};
-use catena::kernels::{are_complete_for, step_for};
+use catena::kernels::step_for;
 use catena::lobatto::literal::scheme::Literal;
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
@@ -10,14 +10,9 @@ use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::kinematics::body_states;
 
 /// Poses and velocities after one step of the fast kernel in space; `tests/scheme/planar/trees.rs` has that in a plane.
-fn fast_step(
-    model: &Model,
-    stages: usize,
-    step: f64,
-    isa: Isa,
-) -> Vec<catena::mechanism::description::body_state::BodyState> {
+fn fast_step(model: &Model, stages: usize, step: f64) -> Vec<catena::mechanism::description::body_state::BodyState> {
     let tableau = Tableau::of(stages).unwrap();
-    let mut kernel = step_for(&model.mechanism, tableau, isa, &[Rule::Planar]);
+    let mut kernel = step_for(&model.mechanism, tableau, Isa::detect(), &[Rule::Planar]);
     let mut state = model.state.clone();
     kernel.begin(&model.mechanism, &state);
     let attempt = kernel.attempt(&model.mechanism, step, &StopRule::ROUNDING, Guess::Plain);
@@ -39,7 +34,7 @@ fn assert_literal(model: &Model, forces: &str, stages: usize) {
     let step = 0.02;
     let literal = Literal::new(&model.mechanism, Tableau::of(stages).unwrap()).unwrap();
     let literal = literal.step(&model.bodies(), step).unwrap().bodies;
-    let fast = fast_step(model, stages, step, Isa::detect());
+    let fast = fast_step(model, stages, step);
     let position = models::pose_distance(&fast, &literal);
     let velocity = models::velocity_distance(&fast, &literal);
     let name = &model.mechanism.name;
@@ -73,27 +68,6 @@ fn one_step_equals_the_literal_scheme_for_every_force_every_joint_kind_and_two_t
                 }
                 assert_literal(&model, kind, stages);
             }
-        }
-    }
-}
-
-#[test]
-fn every_instruction_set_makes_the_same_step_to_rounding() {
-    // With and without fused multiply-add the roundings differ, nothing else; AVX2 and AVX-512 share every operation.
-    let has_wide = are_complete_for(Isa::Avx2);
-    if !has_wide {
-        println!("skipped: AVX2 with more than four lanes; test with --features every-processor");
-    }
-    for model in every_model() {
-        for stages in [2, 3, 4, 5, 7, 9, 12, 16] {
-            let portable = fast_step(&model, stages, 0.02, Isa::Portable);
-            let narrow = fast_step(&model, stages, 0.02, Isa::Avx2);
-            let wide = fast_step(&model, stages, 0.02, Isa::Avx512);
-            let name = &model.mechanism.name;
-            let difference = models::pose_distance(&portable, &wide);
-            assert!(difference < 1e-13, "{name} s={stages}: portable differs by {difference:.1e}");
-            // Four lanes hold five stages.
-            assert!(narrow == wide || (stages > 5 && !has_wide), "{name} s={stages}: AVX2 and AVX-512 differ");
         }
     }
 }

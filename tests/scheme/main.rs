@@ -1,5 +1,8 @@
 //! The scheme, its solver and its steps: what the method claims.
 
+// The models are those of programs with the crates of the method alone, too.
+use catena::mechanism;
+
 #[path = "../shared/closed/mod.rs"]
 mod closed;
 #[path = "../shared/common/mod.rs"]

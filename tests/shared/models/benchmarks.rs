@@ -5,8 +5,8 @@
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
 use super::{Model, body, box_inertia, frame, gravity, model};
-use catena::mechanism::description::body_state::BodyState;
-use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use nalgebra::Vector3;
 
 /// A pose at an instant, as the tables print it.
@@ -22,7 +22,7 @@ pub struct PoseReference {
 impl PoseReference {
     /// Largest error of a body's pose: metres, or entries of the rotation matrix.
     pub fn error(&self, body: &BodyState) -> f64 {
-        let rotation = catena::mechanism::description::joint::rotation_from_wxyz(&self.quaternion);
+        let rotation = crate::mechanism::description::joint::rotation_from_wxyz(&self.quaternion);
         (body.position - Vector3::from(self.position)).amax().max((body.rotation - rotation).amax())
     }
 }

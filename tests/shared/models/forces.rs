@@ -1,11 +1,11 @@
 //! Forces on any mechanism, each kind alone or all together.
 
 use super::Model;
-use catena::mechanism::description::closure::Attachment;
-use catena::mechanism::description::forces::{Forces, JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
-use catena::mechanism::description::joint::Pose;
-use catena::mechanism::description::mechanism::Mechanism;
-use catena::mechanism::forces::total::scalar_coordinate;
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::forces::{Forces, JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::scalar_coordinate;
 use nalgebra::Vector3;
 
 /// Dampers in every freedom, each with its own coefficient.

@@ -12,11 +12,11 @@ mod forces;
 pub use benchmarks::*;
 pub use forces::*;
 
-use catena::mechanism::description::body_state::BodyState;
-use catena::mechanism::description::joint::{FreeRotation, Joint, JointKind, Pose};
-use catena::mechanism::description::mechanism::{Body, Mechanism};
-use catena::mechanism::motion::kinematics::body_states;
-use catena::mechanism::motion::state::State;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::joint::{FreeRotation, Joint, JointKind, Pose};
+use crate::mechanism::description::mechanism::{Body, Mechanism};
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// A mechanism and the state a run starts from.
