@@ -187,9 +187,10 @@ impl Eventful {
     }
 
     /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching
-    /// pairs.
+    /// pairs, unless no closure holds their bodies.
     pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
-        !self.trial.fresh_pairs.holds(pair) && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
+        let was_open = !self.trial.fresh_pairs.holds(pair) && !self.is_closed(pair);
+        was_open || self.trial.loose.are_loose(self.model.touching.pairs[pair].all_bodies())
     }
 
     /// The most that a pair can close by in the last step [m/s].
