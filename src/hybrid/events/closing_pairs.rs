@@ -75,7 +75,19 @@ impl Eventful {
                 changing: speeds.changing_of(of, end - since),
             };
             let roughly = self.is_known_roughly(pair);
-            let mut gap = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
+            // What opens by more than a stretch that is searched can close by is as open as pairs that were so before.
+            let mut gap = GapInside {
+                eventful: self,
+                since,
+                roughly,
+                watched,
+                pair,
+                open: resolution,
+                seen_open: None,
+                before: f64::INFINITY,
+                end,
+                at_end: None,
+            };
             let mut until = first.map_or(end, |known| known.high);
             let mut cover = Cover::from(since);
             // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
