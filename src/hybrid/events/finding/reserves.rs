@@ -256,6 +256,24 @@ mod tests {
     }
 
     #[test]
+    fn pairs_that_are_as_they_were_keep_their_reserves_when_a_mode_begins() {
+        let mut reserves = reserves(&[[Some(0), None], [Some(1), None], [Some(1), None]]);
+        step(&mut reserves, 0.0, 1e-3);
+        reserves.note(0, 1.0);
+        reserves.note(1, 0.5);
+        // What was looked at last still counts, and what waits in the queue waits on; a pair of which nothing is known is asked on.
+        reserves.forget(|pair| pair > 0);
+        step(&mut reserves, 1e-3, 2e-3);
+        assert_eq!(reserves.asked(), [0, 2]);
+        reserves.note(0, 1.0);
+        step(&mut reserves, 2e-3, 3e-3);
+        assert_eq!(reserves.asked(), [2]);
+        reserves.forget(|pair| pair > 0);
+        assert_eq!(reserves.asked(), [0, 2]);
+        assert!((reserves.at_end(1) - 0.5).abs() < 1e-14 && reserves.at_end(0) == f64::NEG_INFINITY);
+    }
+
+    #[test]
     fn a_pair_that_rests_is_not_asked_however_many_steps_are_made_while_another_one_moves() {
         let mut reserves = reserves(&[[Some(0), None], [Some(1), None]]);
         step(&mut reserves, 0.0, 1e-3);
