@@ -51,6 +51,15 @@ pub struct Distance {
     pub certificate: f64,
 }
 
+/// What a pair was like a moment ago.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Before {
+    /// Whether there were places.
+    pub touches: bool,
+    /// The normal from the first shape to the second that GJK found last, in the frame of the first: what it separates is apart.
+    normal: Option<Vector3<f64>>,
+}
+
 impl PairGeometry {
     /// Prepares two colliders; their shapes and their poses in the bodies count, and for tolerances whether they are obstacles.
     pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
@@ -120,7 +129,19 @@ impl PairGeometry {
     /// pose is not finite.
     pub fn least_distance(&self, a: &Pose, b: &Pose, enough: f64) -> f64 {
         let (_, in_first) = self.relative(a, b);
-        let (rotation, translation) = &in_first;
+        let (by_balls, rounded) = self.by_balls(&in_first);
+        match &self.first {
+            First::Convex(convex) if by_balls <= enough && self.is_dense() => {
+                let both = both(convex, &self.second, &in_first);
+                let along = |normal: Vector3<f64>| along(&both, &normal, rounded);
+                both.hint(&Vector3::zeros()).map(along).map_or(by_balls, |apart| apart.max(by_balls))
+            }
+            _ => by_balls,
+        }
+    }
+
+    /// The same by the balls alone, and the rounding error of such a bound (m).
+    fn by_balls(&self, (rotation, translation): &(Matrix3<f64>, Vector3<f64>)) -> (f64, f64) {
         let centre = rotation * self.second.centre + translation;
         let (apart, scale) = match &self.first {
             First::HalfSpace(half_space) => {
@@ -131,23 +152,14 @@ impl PairGeometry {
                 let from = (centre - rope.centre).norm();
                 (rope.length - from, from + rope.length)
             }
-            First::Mesh(_) => return f64::NEG_INFINITY,
+            First::Mesh(_) => (f64::NEG_INFINITY, 0.0),
             First::Convex(convex) => {
                 let from = (centre - convex.centre).norm();
                 (from - convex.size - self.second.size, from + convex.size)
             }
         };
         let rounded = ROUNDED * (scale + self.second.size + translation.norm());
-        let by_balls = apart - rounded;
-        match &self.first {
-            First::Convex(convex) if by_balls <= enough && self.is_dense() => {
-                let both = both(convex, &self.second, &in_first);
-                let separation = both.hint(&Vector3::zeros()).map(|normal| both.separation(&normal));
-                let by_normal = separation.map(|apart| apart - convex.radius - self.second.radius - rounded);
-                by_normal.map_or(by_balls, |apart| apart.max(by_balls))
-            }
-            _ => by_balls,
-        }
+        (apart - rounded, rounded)
     }
 
     /// The distance of the two for these poses of their bodies; not a number if a pose is not finite.
@@ -205,22 +217,34 @@ impl PairGeometry {
     }
 
     /// The same places in a way that is quicker, and a lower bound of the distance (m) where there are none. Two small polytopes have the same places to
-    /// rounding, perhaps under other names. Of shapes with many vertices there are a few of the places, among them the nearest, if there are many. `likely`
-    /// tells whether there were places a moment ago.
-    pub fn touches_soon(&self, a: &Pose, b: &Pose, near: f64, likely: bool) -> (Vec<TouchPlace>, f64) {
-        let apart = self.least_distance(a, b, near);
+    /// rounding, perhaps under other names. Of shapes with many vertices there are a few of the places, among them the nearest, if there are many. `before`
+    /// is what is known from a moment ago.
+    pub fn touches_soon(&self, a: &Pose, b: &Pose, near: f64, before: &mut Before) -> (Vec<TouchPlace>, f64) {
+        let (first, in_first) = self.relative(a, b);
+        let (apart, rounded) = self.by_balls(&in_first);
+        let likely = std::mem::take(&mut before.touches);
         if apart > near {
             return (Vec::new(), apart);
         }
-        let (first, in_first) = self.relative(a, b);
         let found = match &self.first {
-            First::Convex(convex) => {
+            First::Convex(convex) if apart <= near && self.is_dense() => {
                 let both = both(convex, &self.second, &in_first);
+                // Two supports tell whether the normal still separates the shapes.
+                let still = before.normal.map_or(f64::NEG_INFINITY, |normal| along(&both, &normal, rounded));
+                if still > near {
+                    return (Vec::new(), still);
+                }
+                before.normal = both.hint(&Vector3::zeros());
+                let apart = before.normal.map_or(apart, |normal| along(&both, &normal, rounded).max(apart));
+                if apart > near {
+                    return (Vec::new(), apart);
+                }
                 match places(&both, near) {
-                    Found::Unknown if self.is_dense() => few(&both, near),
+                    Found::Unknown => few(&both, before.normal, near),
                     found => found,
                 }
             }
+            First::Convex(convex) => places(&both(convex, &self.second, &in_first), near),
             First::HalfSpace(half_space) => {
                 let (rotation, translation) = &in_first;
                 half_space.few(&self.second, rotation, translation, near).map_or(Found::Unknown, Found::Places)
@@ -230,6 +254,7 @@ impl PairGeometry {
         match found {
             Found::Apart(distance) => return (Vec::new(), distance),
             Found::Places(found) => {
+                before.touches = !found.is_empty();
                 return (self.placed(&found, &in_first, first), f64::NEG_INFINITY);
             }
             Found::Unknown => {}
@@ -240,7 +265,9 @@ impl PairGeometry {
                 return (Vec::new(), distance);
             }
         }
-        (self.touches(a, b, near), f64::NEG_INFINITY)
+        let found = self.touches(a, b, near);
+        before.touches = !found.is_empty();
+        (found, f64::NEG_INFINITY)
     }
 
     /// The places of what was found in the frame of the first.
@@ -285,6 +312,11 @@ impl PairGeometry {
         let translation = first.rotation.matrix().tr_mul(&(second.translation.vector - first.translation.vector));
         (first, (rotation, translation))
     }
+}
+
+/// A lower bound of the distance of two convex shapes by a normal (m), with this rounding error (m).
+fn along(both: &Both, normal: &Vector3<f64>, rounded: f64) -> f64 {
+    both.separation(normal) - both.a.radius - both.b.radius - rounded
 }
 
 /// Two convex shapes, given the pose of the second body in the first.

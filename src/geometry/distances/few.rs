@@ -31,9 +31,9 @@ const LEAST: f64 = 1e-6;
 const DIRECTIONS: u32 = 8;
 const FIRST: f64 = 0.1;
 
-/// A few of the places of two convex shapes whose gap is below a bound (m).
-pub fn few(both: &Both, near: f64) -> Found {
-    let Some(closest) = nearest_soon(both) else { return Found::Places(Vec::new()) };
+/// A few of the places of two convex shapes whose gap is below a bound (m), with the normal of GJK.
+pub fn few(both: &Both, hint: Option<Vector3<f64>>, near: f64) -> Found {
+    let Some(closest) = nearest_soon(both, hint) else { return Found::Places(Vec::new()) };
     let gap = closest.distance() - both.a.radius - both.b.radius;
     if gap.is_nan() {
         return Found::Places(Vec::new());

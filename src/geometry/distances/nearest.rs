@@ -69,14 +69,14 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
     best.found().filter(|found| best.error(found) <= bound.certificate()).or(Some(bound))
 }
 
-/// The same for shapes with thousands of faces, of which not all normals are tried while the two overlap by little, or touch.
+/// The same for shapes with thousands of faces, with the normal of GJK; not all of their normals are tried while the two overlap by little, or touch.
 ///
 /// Of shapes that overlap an exact depth δ among the normals that were tried is the least one up to δ, which is small here. Those that do not are at a
 /// distance that is exact.
-pub fn nearest_soon(both: &Both) -> Option<Candidate> {
+pub fn nearest_soon(both: &Both, hint: Option<Vector3<f64>>) -> Option<Candidate> {
     if both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
         let mut best = Best::new(both);
-        if let Some(normal) = both.hint(&Vector3::zeros()) {
+        if let Some(normal) = hint {
             search(&mut best, both, &normal, &THIN);
         }
         if !best.is_global() {

@@ -1,6 +1,7 @@
 //! Places of small polytopes by separating axes against the places by all pairs of features.
 
 use super::scenes::{Numbers, cuboid, pair};
+use crate::pair::Before;
 use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -34,7 +35,7 @@ fn axes_find_the_distance_that_all_pairs_of_features_find_or_a_bound_of_it_that_
             if exact < -within {
                 continue;
             }
-            let (places, bound) = of.touches_soon(&a, &b, within, true);
+            let (places, bound) = of.touches_soon(&a, &b, within, &mut Before::default());
             // Roundings of lengths of 0.5 m: some 1e-16 m each.
             if places.is_empty() {
                 assert!(exact >= within - 1e-12, "{exact} although none is found");
@@ -60,7 +61,7 @@ fn boxes_that_lie_on_each_other_have_the_same_places_by_axes_as_by_all_pairs_of_
         let turn = Rotation3::new(Vector3::z() * 3.0 * numbers.next() + numbers.vector() * 1e-3);
         let place = Vector3::new(0.08 * numbers.next(), 0.08 * numbers.next(), 0.2005);
         let (a, b) = (Pose::identity(), Pose::from_parts(Translation3::from(place), turn));
-        let (soon, _) = of.touches_soon(&a, &b, 2e-3, true);
+        let (soon, _) = of.touches_soon(&a, &b, 2e-3, &mut Before::default());
         let all = of.touches(&a, &b, 2e-3);
         let missing =
             all.iter().filter(|place| !soon.iter().any(|other| (other.points[0] - place.points[0]).norm() < 1e-9));

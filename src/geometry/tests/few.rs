@@ -1,6 +1,7 @@
 //! Places of shapes with many vertices: a few of them, and all of them without a look at all pairs.
 
 use super::scenes::{Numbers, at, pair};
+use crate::pair::Before;
 use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -31,7 +32,7 @@ fn of_thousands_of_places_of_dense_hulls_a_few_are_left_with_the_nearest_among_t
             let gap = [1e-2, 1e-4, 1e-9, 0.0, -1e-10, -1e-6][round % 6];
             b.translation = Translation3::from(b.translation.vector + first.normal * (gap - first.distance));
             let exact = of.distance(&a, &b).distance;
-            let (places, _) = of.touches_soon(&a, &b, near, true);
+            let (places, _) = of.touches_soon(&a, &b, near, &mut Before::default());
             assert!(!places.is_empty() && places.len() <= 25, "{slab} {round}: {}", places.len());
             let off = |gap: f64| (gap - exact).abs();
             let nearest = places.iter().map(|place| off(place.gap)).fold(f64::INFINITY, f64::min);
@@ -49,7 +50,7 @@ fn of_thousands_of_places_of_dense_hulls_a_few_are_left_with_the_nearest_among_t
 fn dense_slabs_on_each_other_touch_around_their_common_face() {
     let of = pair(dense(2000, true), dense(1500, true));
     let (a, b) = (Pose::identity(), at(0.05, 0.02, 0.06));
-    let (places, _) = of.touches_soon(&a, &b, 0.01, true);
+    let (places, _) = of.touches_soon(&a, &b, 0.01, &mut Before::default());
     assert!(places.len() >= 8 && places.iter().filter(|place| place.gap.abs() < 1e-12).count() >= 8, "{places:?}");
     // The middle of both is well inside of what is supported.
     for turn in 0..16 {
@@ -69,7 +70,7 @@ fn after_a_small_turn_the_lowest_vertex_is_one_of_a_few_but_for_a_part_of_the_tu
         let turn = numbers.pose(0.0).rotation;
         let high = |height: f64, turn: Rotation3<f64>| Pose::from_parts(Translation3::new(0.0, 0.0, height), turn);
         let height = 1.0 - of.distance(&Pose::identity(), &high(1.0, turn)).distance;
-        let (places, _) = of.touches_soon(&Pose::identity(), &high(height, turn), near, true);
+        let (places, _) = of.touches_soon(&Pose::identity(), &high(height, turn), near, &mut Before::default());
         assert!(places.len() <= 25, "{}", places.len());
         // Half of the turn that the places are for.
         let by = Rotation3::new(numbers.vector().normalize() * (0.5 * near / 0.3));
@@ -79,4 +80,31 @@ fn after_a_small_turn_the_lowest_vertex_is_one_of_a_few_but_for_a_part_of_the_tu
         // The bodies turn by 0.017 rad about places with radii of curvature up to 0.9 m: ½ R θ² = 1.3e-4 m without any choice.
         assert!((-1e-12..3e-5).contains(&missed), "{missed:e}");
     }
+}
+
+#[test]
+fn a_normal_that_is_kept_changes_no_place_and_bounds_the_distance() {
+    let of = pair(dense(300, false), dense(200, true));
+    let mut numbers = Numbers::new(29);
+    let near = 0.02;
+    let (mut before, mut bounded, mut touched) = (Before::default(), 0, 0);
+    let (a, mut b) = (Pose::identity(), at(0.0, 0.0, 0.4));
+    for round in 0..300 {
+        // To and fro, with turns by a tenth of a radian, from 0.25 m apart to an overlap of a centimetre.
+        let height = 0.24 + 0.15 * (0.1 * f64::from(round)).sin();
+        let turn = Rotation3::new(numbers.vector() * 0.1) * b.rotation;
+        b = Pose::from_parts(Translation3::new(0.05, 0.02, height), turn);
+        let exact = of.distance(&a, &b).distance;
+        let (anew, _) = of.touches_soon(&a, &b, near, &mut Before::default());
+        let (kept, bound) = of.touches_soon(&a, &b, near, &mut before);
+        assert_eq!(kept, anew, "{round}");
+        assert_eq!(before.touches, !kept.is_empty());
+        if kept.is_empty() {
+            assert!(bound > near && bound <= exact + 1e-12, "{round}: {bound:e} for {exact:e}");
+            bounded += 1;
+        } else {
+            touched += 1;
+        }
+    }
+    assert!(bounded > 50 && touched > 50, "{bounded} {touched}");
 }

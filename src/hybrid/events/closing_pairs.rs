@@ -75,7 +75,19 @@ impl Eventful {
                 changing: speeds.changing_of(of, end - since),
             };
             let roughly = self.is_known_roughly(pair);
-            let mut gap = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
+            // What opens by more than a stretch that is searched can close by is as open as pairs that were so before.
+            let mut gap = GapInside {
+                eventful: self,
+                since,
+                roughly,
+                watched,
+                pair,
+                open: resolution,
+                seen_open: None,
+                before: f64::INFINITY,
+                end,
+                at_end: None,
+            };
             let mut until = first.map_or(end, |known| known.high);
             let mut cover = Cover::from(since);
             // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
@@ -187,9 +199,10 @@ impl Eventful {
     }
 
     /// Whether interpolation alone is accurate enough for the gap of a pair, as for pairs that were open before. Roundings count for gaps of touching
-    /// pairs.
+    /// pairs, unless no closure holds their bodies.
     pub(super) fn is_known_roughly(&self, pair: usize) -> bool {
-        !self.trial.fresh_pairs.holds(pair) && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair)
+        let was_open = !self.trial.fresh_pairs.holds(pair) && !self.is_closed(pair);
+        was_open || self.trial.loose.are_loose(self.model.touching.pairs[pair].all_bodies())
     }
 
     /// The most that a pair can close by in the last step [m/s].

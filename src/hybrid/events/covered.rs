@@ -22,6 +22,8 @@ pub(super) const SAME_END: f64 = 1e-9;
 const IN_A_MOMENT: f64 = 1e-6;
 /// Closed contacts are looked at inside one span of this number: states inside spans are projected on the contacts, which takes as long as the span.
 const SELDOM: usize = 16;
+/// A gap that was larger than this part of what is open as interpolated is likely open.
+const LIKELY: f64 = 0.5;
 /// Instants at which a step that is checked is asked.
 const ASKED: usize = 48;
 
@@ -35,24 +37,52 @@ pub(super) struct GapInside<'e> {
     /// Its number among the watched functions, and among the pairs.
     pub watched: usize,
     pub pair: usize,
+    /// A gap of more than this is open as interpolated, however it began (m).
+    pub open: f64,
+    /// The instant at which it was looked at last, if it is open as interpolated there (s), and the gap at the look before (m).
+    pub seen_open: Option<f64>,
+    pub before: f64,
     /// The end of the step (s), and the gap there once it was asked for (m).
     pub end: f64,
     pub at_end: Option<f64>,
 }
 
-impl Approaching for GapInside<'_> {
-    fn gap(&mut self, time: f64) -> f64 {
-        let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
+impl GapInside<'_> {
+    /// An instant of the step, as accurate as the pair needs it there.
+    fn inside(&self, time: f64) -> Inside {
+        Inside { time, roughly: self.roughly || self.seen_open == Some(time) }
+    }
+
+    /// Its gap at an instant (m).
+    fn gap_at(&mut self, instant: Inside) -> f64 {
+        let number = self.eventful.look_at(instant);
         let Eventful {
             model: HybridModel { elements, touching, .. },
             trial: StepTrial { holding, sample, watched, inside, slips, turns, .. },
             mode,
             ..
         } = &*self.eventful;
-        let (since, state, bodies) = (self.since, sample, inside.bodies(number));
+        let (since, time, state, bodies) = (self.since, instant.time, sample, inside.bodies(number));
         // The value for a pair does not ask for the state.
         let seen = Seen { elements, touching, mode, holding, since, time, state, bodies, slips, turns };
-        let value = watched[self.watched].value(&seen);
+        watched[self.watched].value(&seen)
+    }
+}
+
+impl Approaching for GapInside<'_> {
+    fn gap(&mut self, time: f64) -> f64 {
+        // A state on all closures costs ten times as much, and differs where gaps are about zero. Where the gap was small at the look before, it is
+        // likely needed.
+        if !self.roughly && time > self.since && time < self.end && self.before > LIKELY * self.open {
+            let interpolated = self.gap_at(Inside::roughly(time));
+            self.seen_open = (interpolated > self.open).then_some(time);
+            if self.seen_open.is_some() {
+                self.before = interpolated;
+                return interpolated;
+            }
+        }
+        let value = self.gap_at(self.inside(time));
+        self.before = value;
         if time == self.end {
             self.at_end = Some(value);
         }
@@ -60,7 +90,7 @@ impl Approaching for GapInside<'_> {
     }
 
     fn least_gap(&mut self, time: f64, enough: f64) -> f64 {
-        let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
+        let number = self.eventful.look_at(self.inside(time));
         let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { inside, .. }, .. } = &*self.eventful;
         let least = touching.least_distance(self.pair, inside.bodies(number), enough);
         if time == self.end {
@@ -70,7 +100,7 @@ impl Approaching for GapInside<'_> {
     }
 
     fn speed(&mut self, time: f64) -> f64 {
-        let number = self.eventful.look_at(Inside { time, roughly: self.roughly });
+        let number = self.eventful.look_at(self.inside(time));
         let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { inside, .. }, .. } = &*self.eventful;
         speed_of(&touching.pairs[self.pair], inside.bodies(number))
     }
@@ -190,7 +220,18 @@ impl Eventful {
             let asked = if looked_at.is_some() { ASKED } else { 2 };
             for part in 0..=asked {
                 let time = since + (cover.until.min(end) - since) * part as f64 / asked as f64;
-                let mut inside = GapInside { eventful: self, since, roughly, watched, pair, end, at_end: None };
+                let mut inside = GapInside {
+                    eventful: self,
+                    since,
+                    roughly,
+                    watched,
+                    pair,
+                    open: f64::INFINITY,
+                    seen_open: None,
+                    before: f64::INFINITY,
+                    end,
+                    at_end: None,
+                };
                 let (gap, speed) = (inside.gap(time), inside.speed(time));
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);
                 let lasts = looked_at.is_some() || gap >= cover.least - allowed;

@@ -3,7 +3,7 @@
 //! ```text
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
 //!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
-//!               10 ms;  or as in `crowding.rs`, if such crowds follow soon
+//!               10 ms, or one of a lone island and ten times that labour;  or as in `crowding.rs`, if such crowds follow soon
 //!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins; > 3 s, if they do not keep to it      cost of its decision (s)
 //!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
 //! ```

@@ -36,11 +36,10 @@ impl Eventful {
     /// Finds or makes the reduced mechanism of the mode, and its watched functions.
     pub(super) fn enter(&mut self, state: &mut State) {
         self.look_around(state);
-        self.trial.reserves.forget();
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
             workspaces: Workspaces { response, .. },
-            trial: StepTrial { bodies, .. },
+            trial: StepTrial { bodies, loose, reserves, .. },
             mode,
             ..
         } = self;
@@ -55,6 +54,9 @@ impl Eventful {
             place_bodies(whole, state, bodies);
             mode.closures(touching, bodies)
         };
+        loose.take(&closures);
+        // Bodies that others do not touch are as far apart as they were.
+        reserves.forget(|pair| loose.still_fly(touching.pairs[pair].all_bodies()));
         for (body, _) in whole.bodies.iter().zip(&held).filter(|(_, held)| **held) {
             state.velocity[body.joint.velocity_range()].fill(0.0);
         }

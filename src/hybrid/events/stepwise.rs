@@ -66,7 +66,7 @@ impl Eventful {
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         let bearable = self.bearable_labour();
         let may = !self.model.touching.pairs.is_empty() && !self.model.recipe.keeps(Rule::Crowds);
-        may && self.progress.crowding.count(state.time, work, bearable)
+        may && self.progress.crowding.count(state.time, work, bearable, self.trial.loose.is_one())
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.

@@ -11,11 +11,10 @@ use crate::crowd::laws::Law;
 use crate::crowd::rows::{Rows, Side};
 use crate::crowd::trees::Trees;
 use crate::events::crowd::asleep::Asleep;
+use crate::events::crowd::clearances::Clearances;
+use crate::events::crowd::speeds::Speeds;
 use crate::geometry::PlaceId;
 use crate::instant::holding::elements::{Elements, inward};
-use crate::instant::holding::near::Near;
-use crate::instant::holding::pairs::Pair;
-use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::Cores;
@@ -91,25 +90,6 @@ pub(crate) struct Contacts {
     pub rows: Rows,
 }
 
-/// Distances of pairs that were seen before.
-#[derive(Clone, Default)]
-pub(crate) struct Clearances {
-    /// The pairs that may be within reach.
-    near: Near,
-    pairs: PerPair<Clearance>,
-    bodies: Vec<BodyState>,
-    moved: Vec<(f64, f64)>,
-}
-
-/// What is known of a pair.
-#[derive(Clone, Copy, Default)]
-struct Clearance {
-    /// How far its bodies may move before it is looked at again (m).
-    clear: f64,
-    /// Whether it had candidates at the last look.
-    likely: bool,
-}
-
 impl Candidate {
     /// Its law in a problem of a step that lasts this long (s).
     pub fn law(&self, elements: &Elements, time: f64) -> Law {
@@ -179,14 +159,13 @@ pub(crate) fn has_row(motor: &Motor) -> bool {
 }
 
 impl Contacts {
-    /// Finds all candidates for a step of this length (s), in a state that places the bodies; their speeds are at least as large as `rates` says
-    /// (linear and angular, a body each). Sleeping bodies have no candidates among each other or with the world.
+    /// Finds all candidates for a step of this length (s), in a state that places the bodies; whose speeds are these. Sleeping bodies have no candidates among each other or with the world.
     pub fn find(
         &mut self,
         scene: Scene,
         asleep: &Asleep,
         state: &State,
-        (bodies, rates): (&[BodyState], &[(f64, f64)]),
+        (bodies, speeds): (&[BodyState], &Speeds),
         step: f64,
         clearances: &mut Clearances,
     ) {
@@ -196,29 +175,23 @@ impl Contacts {
         clearances.see(bodies);
         let near = &mut clearances.near;
         let new = near.see(&touching.pairs, bodies, |body| {
-            let fastest = rates[body].0 + rates[body].1 * touching.pairs.reach_of(body);
+            let fastest = speeds.of(body, touching.pairs.reach_of(body));
             ROUNDED * (FASTER * step * fastest + 0.5 * fall)
         });
         // Others part where some come near.
-        if new && near.leave_out(&touching.pairs) {
-            clearances.pairs.retain(|pair| near.pairs().binary_search(&pair).is_ok());
-        }
-        clearances.pairs.extend(near.pairs(), |_| Clearance::default());
+        let parted = new && near.leave_out(&touching.pairs);
+        clearances.keep_near(parted);
         for place in 0..clearances.near.pairs().len() {
             let pair = clearances.near.pairs()[place];
             let of = &touching.pairs[pair];
             if of.bodies.into_iter().all(|body| asleep.holds(body)) {
                 continue;
             }
-            let speed =
-                |side: usize| of.bodies[side].map_or(0.0, |body| rates[body].0 + rates[body].1 * of.reach[side]);
-            let within = FASTER * step * (speed(0) + speed(1)) + fall;
+            let within = FASTER * step * speeds.closing(of) + fall;
             if clearances.is_beyond(pair, of, within) {
                 continue;
             }
-            let (found, apart) = touching.soon(pair, bodies, within, clearances.pairs.of(pair).likely);
-            *clearances.pairs.of(pair) = Clearance { clear: apart.max(0.0), likely: !found.is_empty() };
-            for contact in found {
+            for contact in clearances.look(pair, touching, bodies, within) {
                 self.list.push(Candidate::touch(contact, of.friction, of.restitution, bodies));
             }
         }
@@ -388,32 +361,5 @@ impl Candidate {
             was_closed: false,
             closing: 0.0,
         }
-    }
-}
-
-impl Clearances {
-    /// Takes the places of the bodies now: how far they have moved since the last look.
-    fn see(&mut self, bodies: &[BodyState]) {
-        if self.bodies.len() != bodies.len() {
-            self.bodies = bodies.to_vec();
-        }
-        self.moved.clear();
-        self.moved.extend(bodies.iter().zip(&self.bodies).map(|(now, before)| {
-            let turned = (now.rotation - before.rotation).norm() * std::f64::consts::FRAC_1_SQRT_2;
-            ((now.position - before.position).norm(), turned)
-        }));
-        self.bodies.copy_from_slice(bodies);
-    }
-
-    /// Whether a pair is still farther apart than `within` (m).
-    fn is_beyond(&mut self, pair: usize, of: &Pair, within: f64) -> bool {
-        let known = self.pairs.of(pair);
-        for (body, reach) in of.bodies.into_iter().zip(of.reach) {
-            if let Some(body) = body {
-                let (moved, turned) = self.moved[body];
-                known.clear -= moved + turned * reach;
-            }
-        }
-        !known.likely && known.clear > within
     }
 }

@@ -65,7 +65,14 @@ impl Crowd {
             state.displace(scene.whole, &moved);
             self.resting.keep(scene.whole, &before, state);
             place_bodies(scene.whole, state, &mut self.bodies);
-            self.next.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
+            self.next.find(
+                scene,
+                &self.resting.asleep,
+                state,
+                (&self.bodies, &self.speeds),
+                step,
+                &mut self.clearances,
+            );
             self.trees.place(scene.whole, &self.bodies);
             self.next.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
             left = self.next.deepest();

@@ -13,11 +13,13 @@
 
 use crate::crowd::newton::{Interrupt, Workspace};
 use crate::crowd::trees::Trees;
-use crate::events::crowd::contacts::{CLOSED, Candidate, Clearances, Contacts, Key, Scene, has_row};
+use crate::events::crowd::clearances::Clearances;
+use crate::events::crowd::contacts::{CLOSED, Candidate, Contacts, Key, Scene, has_row};
 use crate::events::crowd::energies::Energies;
 use crate::events::crowd::moving::{Moving, move_on};
 use crate::events::crowd::resting::Resting;
 use crate::events::crowd::settling::{Settling, settle};
+use crate::events::crowd::speeds::Speeds;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -29,8 +31,6 @@ const OVERLAPS: f64 = 1e-8;
 const AGAIN: usize = 2;
 /// A step at whose end shapes overlap by more than this, and twice as much as at its start, is too long (m or rad).
 const LIFTED: f64 = 1e-4;
-/// Speeds that have grown by this factor in a step make all pairs be looked at again.
-const SPEEDS: f64 = 1.25;
 
 /// Accelerations of a state, and the efforts from outside and of motors in it; without rows.
 pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
@@ -48,17 +48,17 @@ pub(crate) struct Crowd {
     /// Where the step began.
     began: Vec<BodyState>,
     /// Speeds for which the candidates are enough.
-    pub(super) rates: Vec<(f64, f64)>,
+    pub(super) speeds: Speeds,
     /// The end of the last step and its length (s).
     pub(super) end: Option<(State, f64)>,
     energies: Energies,
     /// D and K of the freedoms, of dampers, springs and motors without a bound.
-    damping: Vec<f64>,
-    stiffness: Vec<f64>,
-    free: Vec<f64>,
+    pub(super) damping: Vec<f64>,
+    pub(super) stiffness: Vec<f64>,
+    pub(super) free: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
     pub(super) efforts: Vec<f64>,
-    middle: Option<State>,
+    pub(super) middle: Option<State>,
     /// The trees that sleep, and whether some have woken since candidates were looked for.
     pub(super) resting: Resting,
     pub(super) woken: bool,
@@ -120,7 +120,7 @@ impl Crowd {
             room: Workspace::default(),
             bodies: vec![WORLD; mechanism.bodies.len()],
             began: vec![WORLD; mechanism.bodies.len()],
-            rates: vec![(0.0, 0.0); mechanism.bodies.len()],
+            speeds: Speeds::new(mechanism.bodies.len()),
             end: None,
             energies: Energies::new(mechanism),
             damping: vec![0.0; count],
@@ -211,7 +211,14 @@ impl Crowd {
             made.unsolved += found.unsolved;
             self.place_middle(start, &displacement, step, whole);
             place_bodies(whole, state, &mut self.bodies);
-            self.next.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
+            self.next.find(
+                scene,
+                &self.resting.asleep,
+                state,
+                (&self.bodies, &self.speeds),
+                step,
+                &mut self.clearances,
+            );
             if self.is_interrupted() {
                 return None;
             }
@@ -268,7 +275,7 @@ impl Crowd {
         made.lost = self.energies.lost(whole, start, state, made.work);
         made.candidates = self.next.list.len();
         made.iterations = self.room.iterations - iterations;
-        let rates = self.rates.clone();
+        let rates = self.speeds.rates().to_vec();
         self.displacement = displacement;
         self.finish(scene, state, step);
         made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
@@ -353,9 +360,9 @@ impl Crowd {
         }
         self.woken = false;
         place_bodies(scene.whole, start, &mut self.bodies);
-        self.rates = self.bodies.iter().map(|body| (body.velocity.norm(), body.angular_velocity.norm())).collect();
+        self.speeds.begin(&self.bodies);
         let mut found = Contacts::default();
-        found.find(scene, &self.resting.asleep, start, (&self.bodies, &self.rates), step, &mut self.clearances);
+        found.find(scene, &self.resting.asleep, start, (&self.bodies, &self.speeds), step, &mut self.clearances);
         self.trees.place(scene.whole, &self.bodies);
         found.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
         found.warm(&self.now, step, longer, &self.trees);
@@ -367,112 +374,34 @@ impl Crowd {
     /// The candidates at the end become those at the start of the next step.
     fn finish(&mut self, scene: Scene, state: &State, step: f64) {
         place_bodies(scene.whole, state, &mut self.bodies);
-        let slow = scene.whole.gravity.norm() * step;
-        let mut grown = false;
-        for (body, rate) in self.bodies.iter().zip(&mut self.rates) {
-            let now = (body.velocity.norm(), body.angular_velocity.norm());
-            grown |= now.0 > SPEEDS * rate.0 + slow || now.1 > SPEEDS * rate.1 + slow;
-        }
+        let grown = self.speeds.have_grown(&self.bodies, scene.whole.gravity.norm() * step);
         std::mem::swap(&mut self.now, &mut self.next);
         self.end = Some((state.clone(), step));
         // Candidates for slower bodies are not enough.
         if grown {
-            self.rates = self.bodies.iter().map(|body| (body.velocity.norm(), body.angular_velocity.norm())).collect();
+            self.speeds.begin(&self.bodies);
             let mut found = Contacts::default();
-            found.find(scene, &self.resting.asleep, state, (&self.bodies, &self.rates), step, &mut self.clearances);
+            found.find(scene, &self.resting.asleep, state, (&self.bodies, &self.speeds), step, &mut self.clearances);
             found.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
             found.warm(&self.now, step, 1.0, &self.trees);
             self.now = found;
         }
     }
 
-    /// Dampings and stiffnesses of the freedoms.
-    fn soften(&mut self, scene: Scene) {
-        self.damping.fill(0.0);
-        self.stiffness.fill(0.0);
-        for damper in &scene.whole.forces.joint_dampers {
-            self.damping[damper.freedom] += damper.coefficient;
-        }
-        for spring in &scene.whole.forces.joint_springs {
-            self.stiffness[spring.coordinate.freedom] += spring.stiffness.max(0.0);
-        }
-        for motor in scene.elements.motors.iter().filter(|motor| motor.period == 0.0 && !has_row(motor)) {
-            let (stiffness, damping) = motor.law.gains();
-            self.stiffness[motor.coordinate.freedom] += stiffness;
-            self.damping[motor.coordinate.freedom] += damping;
-        }
-    }
-
-    /// v_f of (A): half a step under the forces at the start, with dampers and springs at its middle.
-    fn free_to_move(&mut self, start: &State, half: f64) -> Option<()> {
-        let Crowd { trees, damping, stiffness, free, acceleration, resting, .. } = self;
-        let change = |freedom: usize| -(half * stiffness[freedom] * start.velocity[freedom]);
-        let soft = [damping.as_slice(), stiffness.as_slice()];
-        free_rates((trees, resting), soft, half, acceleration, change, &start.velocity, free)
-    }
-
-    /// v_f of (B): a whole step under the forces at its middle, with dampers at its end.
-    fn free_to_settle(&mut self, start: &State, displacement: &[f64], step: f64, forces: Forces) -> Option<()> {
-        let Crowd { trees, damping, stiffness, free, acceleration, efforts, middle, resting, .. } = self;
-        forces(middle.as_mut()?, acceleration, efforts);
-        stiffness.fill(0.0);
-        let change = |freedom: usize| damping[freedom] * (displacement[freedom] - start.velocity[freedom]);
-        let soft = [damping.as_slice(), stiffness.as_slice()];
-        free_rates((trees, resting), soft, step, acceleration, change, &start.velocity, free)
-    }
-
     /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.
     fn place_middle(&mut self, start: &State, displacement: &[f64], step: f64, whole: &Mechanism) {
-        let Crowd { middle, bodies, began, rates, resting, .. } = self;
+        let Crowd { middle, bodies, began, speeds, resting, .. } = self;
         let middle = middle.get_or_insert_with(|| start.clone());
         middle.copy_from(start);
         place_bodies(whole, middle, bodies);
         began.copy_from_slice(bodies);
-        let speeds = |body: &BodyState| (body.velocity.norm(), body.angular_velocity.norm());
-        rates.iter_mut().zip(bodies.iter()).for_each(|(rate, body)| *rate = speeds(body));
+        speeds.begin(bodies);
         let half: Vec<f64> = displacement.iter().map(|rate| 0.5 * step * rate).collect();
         middle.displace(whole, &half);
         resting.keep(whole, start, middle);
         middle.time = start.time + 0.5 * step;
         middle.velocity.copy_from_slice(displacement);
         place_bodies(whole, middle, bodies);
-        for (rate, body) in rates.iter_mut().zip(bodies.iter()) {
-            let now = speeds(body);
-            *rate = (rate.0.max(now.0), rate.1.max(now.1));
-        }
+        speeds.go_on(bodies);
     }
-}
-
-/// v_f = v + b M̃⁻¹ (M a + e): the rates of trees after a time b (s) under accelerations a and changes e of the efforts of dampers D and springs K, which
-/// act in it, and zero for those that sleep; `None` where M̃ is singular.
-fn free_rates(
-    (trees, resting): (&mut Trees, &Resting),
-    [damping, stiffness]: [&[f64]; 2],
-    time: f64,
-    accelerations: &[f64],
-    change: impl Fn(usize) -> f64,
-    velocity: &[f64],
-    free: &mut [f64],
-) -> Option<()> {
-    for (number, tree) in trees.trees.iter_mut().enumerate() {
-        if resting.asleep.has(number) {
-            tree.freedoms.iter().for_each(|&freedom| free[freedom] = 0.0);
-            continue;
-        }
-        if !tree.factor(time, damping, stiffness) {
-            return None;
-        }
-        let mut own: Vec<f64> = tree.freedoms.iter().map(|&freedom| accelerations[freedom]).collect();
-        if tree.freedoms.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
-            let mut efforts = vec![0.0; own.len()];
-            tree.add_mass(&own, &mut efforts);
-            efforts.iter_mut().zip(&tree.freedoms).for_each(|(effort, &freedom)| *effort += change(freedom));
-            tree.solve(&mut efforts);
-            own = efforts;
-        }
-        for (rate, &freedom) in own.iter().zip(&tree.freedoms) {
-            free[freedom] = velocity[freedom] + time * rate;
-        }
-    }
-    Some(())
 }

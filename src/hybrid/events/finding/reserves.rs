@@ -9,7 +9,8 @@
 //! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the
 //! speed of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at.
 //! Bodies that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in
-//! proportion to the bodies. Reserves last until a mode ends.
+//! proportion to the bodies. Reserves last until a mode ends, and those of bodies that the
+//! next mode does not touch longer.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (a heap of times before which no pair can collide).
 
@@ -81,14 +82,21 @@ impl Reserves {
         asked.sort_unstable();
     }
 
-    /// Forgets all reserves: another mode begins, in which bodies may be quicker between the samples of steps than those before told.
-    pub fn forget(&mut self) {
+    /// Forgets the reserves of all pairs but those that are as they were: another mode begins, in which bodies may be quicker between the samples of
+    /// steps than those before told.
+    pub fn forget(&mut self, is_as_before: impl Fn(usize) -> bool) {
         let Reserves { pairs, queue, asked, left, .. } = self;
-        pairs.values_mut().for_each(|pair| pair.spent_at = f64::NEG_INFINITY);
-        queue.clear();
-        left.clear();
-        asked.clear();
-        asked.extend(pairs.iter().map(|(pair, _)| pair));
+        let mut changed = Vec::new();
+        for (pair, known) in pairs.iter_mut().filter(|(pair, _)| !is_as_before(*pair)) {
+            known.spent_at = f64::NEG_INFINITY;
+            changed.push(pair);
+        }
+        let stays = |pair: usize| changed.binary_search(&pair).is_err();
+        queue.retain(|Reverse((_, pair))| stays(*pair));
+        left.retain(|&(pair, _)| stays(pair));
+        asked.retain(|&pair| stays(pair));
+        asked.extend(changed);
+        asked.sort_unstable();
     }
 
     /// A look at a step with these speeds and this length (s) begins. The same step may be looked at again with another end.
@@ -245,6 +253,24 @@ mod tests {
         let rest = reserves.lasts(0, 0.11).expect("a reserve");
         assert!((rest - (1.0 - 1.25 * 0.39 - 0.11)).abs() < 1e-14, "{rest}");
         assert_eq!(reserves.lasts(0, 0.6), None);
+    }
+
+    #[test]
+    fn pairs_that_are_as_they_were_keep_their_reserves_when_a_mode_begins() {
+        let mut reserves = reserves(&[[Some(0), None], [Some(1), None], [Some(1), None]]);
+        step(&mut reserves, 0.0, 1e-3);
+        reserves.note(0, 1.0);
+        reserves.note(1, 0.5);
+        // What was looked at last still counts, and what waits in the queue waits on; a pair of which nothing is known is asked on.
+        reserves.forget(|pair| pair > 0);
+        step(&mut reserves, 1e-3, 2e-3);
+        assert_eq!(reserves.asked(), [0, 2]);
+        reserves.note(0, 1.0);
+        step(&mut reserves, 2e-3, 3e-3);
+        assert_eq!(reserves.asked(), [2]);
+        reserves.forget(|pair| pair > 0);
+        assert_eq!(reserves.asked(), [0, 2]);
+        assert!((reserves.at_end(1) - 0.5).abs() < 1e-14 && reserves.at_end(0) == f64::NEG_INFINITY);
     }
 
     #[test]

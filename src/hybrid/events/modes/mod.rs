@@ -3,6 +3,7 @@
 pub(crate) mod drives;
 pub(crate) mod inside_bodies;
 pub(crate) mod instants;
+pub(crate) mod loose;
 pub(crate) mod mode;
 pub(crate) mod narrowed;
 pub(crate) mod piece;

@@ -29,6 +29,8 @@ const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
 pub(crate) const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
+/// One of them is enough where the work is larger than what is borne by this factor: feet that turn as they stop.
+const FAR_DEARER: f64 = 10.0;
 /// A step that cannot be made is replaced by one of first order of this length (s).
 pub(crate) const JAM_STEP: f64 = 1e-6;
 /// A jam that follows within [`SOON`] times the last length takes a step that is longer by this factor, up to the length of steps of crowds.
@@ -146,8 +148,8 @@ impl Crowding {
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
     /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included, if events or given instants break
-    /// the motion.
-    pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>) -> bool {
+    /// the motion; one is enough for bodies that are one island, `alone`, if the labour is far beyond.
+    pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>, alone: bool) -> bool {
         self.jams = false;
         if self.left == 0 {
             let mut crowded = false;
@@ -162,7 +164,10 @@ impl Crowding {
             // The same work takes that long to be counted again.
             let soon = 2.0 * LABOUR_WITHIN;
             let most = if self.is_soon(time, soon) { LABOUR_AGAIN } else { LABOUR };
-            let dearer = bearable.is_some_and(|bearable| work + decided > bearable && breaks >= LABOUR_EVENTS);
+            let dearer = bearable.is_some_and(|bearable| {
+                let least = if alone && work + decided > FAR_DEARER * bearable { 1 } else { LABOUR_EVENTS };
+                work + decided > bearable && breaks >= least
+            });
             let laboured = work > most && events >= LABOUR_EVENTS || dearer;
             if !crowded && !laboured {
                 return false;
@@ -269,7 +274,7 @@ mod tests {
         let (mut crowding, mut time, mut steps, mut coarse) = (Crowding::CALM, 0.0, 0, 0);
         while time < 1.0 {
             let failed = fails.is_some_and(|each| steps % each == each - 1);
-            if crowding.count(time, work, None) {
+            if crowding.count(time, work, None, false) {
                 (coarse, time) = (coarse + 1, time + crowding.length());
             } else if failed {
                 crowding.fail(time);
@@ -296,7 +301,7 @@ mod tests {
         let run = |events: bool| {
             let (mut crowding, mut time, mut steps, mut coarse) = (Crowding::CALM, 0.0, 0, 0);
             while time < 1.0 {
-                if crowding.count(time, 5, None) {
+                if crowding.count(time, 5, None, false) {
                     (coarse, time) = (coarse + 1, time + crowding.length());
                 } else {
                     let at_event = events && steps % 2 == 0;
@@ -319,7 +324,7 @@ mod tests {
             let mut crowding = Crowding::CALM;
             (0..20).any(|tick| {
                 crowding.labour(1e-3 * f64::from(tick), 5, 60, ended);
-                crowding.count(1e-3 * f64::from(tick), 1, bearable)
+                crowding.count(1e-3 * f64::from(tick), 1, bearable, false)
             })
         };
         assert!(
@@ -330,6 +335,27 @@ mod tests {
             !crowded(Ended::AtInstant, Some(2.5e5))
                 && crowded(Ended::AtEvent { decided: 1e4, impact: true }, Some(2.5e5))
         );
+    }
+
+    #[test]
+    fn one_event_is_enough_for_one_island_where_its_work_is_ten_times_what_is_borne() {
+        // 3.6e4 at an event, and nine steps without one.
+        let crowded = |bearable: f64, alone: bool| {
+            let mut crowding = Crowding::CALM;
+            (0..10).any(|step| {
+                let time = 1e-4 * f64::from(step);
+                let event = Ended::AtEvent { decided: 0.0, impact: true };
+                crowding.labour(time, 10, 60, if step == 0 { event } else { Ended::Smoothly });
+                crowding.count(time, 1, Some(bearable), alone)
+            })
+        };
+        assert!(crowded(3e4, true) && !crowded(4e4, true));
+        // An event of one body of many is no reason for all.
+        assert!(!crowded(3e4, false));
+        // Without an event it is a smooth motion.
+        let mut crowding = Crowding::CALM;
+        crowding.labour(0.0, 10, 6000, Ended::Smoothly);
+        assert!(!crowding.count(0.0, 1, Some(3e4), true));
     }
 
     #[test]
@@ -359,7 +385,7 @@ mod tests {
         let mut crowding = Crowding::CALM;
         for time in [0.1, 0.2] {
             crowding.fail(time);
-            assert!(crowding.length() == STEP && !crowding.count(time + STEP, 1, None));
+            assert!(crowding.length() == STEP && !crowding.count(time + STEP, 1, None, false));
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::events::finding::watched::Watched;
 use crate::events::forces::holding::Holding;
 use crate::events::modes::inside_bodies::InsideBodies;
 use crate::events::modes::instants::Evaluated;
+use crate::events::modes::loose::Loose;
 use crate::events::modes::placed::PlacedBodies;
 use crate::events::parts::model::HybridModel;
 use crate::instant::holding::near::Near;
@@ -41,6 +42,8 @@ pub(crate) struct StepTrial {
     pub speeds: Speeds,
     /// The pairs that are looked at: all others are proved apart.
     pub near: Near,
+    /// What no closure holds in the mode.
+    pub loose: Loose,
     /// How far pairs are from closing, by the looks at steps before.
     pub reserves: Reserves,
     /// The covered stretches of the last step for each pair that may close in it, by its number among the watched functions.
@@ -80,6 +83,7 @@ impl StepTrial {
             speeds: Speeds::default(),
             reserves: Reserves::new(whole),
             near: Near::default(),
+            loose: Loose::new(whole),
             covers: Vec::new(),
             overlap: 0.0,
             bodies: vec![WORLD; whole.bodies.len()],
@@ -95,6 +99,7 @@ impl StepTrial {
 
     /// Takes another mechanism with the same bodies and joints.
     pub fn replace(&mut self, model: &HybridModel) {
+        self.loose = Loose::new(&model.whole);
         self.reserves = Reserves::new(&model.whole);
         self.reserves.take(self.near.pairs(), &model.touching.pairs);
         self.placed.forget();

@@ -53,6 +53,11 @@ impl Pair {
         self.rope.is_some()
     }
 
+    /// The bodies whose motions change its gap: its own, or those of all parts of a rope.
+    pub fn all_bodies(&self) -> impl Iterator<Item = Option<usize>> + '_ {
+        self.parts.iter().flat_map(|(bodies, _)| *bodies)
+    }
+
     /// The tolerance that is this part of its size (m).
     pub fn within(&self, part: f64) -> f64 {
         self.extents.within(part)

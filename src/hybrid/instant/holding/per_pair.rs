@@ -38,9 +38,9 @@ impl<T: Default> PerPair<T> {
         self.known.iter().map(|(pair, value)| (*pair, value))
     }
 
-    /// All values, to be changed.
-    pub fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
-        self.known.iter_mut().map(|(_, value)| value)
+    /// The same, to be changed.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (usize, &mut T)> {
+        self.known.iter_mut().map(|(pair, value)| (*pair, value))
     }
 
     /// Keeps the values of the pairs that a test keeps.

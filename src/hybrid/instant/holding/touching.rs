@@ -3,7 +3,7 @@
 //! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. A pose belongs
 //! to a body; the world has its own.
 
-use crate::geometry::{FeatureId, PlaceId, TouchPlace};
+use crate::geometry::{Before, FeatureId, PlaceId, TouchPlace};
 use crate::instant::holding::pairs::{Pair, Pairs};
 use crate::instant::holding::rope::ROUNDED;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
@@ -189,14 +189,15 @@ impl Touching {
     }
 
     /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
-    /// of the distance (m), if it is known. `likely` tells whether there were contacts a moment ago.
-    pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, likely: bool) -> (Vec<Contact>, f64) {
+    /// of the distance (m), if it is known. `before` is what is known from a moment ago.
+    pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, before: &mut Before) -> (Vec<Contact>, f64) {
         let Pair { geometry, bodies: of, rope, .. } = &self.pairs[pair];
         if rope.is_some() {
             let near = self.near(pair, bodies, within);
+            before.touches = !near.is_empty();
             return (near.into_iter().map(|(contact, _)| contact).collect(), self.distance(pair, bodies));
         }
-        let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, likely);
+        let (places, apart) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, before);
         (places.into_iter().map(|place| self.contact(pair, place)).collect(), apart)
     }
 
