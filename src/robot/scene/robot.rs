@@ -60,13 +60,13 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// Shapes that touch.
     pub collisions: Vec<Shape>,
-    /// Coefficients of contact of all its collision shapes, where a file says them.
+    /// Coefficients of contact of all its collision shapes that have none of their own, where a file says them.
     pub surface: Surface,
     /// Line of the `<link>` element.
     pub line: usize,
 }
 
-/// What a file says of the surface of a link.
+/// What a file says of the surface of a link, or of one of its shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Coulomb's coefficient of friction μ ≥ 0.
@@ -80,6 +80,16 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// It, with what another one says that it does not say.
+    pub fn or(self, other: &Surface) -> Surface {
+        Surface {
+            friction: self.friction.or(other.friction),
+            restitution: self.restitution.or(other.restitution),
+            moments: [0, 1].map(|of: usize| self.moments[of].or(other.moments[of])),
+            velocity: self.velocity.or(other.velocity),
+        }
+    }
+
     /// Whether it has the friction and the restitution of another one.
     pub fn touches_like(&self, other: &Surface) -> bool {
         (self.friction, self.restitution, self.moments) == (other.friction, other.restitution, other.moments)
@@ -114,6 +124,8 @@ pub struct Shape {
     pub geometry: Geometry,
     /// Colour (red, green, blue, opacity in 0..1) from the material, if given.
     pub color: Option<[f64; 4]>,
+    /// Coefficients of contact of this shape alone, over those of its link.
+    pub surface: Surface,
     /// Line of the `<visual>` or `<collision>` element.
     pub line: usize,
 }

@@ -7,6 +7,7 @@ use crate::scene::body::{SceneBody, Weight};
 use crate::scene::coupling::{JointReference, SpringPlace};
 use crate::scene::description::{Scene, SceneRobot};
 use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
+use crate::scene::parameters::surface_keys::MOMENT_LENGTHS;
 use crate::scene::parameters::{Parameter, Range};
 use crate::scene::robot::{Geometry, LoopType, UrdfJointKind};
 
@@ -147,15 +148,7 @@ impl Keys {
         for (link, one) in of.robot.links.iter().enumerate() {
             let name = called(of, &one.name);
             self.put("link", &format!("{name}.mass"), Range::NotNegative, Place::Mass { robot, link });
-            if !one.collisions.is_empty() {
-                let friction = Place::LinkFriction { robot, link };
-                self.put("link", &format!("{name}.friction"), Range::Friction, friction);
-                let restitution = Place::LinkRestitution { robot, link };
-                self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
-                self.moments("link", &name, |of| Place::LinkMoment { robot, link, of });
-                let velocity = |axis| Place::LinkSurface { robot, link, axis };
-                self.vector("link", &format!("{name}.surface_velocity"), Range::Finite, velocity);
-            }
+            self.surface_of_link(robot, link, &name, one);
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
             for (moment, row, column) in MOMENTS {
@@ -173,6 +166,7 @@ impl Keys {
                     Geometry::Ellipsoid { .. } => self.radii("link", &head, place),
                     Geometry::Mesh(_) => self.scales("link", &head, place),
                 }
+                self.surface_of_shape(&head, &given.surface, place);
                 let origin = format!("{head}.origin");
                 self.vector("link", &origin, Range::Finite, |axis| place(ShapeNumber::Position(axis)));
                 self.angles("link", &origin, |angle| place(ShapeNumber::Turn(angle)));
@@ -367,17 +361,7 @@ impl Keys {
             self.moments("contact", &format!("pair.{}", rule + 1), |of| Place::PairMoment { rule, of });
         }
     }
-
-    /// The lengths of rolling and spinning friction of a thing.
-    fn moments(&mut self, head: &str, of: &str, place: impl Fn(usize) -> Place) {
-        for (number, key) in MOMENT_LENGTHS.into_iter().enumerate() {
-            self.put(head, &format!("{of}.{key}"), Range::NotNegative, place(number));
-        }
-    }
 }
-
-/// Keys of the lengths of rolling and of spinning friction.
-const MOMENT_LENGTHS: [&str; 2] = ["rolling_friction", "spinning_friction"];
 
 /// The name of a link or joint as scene files write it.
 fn called(robot: &SceneRobot, name: &str) -> String {

@@ -86,11 +86,12 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     }
     for said in &contact.links {
         if let LinkReference::Link { robot, link } = said.link {
-            let surface = &mut robots[robot].robot.links[link].surface;
-            surface.friction = said.surface.friction.or(surface.friction);
-            surface.restitution = said.surface.restitution.or(surface.restitution);
-            surface.moments = [0, 1].map(|of: usize| said.surface.moments[of].or(surface.moments[of]));
-            surface.velocity = said.surface.velocity.or(surface.velocity);
+            let link = &mut robots[robot].robot.links[link];
+            let surface = match said.shape {
+                Some(number) => &mut link.collisions[number - 1].surface,
+                None => &mut link.surface,
+            };
+            *surface = said.surface.or(surface);
         }
     }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
