@@ -3,6 +3,7 @@
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
 use crate::scene::bounded::read_bounded;
+use crate::scene::taken::Taken;
 use crate::scene::warning::Warning;
 use crate::scene::world::WORLD_LINK;
 
@@ -35,6 +36,8 @@ pub struct Robot {
     pub description: String,
     /// Repairs, parts that were left out, and parts that will not be simulated.
     pub warnings: Vec<Warning>,
+    /// Numbers from parts that other programs write, of which the warnings say that they are taken.
+    pub taken: Vec<Taken>,
 }
 
 impl Robot {

@@ -24,6 +24,8 @@ pub struct PackagePath {
     pub ros_package_path: Vec<PathBuf>,
     /// Folders of `AMENT_PREFIX_PATH`.
     pub ament_prefix_path: Vec<PathBuf>,
+    /// Arguments of sources of xacro: names and values.
+    pub xacro: Vec<(String, String)>,
     /// Files that are in memory alone, by the names that a robot gives them.
     pub carried: HashMap<String, Arc<Vec<u8>>>,
 }
@@ -55,6 +57,7 @@ impl PackagePath {
             packages,
             ros_package_path: folders("ROS_PACKAGE_PATH"),
             ament_prefix_path: folders("AMENT_PREFIX_PATH"),
+            xacro: Vec::new(),
             carried: HashMap::new(),
         }
     }
