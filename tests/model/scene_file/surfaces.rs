@@ -115,3 +115,17 @@ fn a_shape_of_a_link_has_its_own_friction_over_that_of_its_link() {
     let both = format!("{robot}{GROUND}{own}[[link]]\nname = \"foot\"\nshape = 1\nfriction = 0.3\n");
     assert!(read(&folder, &both).unwrap().parameter("link.foot.friction").is_err());
 }
+
+#[test]
+fn the_link_of_the_documentation_is_a_scene_when_copied() {
+    let folder = folder("documented_link");
+    let document = include_str!("../../../doc/scene_files.md");
+    let table = &document[document.find("\n[[link]]\n").expect("a table [[link]]") + 1..];
+    let table = &table[..table.find("\n\n").expect("its end")];
+    let second = "<collision><origin xyz='0 3 0'/><geometry><sphere radius='1'/></geometry></collision></link>";
+    std::fs::write(folder.join("foot.urdf"), FOOT.replace("</link>", second).replace("'foot'", "'hand'")).unwrap();
+    let robot = "[[robot]]\nname = \"one\"\nurdf = \"foot.urdf\"\nbase = \"floating\"\n";
+    let (model, ..) = build(&folder, &format!("{robot}{GROUND}{table}\n"));
+    let friction: Vec<f64> = model.mechanism.nonsmooth.pairs.iter().map(|pair| pair.friction).collect();
+    assert_eq!(friction, [0.7, 0.8]);
+}

@@ -21,7 +21,11 @@ pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
     let mut keys = Keys { all: Vec::new() };
     keys.vector("scene", "gravity", Range::Finite, Place::Gravity);
     for (index, robot) in scene.robots.iter().enumerate() {
-        keys.start(index, robot);
+        // A winch follows from its rope.
+        if scene.ropes.iter().any(|rope| rope.winch.as_ref().is_some_and(|winch| winch.robot == index)) {
+            continue;
+        }
+        keys.start(index, robot, scene);
         if let Some(body) = &robot.body {
             keys.body(index, robot, body);
             continue;
@@ -93,7 +97,7 @@ impl Keys {
     }
 
     /// Where a robot starts.
-    fn start(&mut self, robot: usize, of: &SceneRobot) {
+    fn start(&mut self, robot: usize, of: &SceneRobot, scene: &Scene) {
         // The short key path of a body has its name, the short key path of a robot has not.
         let (head, own) = match of.body {
             Some(_) => ("body".to_string(), format!("{}.", of.name)),
@@ -108,7 +112,9 @@ impl Keys {
             self.vector(&head, &called("velocity.linear"), Range::Finite, place);
             self.vector(&head, &called("velocity.angular"), Range::Finite, |axis| place(3 + axis));
         }
-        for one in &of.robot.joints {
+        // A joint that is moved in time starts where it is then.
+        let is_moved = |name: &str| scene.motions.iter().any(|one| one.joint.robot == robot && one.joint.joint == name);
+        for one in of.robot.joints.iter().filter(|one| !is_moved(&one.name)) {
             let joint = || one.name.clone();
             let (positions, velocities) = coordinates(one.kind);
             for (number, name) in positions.iter().enumerate() {
@@ -301,9 +307,9 @@ impl Keys {
             if one.points.len() > 2 {
                 self.put("rope", &format!("{}.stop", one.name), Range::NotNegative, Place::RopeStop(rope));
             }
-            // A winch has a point before the first, and is where that is.
+            // A winch has a point before the first.
             let before = usize::from(one.winch.is_some());
-            for end in 2 * before..one.points.len() {
+            for end in before..one.points.len() {
                 let rest = format!("{}.points.{}.position", one.name, end + 1 - before);
                 self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
             }

@@ -54,6 +54,7 @@ mod settle;
 mod slot;
 mod stand;
 mod surface_keys;
+mod units;
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
