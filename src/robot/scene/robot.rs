@@ -63,13 +63,13 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// Shapes that touch.
     pub collisions: Vec<Shape>,
-    /// Coefficients of contact of all its collision shapes that have none of their own, where a file says them.
+    /// Coefficients of contact of its collision shapes, where a file says them; a shape may have its own.
     pub surface: Surface,
     /// Line of the `<link>` element.
     pub line: usize,
 }
 
-/// What a file says of the surface of a link, or of one of its shapes.
+/// The surface of a link or of one of its shapes, as far as a file says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Coulomb's coefficient of friction μ ≥ 0.
@@ -83,7 +83,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// It, with what another one says that it does not say.
+    /// It, and where it says no value the value of another one.
     pub fn or(self, other: &Surface) -> Surface {
         Surface {
             friction: self.friction.or(other.friction),
@@ -127,7 +127,7 @@ pub struct Shape {
     pub geometry: Geometry,
     /// Colour (red, green, blue, opacity in 0..1) from the material, if given.
     pub color: Option<[f64; 4]>,
-    /// Coefficients of contact of this shape alone, over those of its link.
+    /// Coefficients of contact of this shape alone, instead of its link's.
     pub surface: Surface,
     /// Line of the `<visual>` or `<collision>` element.
     pub line: usize,

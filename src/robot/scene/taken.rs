@@ -2,7 +2,7 @@
 
 use crate::scene::error::Element;
 
-/// What a number is.
+/// The kind of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TakenNumber {
     /// Coulomb's coefficient of a link.
@@ -14,7 +14,7 @@ pub enum TakenNumber {
 /// A number that was taken from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taken {
-    /// What it is.
+    /// Its kind.
     pub number: TakenNumber,
     /// The link or joint that it is of.
     pub of: Element,

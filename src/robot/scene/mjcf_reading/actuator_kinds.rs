@@ -4,15 +4,15 @@
 //!
 //! | kind | gain g (fixed) | biases b₀, b₁, b₂ | dynamics |
 //! |---|---|---|---|
-//! | `motor` | 1 | none | none |
+//! | `motor` | 1 | 0, 0, 0 | – |
 //! | `position` | kp | 0, −kp, −kv or the damping ratio | a filter, if it has a time constant |
 //! | `intvelocity` | kp | 0, −kp, −kv or the damping ratio | an integrator |
-//! | `velocity` | kv | 0, 0, −kv | none |
-//! | `damper` | −kv of the velocity, times its control | none | none |
+//! | `velocity` | kv | 0, 0, −kv | – |
+//! | `damper` | −kv of the velocity, times its control | 0, 0, 0 | – |
 //! | `cylinder` | area | bias | a filter |
 //!
 //! kp, kv, area and time constant that an element does not say are those of the set. A set that another kind has written last
-//! counts not: then the set of the next class around counts which that kind or `general` wrote last, or no defaults if there is none.
+//! does not count: then the set of the nearest class around counts which that kind or `general` wrote last, or no defaults.
 //!
 //! Source: MuJoCo documentation, XML reference, `actuator`, and the numbers that MuJoCo 4.0 compiles.
 
@@ -52,7 +52,7 @@ pub(crate) struct ActuatorLaw {
     pub gain: [f64; 3],
     pub bias_kind: String,
     pub bias: [f64; 3],
-    /// The part of the range of its joint that is that of its control.
+    /// The range of its control as a part of the range of its joint.
     pub inherited_range: f64,
 }
 
@@ -82,7 +82,7 @@ impl ActuatorLaw {
         kind == GENERAL || self.kind == GENERAL || self.kind == kind
     }
 
-    /// The set, with what an element says.
+    /// The set with the settings of an element.
     pub fn with(mut self, element: &Element) -> Result<Self, SceneError> {
         let number = |name: &str| element.number(name);
         let put = |into: &mut [f64], name: &str| -> Result<(), SceneError> {

@@ -87,7 +87,7 @@ impl Reader<'_> {
                 let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower) * law.inherited_range);
                 (middle - half, middle + half)
             });
-            // What follows the joint has the range of the joint: the control, or its integral.
+            // The control follows the joint, or its integral does: that one has the range of the joint.
             match activation.as_mut().filter(|own| matches!(own.follows, Follows::Integrator)) {
                 Some(integral) => integral.range = inherited,
                 None => control_range = inherited,
@@ -129,7 +129,7 @@ impl Reader<'_> {
         Ok(driven.into_iter().map(motor).collect())
     }
 
-    /// Whether a motor and those on its joint are one motor together: without bounds of their own, and one activation at most.
+    /// Whether the motors of a joint are one motor together: without bounds of their own, and one activation at most.
     fn joins(&self, motor: &Motor) -> bool {
         let others = || self.motors.iter().map(|(_, other)| other).filter(|other| other.joint == motor.joint);
         let all = || others().chain([motor]);

@@ -9,14 +9,12 @@ use crate::scene::mjcf_reading::parts::{Between, Form, Joint, Link, Moving, Plac
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
+use crate::scene::world::WORLD_LINK;
 use nalgebra::{Matrix3, Point3, Rotation3, Translation3, Vector3};
 use std::cell::OnceCell;
 
 /// A body in another: its pose there, and the class of its elements.
 type Inner = (Element, Pose, Option<String>);
-
-/// The body that does not move.
-pub(crate) const WORLD: &str = "world";
 
 /// Elements of a body that say nothing of its motion.
 const SILENT: [&str; 4] = ["camera", "light", "site", "plugin"];
@@ -25,7 +23,7 @@ impl Reader<'_> {
     /// The children of the world.
     pub fn world(&mut self, world: &Element) -> Result<(), SceneError> {
         let class = world.text("childclass").map(str::to_string);
-        self.world_part(world, WORLD, &Pose::identity(), class.as_deref())
+        self.world_part(world, WORLD_LINK, &Pose::identity(), class.as_deref())
     }
 
     /// A part of the world, or of a body that does not move.

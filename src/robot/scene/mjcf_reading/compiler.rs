@@ -13,7 +13,6 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::mass::MassOf;
-use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -41,13 +40,13 @@ const READ: [&str; 14] = [
 const WITHOUT_EFFECT: [&str; 6] =
     ["discardvisual", "usethread", "fusestatic", "saveinertial", "conflict", "convexhull"];
 
-/// Attributes without a counterpart, and the values that ask for nothing.
+/// Attributes without a counterpart, and their defaults.
 const UNREAD: [(&str, &str); 3] = [("alignfree", "false"), ("coordinate", "local"), ("fitaabb", "false")];
 
-/// What `<compiler>` says but for angles.
+/// Settings of `<compiler>` but for angles.
 #[derive(Clone, Debug)]
 pub(crate) struct Compiler {
-    /// Whether a range is a limit where nothing else is said.
+    /// Whether a range alone is a limit.
     pub auto_limits: bool,
     /// Whether masses come from geoms: always, never, or where no inertia is given.
     pub inertia_from_geoms: Option<bool>,
@@ -65,7 +64,7 @@ pub(crate) struct Compiler {
 }
 
 impl Compiler {
-    /// That of a file, of whose elements the last one that says something counts.
+    /// The settings of a file: the last element that has an attribute counts.
     pub fn of(root: &Element) -> Result<Self, SceneError> {
         let last = |name: &str| root.all("compiler").filter(|one| one.text(name).is_some()).last();
         let flag = |name: &str| last(name).and_then(|one| one.flag(name));
@@ -90,7 +89,7 @@ impl Compiler {
         (self.groups[0]..=self.groups[1]).contains(&group)
     }
 
-    /// Where the file of an asset is, relative to the folder of the MJCF file.
+    /// The file of an asset, relative to the folder of the MJCF file.
     pub fn asset_file(&self, file: &str) -> PathBuf {
         let stripped = Path::new(file).file_name().filter(|_| self.strips).map(Path::new);
         self.meshes.join(stripped.unwrap_or(Path::new(file)))
@@ -126,20 +125,22 @@ impl Compiler {
     }
 }
 
-impl Reader<'_> {
-    /// Says which attributes of a `<compiler>` are not read.
-    pub fn check_compiler(&mut self, compiler: &Element) {
-        for (name, value) in &compiler.attributes {
-            let name = name.as_str();
-            if WITHOUT_EFFECT.contains(&name) {
-                self.ignored_attribute(compiler, name);
-            } else if let Some((_, plain)) = UNREAD.iter().find(|(unread, _)| *unread == name) {
-                if value != plain {
-                    self.odd(compiler, format!("{name}={value:?} of <compiler> is not read"));
-                }
-            } else if !READ.contains(&name) {
-                self.odd(compiler, format!("{name} of <compiler> is not known, and not read"));
-            }
-        }
+/// How an attribute of `<compiler>` is read.
+pub(crate) enum Reading {
+    Read,
+    /// It changes no motion.
+    WithoutEffect,
+    /// It has no counterpart, or is not known, as the message says.
+    Told(String),
+}
+
+/// How an attribute with this value is read.
+pub(crate) fn reading_of(name: &str, value: &str) -> Reading {
+    let unread = UNREAD.iter().find(|(unread, _)| *unread == name);
+    match unread {
+        _ if WITHOUT_EFFECT.contains(&name) => Reading::WithoutEffect,
+        Some((_, plain)) if value != *plain => Reading::Told(format!("{name}={value:?} of <compiler> is not read")),
+        None if !READ.contains(&name) => Reading::Told(format!("{name} of <compiler> is not known, and not read")),
+        _ => Reading::Read,
     }
 }

@@ -1,19 +1,18 @@
 //! Contacts of MJCF: surfaces of links and obstacles, excluded pairs, and pairs with a friction of their own.
 //!
 //! Two geoms touch if `(contype_a & conaffinity_b) | (contype_b & conaffinity_a)` is not zero or a `<pair>` names them, and if no `<exclude>` names their
-//! bodies. A `<pair>` has its own friction, others that of [`super::grips`]. A scene file has a surface for each shape, of which the larger values count,
+//! bodies. A `<pair>` has its own friction, other geoms have the friction of [`super::grips`]. A scene file has a surface for each shape, of which the larger values count,
 //! and above it values for two links or obstacles: those are written where the larger values are not the values of the file. Where the geoms of two
 //! bodies differ so that neither says it, the smallest values count, and all geoms touch, with a warning.
 
 use crate::scene::error::SceneError;
-use crate::scene::mjcf_reading::bodies::WORLD;
 use crate::scene::mjcf_reading::grips::{Grip, grip_keys};
 use crate::scene::mjcf_reading::parts::{Form, Geom};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::mjcf_reading::written::{pose, quoted, shape_of};
 use crate::scene::warning::Warning;
-use std::collections::HashSet;
+use crate::scene::world::WORLD_LINK;
 use std::fmt::Write;
 
 /// A link or an obstacle that may touch, with its geoms that may.
@@ -35,12 +34,6 @@ enum Roundness {
     Other,
 }
 
-/// The geoms that any `<pair>` names.
-pub(crate) fn paired_geoms(root: &Element) -> HashSet<String> {
-    let pairs = root.all("contact").flat_map(|contact| contact.all("pair"));
-    pairs.flat_map(|pair| ["geom1", "geom2"].map(|end| pair.text(end).map(str::to_string))).flatten().collect()
-}
-
 impl Reader<'_> {
     /// Pairs of bodies that do not touch, and pairs of geoms that do.
     pub fn contact(&mut self, contact: &Element) -> Result<(), SceneError> {
@@ -53,7 +46,7 @@ impl Reader<'_> {
                 "exclude" => {
                     let bodies = both(["body1", "body2"])?;
                     for (end, body) in ["body1", "body2"].into_iter().zip(&bodies) {
-                        if body != WORLD && !self.placed.contains_key(body) {
+                        if body != WORLD_LINK && !self.placed.contains_key(body) {
                             return Err(one.error(end, "there is no such body".to_string()));
                         }
                     }
@@ -138,7 +131,7 @@ impl Reader<'_> {
         (a[0] & b[1]) | (b[0] & a[1]) != 0 || self.pair_of(geoms).is_some()
     }
 
-    /// Obstacles, surfaces of links, and pairs. The warnings say what a scene file cannot say of them.
+    /// Obstacles, surfaces of links, and pairs. The warnings are about settings that no scene file has.
     pub fn write_contact(&self, text: &mut String) -> Vec<Warning> {
         let all = self.touching();
         let pairs_of = |kind: &dyn Fn(&Touching, &Touching) -> bool| {
@@ -190,7 +183,7 @@ impl Reader<'_> {
         asked.into_iter().flat_map(|(one, other)| self.write_pair(one, other, text)).collect()
     }
 
-    /// What a scene file says of two that would touch otherwise.
+    /// The settings of two that would touch otherwise.
     fn write_pair(&self, one: &Touching, other: &Touching, text: &mut String) -> Vec<Warning> {
         let rule = |keys: &str| {
             let (a, b) = (quoted(&one.name), quoted(&other.name));

@@ -16,6 +16,7 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::tree::Element;
+use std::collections::HashSet;
 
 /// Friction of a geom that says none: μ, σ (m), ρ (m).
 const FRICTION: [f64; 3] = [1.0, 0.005, 0.0001];
@@ -86,4 +87,10 @@ pub(crate) fn grip_keys(values: [f64; 3], all: bool) -> String {
         }
     }
     text
+}
+
+/// The geoms that any `<pair>` names.
+pub(crate) fn paired_geoms(root: &Element) -> HashSet<String> {
+    let pairs = root.all("contact").flat_map(|contact| contact.all("pair"));
+    pairs.flat_map(|pair| ["geom1", "geom2"].map(|end| pair.text(end).map(str::to_string))).flatten().collect()
 }

@@ -74,7 +74,7 @@ impl Reader<'_> {
     }
 }
 
-/// The triangles of a mesh, or those of the hull of its vertices, as an OBJ file.
+/// The triangles of a mesh or of the hull of its vertices as an OBJ file.
 fn obj_of(asset: &Element, numbers: &[f64]) -> Result<String, SceneError> {
     let refuse = |name: &str, reason: &str| asset.error(name, reason.to_string());
     if numbers.len() % 3 != 0 || numbers.len() < 12 {

@@ -2,6 +2,7 @@
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
+use crate::scene::mjcf_reading::compiler::{Reading, reading_of};
 use crate::scene::mjcf_reading::orientation::Angles;
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::replicate::with_copies;
@@ -91,7 +92,13 @@ impl Reader<'_> {
             }
         }
         for compiler in root.all("compiler") {
-            self.check_compiler(compiler);
+            for (name, value) in &compiler.attributes {
+                match reading_of(name, value) {
+                    Reading::Read => {}
+                    Reading::WithoutEffect => self.ignored_attribute(compiler, name),
+                    Reading::Told(message) => self.odd(compiler, message),
+                }
+            }
         }
         for asset in root.all("asset").flat_map(|assets| &assets.children) {
             self.asset(asset)?;

@@ -2,9 +2,8 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::compiler::Compiler;
-use crate::scene::mjcf_reading::contacts::paired_geoms;
 use crate::scene::mjcf_reading::defaults::Defaults;
-use crate::scene::mjcf_reading::grips::Grip;
+use crate::scene::mjcf_reading::grips::{Grip, paired_geoms};
 use crate::scene::mjcf_reading::mass::Inside;
 use crate::scene::mjcf_reading::orientation::Angles;
 use crate::scene::mjcf_reading::parts::{Closing, Geom, Motor, Moving, Placed, Relation, Rope, Spring, Tree};

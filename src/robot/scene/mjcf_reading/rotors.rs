@@ -1,4 +1,4 @@
-//! Rotors and damping of actuators of MJCF: those of the joint that an actuator drives with the gear G,
+//! Rotors and damping of actuators of MJCF belong to the joint that an actuator drives with the gear G:
 //!
 //! ```text
 //!     inertia + G² a [kg m² or kg],   damping + G² d [N m s/rad or N s/m]

@@ -56,7 +56,7 @@ impl Reader<'_> {
         text + "</robot>\n"
     }
 
-    /// The scene file; the URDF of tree i is called as `files` says. Warns of what the scene file cannot say of contacts.
+    /// The scene file; the URDF of tree i is called as `files` says. Warns of contacts that no scene file can say.
     pub fn toml(&mut self, files: &[String]) -> String {
         let mut text =
             format!("# Made by catena from {}\n[scene]\nname = {}\n", self.source_name(), quoted(&self.name));

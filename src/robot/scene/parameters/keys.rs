@@ -7,7 +7,6 @@ use crate::scene::body::{SceneBody, Weight};
 use crate::scene::coupling::{JointReference, SpringPlace};
 use crate::scene::description::{Scene, SceneRobot};
 use crate::scene::parameters::place::{BodyNumber, MotorNumber, Place, ShapeNumber, SpringNumber};
-use crate::scene::parameters::surface_keys::MOMENT_LENGTHS;
 use crate::scene::parameters::{Parameter, Range};
 use crate::scene::robot::{Geometry, LoopType, UrdfJointKind};
 
@@ -15,6 +14,9 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const ANGLES: [&str; 3] = ["roll", "pitch", "yaw"];
 const MOMENTS: [(&str, usize, usize); 6] =
     [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
+
+/// Keys of the lengths of rolling and of spinning friction.
+pub(crate) const MOMENT_LENGTHS: [&str; 2] = ["rolling_friction", "spinning_friction"];
 
 /// All parameters of a scene, without what the files say.
 pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {

@@ -1,12 +1,9 @@
 //! The key paths of friction and restitution of links and of their collision shapes.
 
 use crate::scene::parameters::Range;
-use crate::scene::parameters::keys::Keys;
+use crate::scene::parameters::keys::{Keys, MOMENT_LENGTHS};
 use crate::scene::parameters::place::{Place, ShapeNumber};
 use crate::scene::robot::{Link, Surface};
-
-/// Keys of the lengths of rolling and of spinning friction.
-pub(crate) const MOMENT_LENGTHS: [&str; 2] = ["rolling_friction", "spinning_friction"];
 
 impl Keys {
     /// The lengths of rolling and spinning friction of a thing.
@@ -16,7 +13,7 @@ impl Keys {
         }
     }
 
-    /// The surface of a link called `name`. What all its shapes say themselves is not there: it would have no effect.
+    /// The surface of a link called `name`, without numbers that all its shapes have themselves: those of the link would have no effect.
     pub(crate) fn surface_of_link(&mut self, robot: usize, link: usize, name: &str, of: &Link) {
         let counts = |own: &dyn Fn(&Surface) -> bool| of.collisions.iter().any(|shape| !own(&shape.surface));
         if counts(&|own| own.friction.is_some()) {
@@ -39,7 +36,7 @@ impl Keys {
         }
     }
 
-    /// What a collision shape of a link says of its own surface.
+    /// The surface of a collision shape of a link, as far as it has its own.
     pub(crate) fn surface_of_shape(&mut self, head: &str, own: &Surface, place: impl Fn(ShapeNumber) -> Place) {
         let mut put = |is_said: bool, key: &str, range, what| {
             if is_said {

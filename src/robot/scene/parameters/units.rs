@@ -1,4 +1,4 @@
-//! The units that a number of a scene may be given in: those of angles and of their rates, as its table in the scene file has it.
+//! The units that a number of a scene may be given in: angles and their rates, as its table in the scene file has it.
 
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::coupling::{JointReference, SpringPlace};

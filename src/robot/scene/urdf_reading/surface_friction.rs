@@ -26,8 +26,8 @@ const OF_LINK: [&str; 2] = ["contact_coefficients", "lateral_friction"];
 /// What sets it instead.
 const INSTEAD: &str = "`friction` of a [[link]] in a scene file, or --set link.NAME.friction=MU, sets it";
 
-/// What an element that says friction says besides, which is not read: each part, how it is written, and the element around it. `None` if the element
-/// says no friction.
+/// The parts that are not read of an element that says friction: each part, how it is written, and the name of the element around it. `None` if the
+/// element says no friction.
 pub(crate) fn beside_friction<'d, 'x>(node: Node<'d, 'x>) -> Option<Vec<(Node<'d, 'x>, String, String)>> {
     let names: &[&str] = match node.tag_name().name() {
         "gazebo" if node.attribute("reference").is_some() => &OF_GAZEBO,
@@ -53,7 +53,7 @@ pub(crate) fn beside_friction<'d, 'x>(node: Node<'d, 'x>) -> Option<Vec<(Node<'d
     Some(beside)
 }
 
-/// Puts the friction that the document says into the links. Returns what was taken, and warnings of coefficients that were not.
+/// Puts the friction that the document says into the links. Returns the numbers that were taken, and warnings of the others.
 pub(crate) fn take_friction(xml: &XmlText, root: Node, links: &mut [Link]) -> (Vec<Taken>, Vec<Warning>) {
     let (mut taken, mut warnings): (Vec<Taken>, Vec<Warning>) = (Vec::new(), Vec::new());
     let odd = |node: Node, link: &str, message: String| {

@@ -30,7 +30,7 @@ pub(crate) fn says_rotor(node: Node) -> bool {
     node.tag_name().name() == "transmission" && inside(node, &INERTIAS).next().is_some()
 }
 
-/// Adds the armatures that transmissions say to the joints. Returns what was taken, and warnings of rotors that were not.
+/// Adds the armatures that transmissions say to the joints. Returns the numbers that were taken, and warnings of the others.
 pub(crate) fn take_rotors(xml: &XmlText, root: Node, joints: &mut [UrdfJoint]) -> (Vec<Taken>, Vec<Warning>) {
     let (mut taken, mut warnings): (Vec<Taken>, Vec<Warning>) = (Vec::new(), Vec::new());
     for node in root.children().filter(|node| node.is_element() && says_rotor(*node)) {

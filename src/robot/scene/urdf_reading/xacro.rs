@@ -54,12 +54,12 @@ fn run(path: &Path, input: Option<&str>, arguments: &[(String, String)]) -> std:
     child.wait_with_output()
 }
 
-/// The reason that the program gives, in one line: what it says but for warnings and the name of the source, which is said already.
+/// The reason that the program gives, in one line, without warnings and without the name of the source, which is said already.
 fn reason(said: &str) -> String {
     let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
     let is_plain =
         |line: &&str| !line.starts_with("when processing file:") && !line.to_lowercase().starts_with("warning");
-    // Of an unexpected failure of the program itself the last line counts.
+    // The last line counts if the program itself failed.
     let all: Vec<&str> = match lines().any(|line| line.starts_with("Traceback")) {
         true => lines().next_back().into_iter().collect(),
         false => lines().filter(is_plain).map(|line| line.trim_start_matches("error: ")).collect(),
