@@ -2,7 +2,7 @@
 
 use crate::common::command;
 use catena::model::{Model, ModelOptions};
-use catena::scene::{FilesOnDisk, PackagePath, Scene, read_urdf, scene_from_text};
+use catena::scene::{FilesOnDisk, PackagePath, Quantity, Scene, read_urdf, scene_from_text};
 use std::path::Path;
 
 /// A robot and a scene in which every number that has a key path is written `<key=number>`.
@@ -359,5 +359,60 @@ fn a_robot_alone_is_the_same_as_a_scene_of_it() {
         let alone = Model::new(read(), &ModelOptions::default()).unwrap();
         let (of_scene, _) = Model::from_scene(&Scene::of_robot(read())).unwrap();
         assert_eq!(format!("{:?}", alone.mechanism), format!("{:?}", of_scene.mechanism), "{robot}");
+    }
+}
+
+#[test]
+fn keys_that_can_never_be_set_are_not_listed() {
+    let folder = command::folder("parameters_without_effect");
+    let text = "[[body]]\nname = \"weight\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\n[[robot]]\nname = \"arm\"\nurdf = \"arm.urdf\"\n\
+        [[rope]]\nname = \"rope\"\npoints = [{ link = \"world\", position = [0, 0, 2] }, { link = \"weight\", position = [0, 0, 0] }]\n\
+        length = { formula = \"a + b*t\", a = 2, b = 0.1 }\nlongest = 9\n[[motion]]\njoint = \"arm/hinge\"\nposition = 0.5\n";
+    let arm = "<robot name='arm'><link name='base'/><link name='rod'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link>\
+        <joint name='hinge' type='continuous'><parent link='base'/><child link='rod'/><axis xyz='0 1 0'/></joint></robot>";
+    std::fs::write(folder.join("arm.urdf"), arm).unwrap();
+    let read = scene_from_text(text, &folder.join("s.toml"), &mut FilesOnDisk(&PackagePath::default())).unwrap();
+    let keys: Vec<String> = read.parameters().iter().map(|one| one.key().to_string()).collect();
+    let innards = |key: &&String| {
+        let of_winch = ["robot.rope", "link.rope", "joint.rope"].iter().any(|start| key.starts_with(start));
+        of_winch || ["robot.arm.positions.hinge", "robot.arm.velocities.hinge"].contains(&key.as_str())
+    };
+    assert_eq!(keys.iter().find(innards), None);
+    let mut moved = read.clone();
+    moved.set(&[(moved.parameter("rope.rope.points.1.position.z").unwrap(), 3.0)]).unwrap();
+    let other = text.replace("position = [0, 0, 2]", "position = [0, 0, 3]");
+    let written = scene_from_text(&other, &folder.join("s.toml"), &mut FilesOnDisk(&PackagePath::default())).unwrap();
+    assert!(meaning(&moved) == meaning(&written), "a winch stands where its rope begins");
+    for wanted in ["rope.rope.length.b", "motion.arm/hinge.position", "link.rod.mass", "body.weight.mass"] {
+        assert!(keys.iter().any(|key| key == wanted), "{wanted}: {keys:#?}");
+    }
+}
+
+#[test]
+fn a_number_of_an_angle_may_have_its_unit_and_no_other_may() {
+    let folder = command::folder("parameters_units");
+    let scene = scene(&folder, None);
+    let number = |key: &str, text: &str| {
+        let given = Quantity::parse(text).expect("a number with a unit");
+        scene.number_of(&scene.parameter(key).expect("a key"), given).map_err(|error| error.to_string())
+    };
+    let close = |key: &str, text: &str, wanted: f64| {
+        let found = number(key, text);
+        // Rounding of one product.
+        assert!(found.as_ref().is_ok_and(|found| (found - wanted).abs() < 1e-15), "{key}: {found:?}");
+    };
+    close("robot.arm.positions.shoulder", "10 deg", 10_f64.to_radians());
+    close("robot.arm.velocities.shoulder", "10 deg/s", 10_f64.to_radians());
+    close("joint.arm/shoulder.limit.upper", "90 deg", 90_f64.to_radians());
+    close("joint.arm/shoulder.origin.roll", "0.5 rad", 0.5);
+    close("robot.free.velocity.angular.x", "90 deg/s", 90_f64.to_radians());
+    for (key, text, said) in [
+        ("link.arm/upper.mass", "10 deg", "it is no angle"),
+        ("robot.arm.positions.shoulder", "10 deg/s", "it is an angle, not a rate"),
+        ("robot.arm.velocities.shoulder", "10 deg", "it is a rate"),
+        ("robot.free.velocity.linear.x", "10 deg/s", "it is no angle"),
+    ] {
+        let error = number(key, text).expect_err("another unit");
+        assert!(error.contains(key) && error.contains(said), "{error}");
     }
 }

@@ -8,7 +8,7 @@ use anyhow::anyhow;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
 use catena::model::{Base, Left, Model};
-use catena::scene::{Scene, WarningGroup, warning_lines};
+use catena::scene::{Quantity, Scene, WarningGroup, warning_lines};
 use catena::session::{Hold, Loaded, World};
 use std::path::{Path, PathBuf};
 
@@ -63,14 +63,19 @@ pub struct WorldArgs {
     #[arg(long, value_name = "NAME")]
     pub keyframe: Option<String>,
 
-    /// Set a number of the scene or robot by its key path, as `link7.mass=2.5` (repeatable); `catena model INPUT --parameters` lists them
+    /// Set a number of the scene or robot by its key path, as `link7.mass=2.5` or, of angles, `hinge.limit.upper="30 deg"` (repeatable);
+    /// `catena model INPUT --parameters` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = one_number)]
-    pub set: Vec<(String, f64)>,
+    pub set: Vec<(String, Quantity)>,
 
     /// Folder of a ROS package, for package://NAME/... (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
     /// folders above the URDF are searched
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
     pub package: Vec<(String, PathBuf)>,
+
+    /// Give an argument to xacro sources, as the program `xacro` takes it (repeatable)
+    #[arg(long, value_name = "NAME:=VALUE", value_parser = argument)]
+    pub xacro: Vec<(String, String)>,
 }
 
 /// `--base`.
@@ -141,6 +146,7 @@ impl WorldArgs {
             floor: self.contact.floor,
             contact: self.contact.contact,
             packages: self.package.clone(),
+            xacro: self.xacro.clone(),
             set: self.set.clone(),
             hold: self.hold,
             keyframe: self.keyframe.clone(),
@@ -178,10 +184,20 @@ fn gains(text: &str) -> Result<Hold, String> {
 }
 
 /// `KEY=VALUE`. Which values a key takes is asked where it is known.
-fn one_number(text: &str) -> Result<(String, f64), String> {
+fn one_number(text: &str) -> Result<(String, Quantity), String> {
     let (key, value) = text.rsplit_once('=').filter(|(key, _)| !key.is_empty()).ok_or("give KEY=VALUE")?;
-    let value = value.trim().parse().map_err(|_| format!("{value:?} is not a number"))?;
+    let plain = value.trim().parse::<f64>().map(Quantity::from);
+    let value = match plain {
+        Err(_) if value.contains(|c: char| c.is_ascii_digit()) => Quantity::parse(value)?,
+        other => other.map_err(|_| format!("{value:?} is not a number"))?,
+    };
     Ok((key.to_string(), value))
+}
+
+/// `NAME:=VALUE`.
+fn argument(text: &str) -> Result<(String, String), String> {
+    let both = text.split_once(":=").filter(|(name, _)| !name.is_empty()).ok_or("give NAME:=VALUE")?;
+    Ok((both.0.to_string(), both.1.to_string()))
 }
 
 /// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.

@@ -133,7 +133,7 @@ pub struct SceneLink {
     pub shape: Option<usize>,
     /// What its collision meshes are taken for, if it says so.
     pub shapes: Option<LinkShapes>,
-    /// Its settings of the surface of the whole link, instead of the URDF's.
+    /// Its settings of the surface of the whole link, or of that shape, instead of the URDF's.
     pub surface: Surface,
     /// The line of its `name`.
     pub line: usize,

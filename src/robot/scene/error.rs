@@ -107,6 +107,12 @@ pub enum Problem {
     /// XML, but not a URDF.
     #[error("the outermost element is <{0}>; a URDF has <robot>, a model of MuJoCo <mujoco>")]
     NotRobot(String),
+    /// A model of MuJoCo as the robot of a scene.
+    #[error(
+        "it is a model of MuJoCo, which is a whole scene and no robot of another one: run it by itself, `catena simulate FILE.xml`, and set its numbers \
+         with --set, of which `catena model FILE.xml --parameters` lists the keys; or name a URDF of the robot here"
+    )]
+    ModelOfMujoco,
     /// SDF instead of URDF or MJCF.
     #[error(
         "it is SDF, which is not read: give the URDF that it was made of, or convert it to MJCF with Gazebo's converter \

@@ -33,6 +33,7 @@ pub mod parameters;
 pub(crate) mod pattern;
 pub mod robot;
 mod scene_reading;
+mod taken;
 mod text;
 mod urdf_reading;
 mod warning;
@@ -63,13 +64,13 @@ pub use scene_reading::scene_file::simulation;
 #[cfg(feature = "scene")]
 pub use scene_reading::scene_file::{read_scene, scene_from_text};
 pub use scene_reading::scene_files::{FilesOnDisk, SceneFiles};
-#[cfg(feature = "scene")]
 pub use scene_reading::scene_numbers::{Quantity, Unit};
 #[cfg(feature = "scene")]
 pub use scene_reading::scene_schema::SimulationTable;
 #[cfg(feature = "scene")]
 pub use scene_reading::toml_text::TomlText;
 #[cfg(feature = "scene")]
+pub use taken::{Taken, TakenNumber};
 pub use text::read_text;
 pub use urdf_reading::package_path::PackagePath;
 pub use urdf_reading::urdf::{read_urdf, robot_from_text, robot_without_meshes};

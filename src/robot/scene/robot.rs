@@ -3,6 +3,7 @@
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
 use crate::scene::bounded::read_bounded;
+use crate::scene::taken::Taken;
 use crate::scene::warning::Warning;
 use crate::scene::world::WORLD_LINK;
 
@@ -35,6 +36,8 @@ pub struct Robot {
     pub description: String,
     /// Repairs, parts that were left out, and parts that will not be simulated.
     pub warnings: Vec<Warning>,
+    /// Numbers from parts that other programs write, of which the warnings say that they are taken.
+    pub taken: Vec<Taken>,
 }
 
 impl Robot {
@@ -60,13 +63,13 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// Shapes that touch.
     pub collisions: Vec<Shape>,
-    /// Coefficients of contact of all its collision shapes, where a file says them.
+    /// Coefficients of contact of its collision shapes, where a file says them; a shape may have its own.
     pub surface: Surface,
     /// Line of the `<link>` element.
     pub line: usize,
 }
 
-/// What a file says of the surface of a link.
+/// The surface of a link or of one of its shapes, as far as a file says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Coulomb's coefficient of friction μ ≥ 0.
@@ -80,6 +83,16 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// It, and where it says no value the value of another one.
+    pub fn or(self, other: &Surface) -> Surface {
+        Surface {
+            friction: self.friction.or(other.friction),
+            restitution: self.restitution.or(other.restitution),
+            moments: [0, 1].map(|of: usize| self.moments[of].or(other.moments[of])),
+            velocity: self.velocity.or(other.velocity),
+        }
+    }
+
     /// Whether it has the friction and the restitution of another one.
     pub fn touches_like(&self, other: &Surface) -> bool {
         (self.friction, self.restitution, self.moments) == (other.friction, other.restitution, other.moments)
@@ -114,6 +127,8 @@ pub struct Shape {
     pub geometry: Geometry,
     /// Colour (red, green, blue, opacity in 0..1) from the material, if given.
     pub color: Option<[f64; 4]>,
+    /// Coefficients of contact of this shape alone, instead of its link's.
+    pub surface: Surface,
     /// Line of the `<visual>` or `<collision>` element.
     pub line: usize,
 }

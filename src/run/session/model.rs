@@ -118,7 +118,7 @@ impl Loader {
     /// Sets a number by its key path ([`Model::with_params`]).
     #[must_use]
     pub fn set(mut self, key: &str, number: f64) -> Self {
-        self.world.set.push((key.to_string(), number));
+        self.world.set.push((key.to_string(), number.into()));
         self
     }
 
@@ -179,7 +179,7 @@ impl Model {
     /// Keys that do not exist or mean several numbers, and numbers that a file could not contain.
     pub fn with_params<K: Into<String>>(&self, numbers: impl IntoIterator<Item = (K, f64)>) -> Result<Self, Error> {
         let mut world = self.world().clone();
-        world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
+        world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number.into())));
         let scene = self.scene()?;
         let loaded = world.place_read(Scene::clone(&scene))?;
         let mut model = Model::of_loaded(loaded, self.path().to_path_buf(), world);

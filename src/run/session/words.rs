@@ -21,7 +21,7 @@ pub(crate) fn words(
     positions: &[(String, Vec<f64>)],
     velocities: &[(String, Vec<f64>)],
 ) -> Vec<String> {
-    let World { base, base_pose, gravity, without, floor, contact, packages, set, hold, keyframe } = world;
+    let World { base, base_pose, gravity, without, floor, contact, packages, xacro, set, hold, keyframe } = world;
     let mut words = vec!["simulate".to_string(), input.display().to_string()];
     let mut say = |option: &str, value: String| words.push(format!("--{option}={value}"));
     if let Some(base) = base {
@@ -33,6 +33,7 @@ pub(crate) fn words(
     floor.iter().for_each(|height| say("floor", height.to_string()));
     contact.iter().for_each(|touching| say("contact", touching.name().to_string()));
     packages.iter().for_each(|(name, folder)| say("package", format!("{name}={}", folder.display())));
+    xacro.iter().for_each(|(name, value)| say("xacro", format!("{name}:={value}")));
     keyframe.iter().for_each(|name| say("keyframe", name.clone()));
     let mut held = None;
     if let Some(hold) = hold {
@@ -43,7 +44,7 @@ pub(crate) fn words(
             false => say("hold", gains.join(",")),
         }
     }
-    set.iter().for_each(|(key, number)| say("set", format!("{key}={number}")));
+    set.iter().for_each(|(key, given)| say("set", format!("{key}={}", given.number)));
     kept.iter().for_each(|rule| say("keep", rule.name().to_string()));
     positions.iter().for_each(|(joint, values)| say("position", format!("{joint}={}", listed(values))));
     velocities.iter().for_each(|(joint, values)| say("velocity", format!("{joint}={}", listed(values))));

@@ -5,7 +5,7 @@
 use crate::mechanism::description::joint::Pose;
 use crate::model::{Base, Left, Model, ModelOptions, Start};
 use crate::scene::{
-    ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_input,
+    ContactSettings, Obstacle, PackagePath, Quantity, Robot, Scene, SimulationSettings, Touching, Warning, read_input,
 };
 use crate::session::error::Error;
 use crate::session::held_start::Hold;
@@ -33,9 +33,11 @@ pub struct World {
     /// The keyframe of a model of MuJoCo with which it starts.
     pub keyframe: Option<String>,
     /// Numbers to set, by their key paths ([`crate::scene::Scene::parameters`]).
-    pub set: Vec<(String, f64)>,
+    pub set: Vec<(String, Quantity)>,
     /// Names of ROS packages and their folders.
     pub packages: Vec<(String, PathBuf)>,
+    /// Names and values of arguments of xacro sources.
+    pub xacro: Vec<(String, String)>,
 }
 
 impl World {
@@ -65,7 +67,10 @@ impl World {
     pub(crate) fn packages(&self) -> Result<PackagePath, Error> {
         match self.packages.iter().find(|(_, folder)| !folder.is_dir()) {
             Some((name, folder)) => Err(Error::Package { name: name.clone(), folder: folder.clone() }),
-            None => Ok(PackagePath::from_environment(self.packages.clone())),
+            None => {
+                let found = PackagePath::from_environment(self.packages.clone());
+                Ok(PackagePath { xacro: self.xacro.clone(), ..found })
+            }
         }
     }
 
@@ -75,7 +80,11 @@ impl World {
             return Ok(());
         }
         let all = scene.parameters();
-        let numbers = self.set.iter().map(|(key, number)| Ok((scene.parameter_among(&all, key)?.clone(), *number)));
+        let numbers = self.set.iter().map(|(key, given)| {
+            let parameter = scene.parameter_among(&all, key)?.clone();
+            let number = scene.number_of(&parameter, *given)?;
+            Ok((parameter, number))
+        });
         let numbers: Vec<_> = numbers.collect::<Result<_, Error>>()?;
         Ok(scene.set(&numbers)?)
     }

@@ -1,9 +1,13 @@
 //! MJCF is read as MuJoCo reads it: masses, frames, inertia about joints, weights, springs, actuators and keyframes.
 
+mod actuator_defaults;
+mod compiler;
+mod contacts;
 mod copies;
 mod pairs;
 mod tendons;
 mod tuning;
+mod whole;
 
 use crate::common::command;
 use catena::instant::start::assembly::assemble;

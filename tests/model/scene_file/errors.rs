@@ -139,3 +139,15 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
         }
     }
 }
+
+#[test]
+fn a_model_of_mujoco_is_no_robot_of_a_scene_and_the_error_says_what_to_do() {
+    let folder = folder("mujoco_as_robot");
+    std::fs::write(folder.join("m.xml"), "<mujoco><worldbody/></mujoco>").unwrap();
+    let said = refusal(&folder, "[[robot]]\nurdf = \"m.xml\"\n");
+    assert!(
+        said.contains("m.xml:1: it is a model of MuJoCo, which is a whole scene and no robot of another one"),
+        "{said}"
+    );
+    assert!(said.contains("catena simulate FILE.xml") && said.contains("--set"), "{said}");
+}

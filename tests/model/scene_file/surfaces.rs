@@ -50,10 +50,6 @@ fn the_nearest_that_says_friction_and_restitution_decides() {
             "scene.toml:10: link \"foot\": give its collision, friction, restitution, rolling_friction, spinning_friction or surface_velocity",
         ),
         (
-            "[[link]]\nname = \"foot\"\nshape = 1\nfriction = 1\n",
-            "scene.toml:13: link \"foot\": friction of every kind, restitution and surface_velocity are of the whole link",
-        ),
-        (
             "[[link]]\nname = \"foot\"\nfriction = -1\n",
             "scene.toml:12: link \"foot\": link.friction: -1 must not be negative",
         ),
@@ -95,4 +91,41 @@ fn lengths_of_rolling_and_spinning_friction_come_from_the_same_places_and_have_k
     assert_eq!(lengths(&plain, &set), [[0.01, 0.01], [0.03, 0.01], [0.01, 0.01]]);
     let negative = refusal(&folder, &format!("{SLIDERS}{GROUND}rolling_friction = -1\n"));
     assert!(negative.contains("rolling_friction: -1 must not be negative"), "{negative}");
+}
+
+#[test]
+fn a_shape_of_a_link_has_its_own_friction_over_that_of_its_link() {
+    let folder = folder("shapes_of_a_link");
+    let second = "<collision><origin xyz='0 3 0'/><geometry><sphere radius='1'/></geometry></collision></link>";
+    std::fs::write(folder.join("foot.urdf"), FOOT.replace("</link>", second)).unwrap();
+    let robot = "[[robot]]\nname = \"one\"\nurdf = \"foot.urdf\"\nbase = \"floating\"\n";
+    let own = "[[link]]\nname = \"foot\"\nshape = 2\nfriction = 0.2\nrestitution = 0.5\nrolling_friction = 0.01\n";
+    let mut scene = read(&folder, &format!("{robot}{GROUND}{own}")).unwrap();
+    let of = |scene: &catena::scene::Scene| {
+        let (model, _) = Model::from_scene(scene).unwrap();
+        let pairs = model.mechanism.nonsmooth.pairs.iter();
+        pairs.map(|pair| (pair.friction, pair.restitution, pair.moments.rolling)).collect::<Vec<_>>()
+    };
+    assert_eq!(of(&scene), [(0.7, 0.0, 0.0), (0.2, 0.5, 0.01)]);
+    let keys = [("link.foot.friction", 0.6), ("link.foot.collision.2.friction", 0.1)];
+    let numbers = keys.map(|(key, number)| (scene.parameter(key).unwrap(), number));
+    scene.set(&numbers).unwrap();
+    assert_eq!(of(&scene), [(0.6, 0.0, 0.0), (0.1, 0.5, 0.01)]);
+    // A key without effect is not there.
+    let both = format!("{robot}{GROUND}{own}[[link]]\nname = \"foot\"\nshape = 1\nfriction = 0.3\n");
+    assert!(read(&folder, &both).unwrap().parameter("link.foot.friction").is_err());
+}
+
+#[test]
+fn the_link_of_the_documentation_is_a_scene_when_copied() {
+    let folder = folder("documented_link");
+    let document = include_str!("../../../doc/scene_files.md");
+    let table = &document[document.find("\n[[link]]\n").expect("a table [[link]]") + 1..];
+    let table = &table[..table.find("\n\n").expect("its end")];
+    let second = "<collision><origin xyz='0 3 0'/><geometry><sphere radius='1'/></geometry></collision></link>";
+    std::fs::write(folder.join("foot.urdf"), FOOT.replace("</link>", second).replace("'foot'", "'hand'")).unwrap();
+    let robot = "[[robot]]\nname = \"one\"\nurdf = \"foot.urdf\"\nbase = \"floating\"\n";
+    let (model, ..) = build(&folder, &format!("{robot}{GROUND}{table}\n"));
+    let friction: Vec<f64> = model.mechanism.nonsmooth.pairs.iter().map(|pair| pair.friction).collect();
+    assert_eq!(friction, [0.7, 0.8]);
 }

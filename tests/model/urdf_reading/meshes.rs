@@ -22,6 +22,7 @@ fn packages_are_looked_for_in_the_documented_order() {
         packages: vec![("bot_description".to_string(), root.join("given"))],
         ros_package_path: vec![root.join("nowhere"), root.join("ros")],
         ament_prefix_path: vec![root.join("ament")],
+        ..PackagePath::default()
     };
     let visual = r#"<visual><geometry><mesh filename="package://bot_description/meshes/a.stl" scale="1 2 3"/></geometry></visual>"#;
     let text = robot(visual, "", "");

@@ -1,6 +1,6 @@
 //! Friction of links is read where a file says it for a link, and a message about friction that is not read names the option for it.
 
-use catena::scene::{PackagePath, Robot, WarningGroup, robot_from_text};
+use catena::scene::{PackagePath, Robot, Scene, WarningGroup, robot_from_text};
 use std::path::Path;
 
 fn read(links: &str) -> Robot {
@@ -44,7 +44,7 @@ fn two_directions_have_the_smaller_friction_and_what_is_no_number_names_what_set
     assert_eq!(robot.links[0].surface.friction, Some(0.4));
     let odd = lines(&robot, WarningGroup::Odd);
     assert!(odd.len() == 1 && odd[0].contains("differs by direction"), "{odd:?}");
-    assert_eq!(lines(&robot, WarningGroup::Ignored), ["r.urdf:3: ignored: <gazebo>"]);
+    assert_eq!(lines(&robot, WarningGroup::Ignored), ["r.urdf:3: ignored: <kp> of <gazebo>"]);
     // A link that says one coefficient itself, and has another by reference.
     let own = LINK.replace("</collision>", "<contact_coefficients mu='1'/></collision>");
     let robot = read(&format!("{own}<gazebo reference='foot'><mu1>0.8</mu1></gazebo>"));
@@ -62,4 +62,62 @@ fn two_directions_have_the_smaller_friction_and_what_is_no_number_names_what_set
             "{odd:?}"
         );
     }
+}
+
+#[test]
+fn what_is_taken_is_not_ignored_and_a_reference_to_no_link_is_told() {
+    let bullet = LINK.replace(
+        "</link>",
+        "<contact><lateral_friction value='0.2'/><rolling_friction value='0.01'/></contact></link>",
+    );
+    let own = LINK.replace("</link>", "<contact_coefficients mu='0.2' kp='1'/></link>");
+    let surface = "<collision><surface><friction><ode><mu>0.2</mu></ode></friction></surface></collision>";
+    let gazebo = format!("{LINK}<gazebo reference='foot'>{surface}<material>Red</material></gazebo>");
+    for (say, ignored) in [
+        (bullet, "<rolling_friction> of <contact>"),
+        (own, "kp=\"...\" of <contact_coefficients>"),
+        (gazebo, "<material> of <gazebo>"),
+    ] {
+        let robot = read(&say);
+        assert_eq!(robot.links[0].surface.friction, Some(0.2), "{say}");
+        let told = lines(&robot, WarningGroup::Ignored);
+        assert!(told.len() == 1 && told[0].ends_with(&format!("ignored: {ignored}")), "{told:?}");
+    }
+    let robot = read(&format!("{LINK}<gazebo reference='fot'><mu1>0.2</mu1></gazebo>"));
+    let said = "r.urdf:3: friction of <gazebo reference=\"fot\"> has no effect: there is no link of this name";
+    assert_eq!(lines(&robot, WarningGroup::Odd), [said]);
+    // One without a coefficient says no friction.
+    let robot = read(&LINK.replace("</link>", "<contact_coefficients kp='1'/></link>"));
+    assert!(lines(&robot, WarningGroup::Ignored)[0].ends_with("ignored: <contact_coefficients> of <link>"));
+}
+
+#[test]
+fn a_number_that_another_one_replaces_is_not_said_to_be_taken() {
+    let mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
+    let link = |name: &str| LINK.replace("foot", name).replace("\n<collision>", &format!("{mass}<collision>"));
+    let rotor = "<actuator name='m'><rotorInertia>0.001</rotorInertia></actuator>";
+    let text = format!(
+        "{}{}<joint name='j' type='continuous'><parent link='foot'/><child link='toe'/></joint>
+         <gazebo reference='foot'><mu1>0.7</mu1></gazebo><gazebo reference='toe'><mu1>0.6</mu1></gazebo>
+         <transmission name='t'><joint name='j'/>{rotor}</transmission>",
+        link("foot"),
+        link("toe")
+    );
+    let mut scene = Scene::of_robot(read(&text));
+    let taken = |scene: &Scene| lines(&scene.robots[0].robot, WarningGroup::Taken);
+    assert_eq!(taken(&scene).len(), 2, "{:?}", taken(&scene));
+    let set = |scene: &mut Scene, key: &str, number: f64| {
+        let parameter = scene.parameter(key).expect("a key");
+        scene.set(&[(parameter, number)]).expect("a number");
+    };
+    set(&mut scene, "link.foot.friction", 0.3);
+    let told = taken(&scene);
+    assert!(
+        told.len() == 2 && told[0].ends_with("friction of 1 link is taken from the file: 0.6 for \"toe\""),
+        "{told:?}"
+    );
+    set(&mut scene, "joint.j.armature", 0.0);
+    assert_eq!(taken(&scene).len(), 1);
+    set(&mut scene, "link.toe.friction", 0.3);
+    assert_eq!(taken(&scene), [""; 0]);
 }

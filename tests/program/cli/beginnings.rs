@@ -139,4 +139,21 @@ fn xacro_is_expanded_by_its_program_and_without_it_the_error_says_how_to_get_it(
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     program("echo 'undefined name: x' >&2; exit 2");
     refused(&with_path(&path, &arguments), 2, "the program `xacro` cannot expand it: undefined name: x");
+    // The reason comes before the file in which it is.
+    program(
+        "printf \"error: name 'x' is not defined\\nwhen evaluating expression 'x'\\nwhen processing file: arm\\n\" >&2; exit 2",
+    );
+    let said = "cannot expand it: name 'x' is not defined; when evaluating expression 'x'\n";
+    refused(&with_path(&path, &arguments), 2, said);
+    // Arguments are handed on, and are among the arguments that make the run again.
+    program("test \"$2\" = mass:=3 && cat expanded");
+    let output = with_path(&path, &[&arguments[..], &["--xacro", "mass:=3"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    refused(&with_path(&path, &[&arguments[..], &["--xacro", "mass=3"]].concat()), 2, "give NAME:=VALUE");
+    // Standard input is handed on, too.
+    program("test \"$1\" = /dev/stdin && grep -q xacro:arg && cat expanded");
+    let source = std::fs::File::open(folder.join("arm.urdf.xacro")).expect("the source");
+    let mut piped = catena(&folder, &["simulate", "-", "--no-log", "--quiet"]);
+    let output = piped.env("PATH", &path).stdin(source).output().expect("catena runs");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }

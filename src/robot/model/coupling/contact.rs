@@ -129,12 +129,12 @@ impl Model {
                 let names = [link.name.as_str(), frame.name.as_str()];
                 let shapes =
                     reader.shapes((self.file_of(number), &placed.robot), names, (shape + 1, given), choice, &pose)?;
-                let surface_velocity =
-                    link.surface.velocity.map_or(Vector3::zeros(), |own| frame.in_body.rotation * own);
+                let surface = given.surface.or(&link.surface);
+                let surface_velocity = surface.velocity.map_or(Vector3::zeros(), |own| frame.in_body.rotation * own);
                 let (name, body) = (&frame.name, frame.body);
                 let collider = |shape| Collider { name: name.clone(), body, pose, shape, surface_velocity };
                 colliders.extend(shapes.into_iter().map(collider));
-                surfaces.resize(colliders.len(), link.surface);
+                surfaces.resize(colliders.len(), surface);
             }
         }
         Ok(())

@@ -6,13 +6,14 @@
 //!     f = g u + b₀ + b₁ G q + b₂ G q̇        τ = G f = kp (r − q) − kd q̇,   kp = −b₁ G²,  kd = −b₂ G²,  kp r = G (g u + b₀)
 //! ```
 //!
-//! in a joint at q [rad or m] with the velocity q̇, τ in N m or N. A `motor` has g = 1, a `position` g = kp, b₁ = −kp, b₂ = −kv, a `velocity` g = kv,
-//! b₂ = −kv, a `cylinder` the area of its piston as gain, a `damper` b₂ = −kv u and no gain. Where an actuator has dynamics of its own, its activation
-//! ([`super::activations`]) stands in the place of u. On a fixed tendon of the length `Σ c_i q_i` it drives each of its joints with the gear `c_i G`, or,
-//! where it depends on a length whose joints follow one of them, this one alone. The damping of a `dampratio` is in [`super::tuning`].
+//! in a joint at q [rad or m] with the velocity q̇, τ in N m or N. The numbers of each kind of actuator are in [`super::actuator_kinds`]; one whose gain
+//! depends on the velocity, as that of a `damper`, has b₂ = g₂ u. Where an actuator has dynamics of its own, its activation ([`super::activations`]) stands
+//! in the place of u. On a fixed tendon of the length `Σ c_i q_i` it drives each of its joints with the gear `c_i G`, or, where it depends on a length
+//! whose joints follow one of them, this one alone. The damping of a `dampratio` is in [`super::tuning`].
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::activations::{Activation, Drive, Follows};
+use crate::scene::mjcf_reading::actuator_kinds::{ActuatorLaw, is_actuator};
 use crate::scene::mjcf_reading::parts::{Joint, Motor};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
@@ -22,86 +23,56 @@ impl Reader<'_> {
     /// All actuators of an `<actuator>`.
     pub fn actuators(&mut self, actuators: &Element) -> Result<(), SceneError> {
         for given in &actuators.children {
-            let mut actuator = self.defaults.applied(given, None);
-            // All kinds have the defaults of the general one.
-            if given.name != "general" {
-                let general = Element { name: "general".to_string(), ..actuator.clone() };
-                actuator.attributes = self.defaults.applied(&general, None).attributes;
-            }
+            let (actuator, law) = self.defaults.actuator(given)?;
             let number = self.controls;
             self.controls += 1;
-            let motors = self.actuator(&actuator)?;
-            self.motors.extend(motors.into_iter().map(|motor| (number, motor)));
+            let motors = self.actuator(&actuator, &law)?;
+            match motors.iter().find(|motor| !self.joins(motor)) {
+                Some(Motor { joint, .. }) => {
+                    let message = "with a range of its force or dynamics of its own on either is not simulated";
+                    self.not_simulated(&actuator, format!("a second actuator on joint {joint:?} {message}"));
+                }
+                None => self.motors.extend(motors.into_iter().map(|motor| (number, motor))),
+            }
         }
         Ok(())
     }
 
-    fn actuator(&mut self, actuator: &Element) -> Result<Vec<Motor>, SceneError> {
-        let number = |name: &str, otherwise: f64| Ok::<f64, SceneError>(actuator.number(name)?.unwrap_or(otherwise));
-        let first = |name: &str, count: usize, otherwise: [f64; 3]| -> Result<[f64; 3], SceneError> {
-            let given = actuator.list(name, 1, 10)?.unwrap_or_default();
-            Ok([0, 1, 2]
-                .map(|index| if index < count { given.get(index).copied().unwrap_or(otherwise[index]) } else { 0.0 }))
-        };
-        let (mut dynamics, mut brake) = ("none", 0.0);
-        let (gain, bias) = match actuator.name.as_str() {
-            "motor" => (1.0, [0.0; 3]),
-            "damper" => {
-                brake = number("kv", 1.0)?;
-                (0.0, [0.0; 3])
-            }
-            "cylinder" => {
-                dynamics = "filter";
-                let diameter = actuator.number("diameter")?;
-                let of_diameter = diameter.map(|diameter| std::f64::consts::FRAC_PI_4 * diameter * diameter);
-                (of_diameter.map_or_else(|| number("area", 1.0), Ok)?, first("bias", 3, [0.0; 3])?)
-            }
-            "intvelocity" => {
-                dynamics = "integrator";
-                let kp = number("kp", 1.0)?;
-                (kp, [0.0, -kp, -number("kv", 0.0)?])
-            }
-            "position" => {
-                let kp = number("kp", 1.0)?;
-                if number("timeconst", 0.0)? > 0.0 {
-                    dynamics = "filterexact";
-                }
-                // A damping ratio stands where the damping stands, with the other sign.
-                let ratio = number("dampratio", 0.0)?;
-                (kp, [0.0, -kp, if ratio > 0.0 { ratio } else { -number("kv", 0.0)? }])
-            }
-            "velocity" => {
-                let kv = number("kv", 1.0)?;
-                (kv, [0.0, 0.0, -kv])
-            }
-            "general" => {
-                let plain = |name: &str, plain: &[&str]| actuator.text(name).is_none_or(|given| plain.contains(&given));
-                dynamics = actuator.text("dyntype").unwrap_or("none");
-                if !plain("gaintype", &["fixed"]) || !plain("biastype", &["none", "affine"]) {
-                    // Its activation is counted all the same.
-                    if !matches!(self.dynamics(actuator, dynamics)?, Dynamics::Unread) {
-                        let message = "actuators with a gaintype other than \"fixed\", or a biastype other than \"affine\", are not simulated";
-                        self.not_simulated(actuator, message.to_string());
-                    }
-                    return Ok(Vec::new());
-                }
-                let is_affine = actuator.text("biastype") == Some("affine");
-                let bias = if is_affine { first("biasprm", 3, [0.0; 3])? } else { [0.0; 3] };
-                (first("gainprm", 1, [1.0, 0.0, 0.0])?[0], bias)
-            }
-            "muscle" => {
-                dynamics = "muscle";
-                (1.0, [0.0; 3])
-            }
-            other => {
-                self.not_simulated(actuator, format!("actuators <{other}> are not simulated"));
-                return Ok(Vec::new());
-            }
-        };
-        let activation = match self.dynamics(actuator, dynamics)? {
+    fn actuator(&mut self, actuator: &Element, law: &ActuatorLaw) -> Result<Vec<Motor>, SceneError> {
+        if !is_actuator(&actuator.name) {
+            self.unknown(actuator, "actuator");
+            return Ok(Vec::new());
+        }
+        let mut activation = match self.dynamics(actuator, law)? {
             Dynamics::Absent => None,
             Dynamics::Own(activation) => Some(activation),
             Dynamics::Unread => return Ok(Vec::new()),
+        };
+        let bounded = |range: &str, flag: &str| -> Result<Option<(f64, f64)>, SceneError> {
+            let given = actuator.list(range, 2, 2)?;
+            let holds = actuator.flag(flag).unwrap_or(given.is_some() && self.compiler.auto_limits);
+            Ok(given.filter(|_| holds).map(|range| (range[0], range[1])))
+        };
+        let (forces, mut control_range) =
+            (bounded("forcerange", "forcelimited")?, bounded("ctrlrange", "ctrllimited")?);
+        let [gain, per_length, per_velocity] = law.gain;
+        let brake = match law.gain_kind.as_str() {
+            "fixed" => 0.0,
+            // Its control has one sign, so that it never drives on.
+            "affine"
+                if activation.is_none()
+                    && per_length == 0.0
+                    && per_velocity <= 0.0
+                    && control_range.is_some_and(|(lower, _)| lower >= 0.0) =>
+            {
+                -per_velocity
+            }
+            _ => return Ok(self.unread_law(actuator)),
+        };
+        let bias = match law.bias_kind.as_str() {
+            "none" => [0.0; 3],
+            "affine" => law.bias,
+            _ => return Ok(self.unread_law(actuator)),
         };
         let gear = actuator.list("gear", 1, 6)?.map_or(1.0, |gear| gear[0]);
         let pulled = self.pulled(actuator);
@@ -111,20 +82,16 @@ impl Reader<'_> {
             per_rate = -self.damping_of_ratio(actuator, gain, per_rate, &joints);
         }
         let driven = self.driven(actuator, pulled, per_position != 0.0 || per_rate != 0.0 || brake != 0.0)?;
-        let bounded = |range: &str, flag: &str| -> Result<Option<(f64, f64)>, SceneError> {
-            let given = actuator.list(range, 2, 2)?;
-            let holds = actuator.flag(flag).unwrap_or(given.is_some() && self.auto_limits);
-            Ok(given.filter(|_| holds).map(|range| (range[0], range[1])))
-        };
-        let (forces, mut control_range) =
-            (bounded("forcerange", "forcelimited")?, bounded("ctrlrange", "ctrllimited")?);
-        if let (Some(inherited), [only]) =
-            (actuator.number("inheritrange")?.filter(|part| *part > 0.0), driven.as_slice())
-        {
-            control_range = self.range_of_joint(only).map(|(lower, upper)| {
-                let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
-                (middle - inherited * half, middle + inherited * half)
+        if let (true, [only]) = (law.inherited_range > 0.0, driven.as_slice()) {
+            let inherited = self.range_of_joint(only).map(|(lower, upper)| {
+                let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower) * law.inherited_range);
+                (middle - half, middle + half)
             });
+            // The control follows the joint, or its integral does: that one has the range of the joint.
+            match activation.as_mut().filter(|own| matches!(own.follows, Follows::Integrator)) {
+                Some(integral) => integral.range = inherited,
+                None => control_range = inherited,
+            }
         }
         if let Some((lower, upper)) = forces.filter(|(lower, upper)| -lower != *upper) {
             self.odd(
@@ -162,19 +129,30 @@ impl Reader<'_> {
         Ok(driven.into_iter().map(motor).collect())
     }
 
-    /// The dynamics `kind` of an actuator.
-    pub fn dynamics(&mut self, actuator: &Element, kind: &str) -> Result<Dynamics, SceneError> {
-        let follows = match kind {
+    /// Whether the motors of a joint are one motor together: without bounds of their own, and one activation at most.
+    fn joins(&self, motor: &Motor) -> bool {
+        let others = || self.motors.iter().map(|(_, other)| other).filter(|other| other.joint == motor.joint);
+        let all = || others().chain([motor]);
+        let activations = all().filter(|one| one.activation.is_some()).count();
+        others().next().is_none() || (activations <= 1 && all().all(|one| one.max_effort.is_none()))
+    }
+
+    /// Warns of an actuator whose law has no counterpart: no motors.
+    fn unread_law(&mut self, actuator: &Element) -> Vec<Motor> {
+        let message =
+            "actuators whose gain is not fixed, but for dampers, or whose bias is not affine, are not simulated";
+        self.not_simulated(actuator, message.to_string());
+        Vec::new()
+    }
+
+    /// The dynamics of an actuator.
+    fn dynamics(&mut self, actuator: &Element, law: &ActuatorLaw) -> Result<Dynamics, SceneError> {
+        let follows = match law.dynamics.as_str() {
             "none" => return Ok(Dynamics::Absent),
             "integrator" => Follows::Integrator,
-            "filter" | "filterexact" => {
-                let given = actuator.list("dynprm", 1, 10)?.and_then(|given| given.first().copied());
-                let time = match actuator.number("timeconst")? {
-                    Some(time) => time,
-                    None => given.unwrap_or(1.0),
-                };
-                Follows::Filter(time)
-            }
+            "filter" | "filterexact" => Follows::Filter(law.time),
+            // It has no activation.
+            "adhesion" => return Ok(Dynamics::Absent),
             other => {
                 let dimension = actuator.number("actdim")?.filter(|own| *own > 0.0);
                 self.activations += dimension.map_or(1, |own| own as usize);
@@ -190,7 +168,7 @@ impl Reader<'_> {
             return Ok(Dynamics::Absent);
         }
         let given = actuator.list("actrange", 2, 2)?;
-        let holds = actuator.flag("actlimited").unwrap_or(given.is_some() && self.auto_limits);
+        let holds = actuator.flag("actlimited").unwrap_or(given.is_some() && self.compiler.auto_limits);
         let range = given.filter(|_| holds).map(|range| (range[0], range[1]));
         if range.is_some() && matches!(follows, Follows::Filter(_)) {
             self.odd(actuator, "actrange of a filter bounds its activation at the start alone".to_string());
@@ -240,11 +218,6 @@ impl Reader<'_> {
                 let message = "actuators that depend on the length of a tendon of independent joints are not simulated";
                 self.not_simulated(actuator, message.to_string());
             }
-        }
-        let taken = |one: &Driven| self.motors.iter().any(|(_, motor)| motor.joint == one.joint);
-        if let Some(Driven { joint, .. }) = driven.iter().find(|one| taken(one)) {
-            self.not_simulated(actuator, format!("a second actuator on joint {joint:?} is not simulated"));
-            return Ok(Vec::new());
         }
         Ok(driven)
     }

@@ -9,6 +9,7 @@ use crate::scene::mjcf_reading::parts::{Between, Form, Joint, Link, Moving, Plac
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
+use crate::scene::world::WORLD_LINK;
 use nalgebra::{Matrix3, Point3, Rotation3, Translation3, Vector3};
 use std::cell::OnceCell;
 
@@ -22,16 +23,17 @@ impl Reader<'_> {
     /// The children of the world.
     pub fn world(&mut self, world: &Element) -> Result<(), SceneError> {
         let class = world.text("childclass").map(str::to_string);
-        self.world_part(world, &Pose::identity(), class.as_deref())
+        self.world_part(world, WORLD_LINK, &Pose::identity(), class.as_deref())
     }
 
-    fn world_part(&mut self, part: &Element, at: &Pose, class: Option<&str>) -> Result<(), SceneError> {
+    /// A part of the world, or of a body that does not move.
+    fn world_part(&mut self, part: &Element, body: &str, at: &Pose, class: Option<&str>) -> Result<(), SceneError> {
         for child in &part.children {
             match child.name.as_str() {
-                "geom" => self.obstacle(child, at, class)?,
+                "geom" => self.obstacle(child, body, at, class)?,
                 "frame" => {
                     let inner = at * self.angles.pose(child)?;
-                    self.world_part(child, &inner, child.text("childclass").or(class))?;
+                    self.world_part(child, body, &inner, child.text("childclass").or(class))?;
                 }
                 "body" => self.tree(child, at, class)?,
                 "site" => self.site(child, None, at, class)?,
@@ -78,27 +80,27 @@ impl Reader<'_> {
         // A <freejoint> has no defaults.
         let free = if free.name == "joint" { self.defaults.applied(free, class) } else { free.clone() };
         for (attribute, what) in [("armature", "armature"), ("frictionloss", "friction"), ("stiffness", "stiffness")] {
-            if free.number(attribute)?.is_some_and(|number| number != 0.0) {
+            if free.list(attribute, 1, 3)?.is_some_and(|all| all.iter().any(|number| *number != 0.0)) {
                 self.not_simulated(&free, format!("{what} of free joints is not simulated"));
             }
         }
-        Ok(free.number("damping")?.unwrap_or(0.0))
+        Ok(self.linear(&free, "damping")?.unwrap_or(0.0))
     }
 
     /// A body that does not move, and all that it carries.
     fn fixed(&mut self, body: &Element, pose: &Pose, class: Option<&str>) -> Result<(), SceneError> {
         let name = self.body_name(body);
-        self.placed.insert(name, Placed { tree: None, pose: *pose });
+        self.placed.insert(name.clone(), Placed { tree: None, pose: *pose });
         for child in &body.children {
             match child.name.as_str() {
-                "geom" => self.obstacle(child, pose, class)?,
+                "geom" => self.obstacle(child, &name, pose, class)?,
                 "body" => {
                     let inner = pose * self.angles.pose(child)?;
                     self.fixed(child, &inner, child.text("childclass").or(class))?;
                 }
                 "frame" => {
                     let inner = pose * self.angles.pose(child)?;
-                    self.world_part(child, &inner, child.text("childclass").or(class))?;
+                    self.world_part(child, &name, &inner, child.text("childclass").or(class))?;
                 }
                 "site" => self.site(child, None, pose, class)?,
                 "inertial" => {}
@@ -158,10 +160,11 @@ impl Reader<'_> {
         let mut bodies: Vec<Inner> = Vec::new();
         let inertial =
             self.contents(body, &Pose::identity(), class, (name, at), (&mut link, &mut parts), &mut bodies)?;
-        link.mass = match (self.inertia_from_geoms, inertial) {
+        let mass = match (self.compiler.inertia_from_geoms, inertial) {
             (Some(true), _) | (None, None) => composed(&parts),
             (_, given) => given,
         };
+        link.mass = self.compiler.bounded(mass);
         self.rounded(body, &mut link);
         self.trees[tree].links.push(link);
         for (child, pose, class) in bodies {
@@ -254,15 +257,15 @@ impl Reader<'_> {
         Ok(MassOf { mass, frame, inertia })
     }
 
-    /// A geom that does not move.
-    fn obstacle(&mut self, given: &Element, at: &Pose, class: Option<&str>) -> Result<(), SceneError> {
+    /// A geom of a body that does not move.
+    fn obstacle(&mut self, given: &Element, body: &str, at: &Pose, class: Option<&str>) -> Result<(), SceneError> {
         let (mut geom, mass) = self.geom(given, class)?;
         geom.pose = at * geom.pose;
         self.fixed_mass += mass.map_or(0.0, |of| of.mass);
         if geom.is_ellipsoid() {
             self.not_simulated(given, "an ellipsoid that does not move touches nothing".to_string());
         } else if geom.touches && !matches!(geom.form, Form::Other) {
-            self.obstacles.push(geom);
+            self.obstacles.push((body.to_string(), geom));
         }
         Ok(())
     }

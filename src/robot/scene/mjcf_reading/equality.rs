@@ -10,7 +10,7 @@ impl Reader<'_> {
     /// All constraints of an `<equality>`.
     pub fn equality(&mut self, equality: &Element) -> Result<(), SceneError> {
         for given in &equality.children {
-            let one = self.defaults.applied(given, None);
+            let one = self.defaults.applied_as("equality", given, None);
             if one.flag("active") == Some(false) {
                 self.not_simulated(&one, "a constraint that is not active is left out".to_string());
                 continue;

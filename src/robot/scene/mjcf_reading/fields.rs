@@ -33,19 +33,19 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    /// A height field among the assets, with its name; `None` if it is a picture. Files are in the folder.
-    pub fn read(asset: &Element, folder: &Path) -> Result<Option<(String, Field)>, SceneError> {
+    /// A height field among the assets, from its file if it has one, with its name; `None` if it is a picture.
+    pub fn read(asset: &Element, file: Option<&Path>) -> Result<Option<(String, Field)>, SceneError> {
         let size = asset.list("size", 4, 4)?.ok_or_else(|| asset.missing("size"))?;
         let &[x, y, z, base] = size.as_slice() else { return Err(asset.missing("size")) };
         if !(x > 0.0 && y > 0.0 && z > 0.0 && base > 0.0) {
             return Err(asset.error("size", "all four numbers must be greater than zero".to_string()));
         }
-        let (rows, columns, mut heights) = match asset.text("file") {
-            Some(file) if Path::new(file).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) => {
+        let (rows, columns, mut heights) = match file {
+            Some(file) if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) => {
                 return Ok(None);
             }
             Some(file) => {
-                let bytes = read_bounded(&folder.join(file)).map_err(|error| error.to_string());
+                let bytes = read_bounded(file).map_err(|error| error.to_string());
                 from_bytes(&bytes.map_err(|reason| asset.error("file", reason))?)
                     .ok_or_else(|| asset.error("file", "it is no height field of MuJoCo".to_string()))?
             }
@@ -70,7 +70,7 @@ impl Field {
         let range = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least;
         let scale = if range > 0.0 { z / range } else { 0.0 };
         heights.iter_mut().for_each(|height| *height = scale * (*height - least));
-        let stem = asset.text("file").and_then(|file| Path::new(file).file_stem()).map(|stem| stem.to_string_lossy());
+        let stem = file.and_then(Path::file_stem).map(|stem| stem.to_string_lossy());
         let name = asset.text("name").map(str::to_string).or(stem.map(|stem| stem.into_owned())).unwrap_or_default();
         let file = format!("{}.hfield.obj", name.replace(['/', '\\'], "_"));
         Ok(Some((name, Field { file, rows, columns, heights, size: [x, y, base] })))

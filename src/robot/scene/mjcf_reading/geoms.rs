@@ -72,12 +72,12 @@ impl Reader<'_> {
             "box" => Form::Solid(Geometry::Box { size: 2.0 * across(&sizes)? }),
             "mesh" => match geom.text("mesh").and_then(|name| self.meshes.get(name)) {
                 Some((mesh, _)) => Form::Solid(Geometry::Mesh(mesh.clone())),
-                None => {
-                    return Err(geom.error("mesh", "there is no such mesh with a file among the assets".to_string()));
-                }
+                // It was told of where it stands.
+                None if geom.text("mesh").is_some_and(|name| self.left_out.contains(name)) => Form::Other,
+                None => return Err(geom.error("mesh", "there is no such mesh among the assets".to_string())),
             },
             "hfield" => match geom.text("hfield").and_then(|name| self.fields.get(name)) {
-                Some(field) => Form::Field(field.file.clone()),
+                Some(file) => Form::Field(file.clone()),
                 // A picture was told of where it stands.
                 None => Form::Other,
             },
@@ -93,15 +93,13 @@ impl Reader<'_> {
         };
         let integer = |name: &str, otherwise: f64| Ok::<f64, SceneError>(geom.number(name)?.unwrap_or(otherwise));
         let (own, others) = (integer("contype", 1.0)?, integer("conaffinity", 1.0)?);
-        if [own, others].iter().any(|mask| *mask > 1.0) {
-            self.masks = true;
-        }
         let material = geom.text("material").and_then(|name| self.colors.get(name).copied());
         let color = match geom.list("rgba", 4, 4)? {
             Some(rgba) => Some([rgba[0], rgba[1], rgba[2], rgba[3]]),
             None => material,
         };
-        let mass = self.mass_of(&geom, &form, ellipsoid, &pose)?;
+        let group = integer("group", 0.0)?;
+        let mass = if self.compiler.weighs(group) { self.mass_of(&geom, &form, ellipsoid, &pose)? } else { None };
         if mass.is_some() && geom.flag("shellinertia") == Some(true) {
             self.odd(&geom, "shellinertia is not read: the shape is solid".to_string());
         }
@@ -114,9 +112,9 @@ impl Reader<'_> {
             name: geom.text("name").map(str::to_string),
             form,
             pose,
-            touches: own != 0.0 || others != 0.0,
+            touches: own != 0.0 || others != 0.0 || geom.text("name").is_some_and(|name| self.paired.contains(name)),
             masks: [own as u32, others as u32],
-            is_shown: integer("group", 0.0)? <= LAST_SHOWN,
+            is_shown: group <= LAST_SHOWN,
             color,
             grip: Grip::of(&geom)?,
         };
@@ -162,8 +160,11 @@ impl Reader<'_> {
 
     /// Volume, centre and inertia of unit density of a mesh; `None` with a warning for a mesh that is not found or not closed.
     fn solid(&mut self, geom: &Element, mesh: &MeshFile) -> Result<Option<Solid>, SceneError> {
-        let path = self.folder.join(&mesh.path);
-        let surface = read_bounded(&path).map_err(|error| error.to_string()).and_then(|bytes| {
+        let bytes = match self.made.get(&mesh.path) {
+            Some(bytes) => Ok(bytes.to_vec()),
+            None => read_bounded(&self.folder.join(&mesh.path)).map_err(|error| error.to_string()),
+        };
+        let surface = bytes.and_then(|bytes| {
             collision_surface(Path::new(&mesh.path), &bytes, &mesh.scale).map_err(|error| error.to_string())
         });
         let surface = match surface {

@@ -10,12 +10,13 @@
 //! | 6 | and rolling: ρ (m) |
 //!
 //! `friction` has μ, σ and ρ in this order. MuJoCo joins them in one elliptic cone; here each has its own bound. A scene file has one value for each
-//! surface, of which the larger counts: a [`Grip`] alone, against its like. Pairs for which that is not the value of the file are written one by one.
+//! surface, of which the larger counts: a [`Grip`] alone, against its like. Pairs for which that is not the value of the file are in [`super::contacts`].
 //!
 //! Source: MuJoCo documentation, Computation, "Contact parameters".
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::tree::Element;
+use std::collections::HashSet;
 
 /// Friction of a geom that says none: μ, σ (m), ρ (m).
 const FRICTION: [f64; 3] = [1.0, 0.005, 0.0001];
@@ -47,7 +48,19 @@ impl Grip {
         Ok(Grip { priority: geom.number("priority")?.unwrap_or(0.0), condim, coefficients })
     }
 
-    /// The friction of two geoms that touch, or of two geoms of one link.
+    /// The friction of a `<pair>`, and whether it is the same in all directions; otherwise the smaller coefficients count. Its defaults are not its geoms'.
+    pub fn of_pair(pair: &Element) -> Result<(Grip, bool), SceneError> {
+        let [sliding, spinning, rolling] = FRICTION;
+        let mut all = [sliding, sliding, spinning, rolling, rolling];
+        let given = pair.list("friction", 1, 5)?.unwrap_or_default();
+        all.iter_mut().zip(given).for_each(|(own, given)| *own = given);
+        let [one, other, spinning, along, across] = all;
+        let condim = pair.number("condim")?.unwrap_or(CONDIM);
+        let is_round = (condim < 3.0 || one == other) && (condim < 6.0 || along == across);
+        Ok((Grip { priority: 0.0, condim, coefficients: [one.min(other), spinning, along.min(across)] }, is_round))
+    }
+
+    /// The friction of two geoms that touch.
     pub fn with(&self, other: &Grip) -> Grip {
         if self.priority != other.priority {
             return if self.priority > other.priority { *self } else { *other };
@@ -74,4 +87,10 @@ pub(crate) fn grip_keys(values: [f64; 3], all: bool) -> String {
         }
     }
     text
+}
+
+/// The geoms that any `<pair>` names.
+pub(crate) fn paired_geoms(root: &Element) -> HashSet<String> {
+    let pairs = root.all("contact").flat_map(|contact| contact.all("pair"));
+    pairs.flat_map(|pair| ["geom1", "geom2"].map(|end| pair.text(end).map(str::to_string))).flatten().collect()
 }

@@ -37,11 +37,11 @@ impl Reader<'_> {
         let number_of = |name: &str, otherwise: f64| Ok::<f64, SceneError>(joint.number(name)?.unwrap_or(otherwise));
         let reference = unit * number_of("ref", 0.0)?;
         let range = joint.list("range", 2, 2)?;
-        let is_limited = joint.flag("limited").unwrap_or(range.is_some() && self.auto_limits);
+        let is_limited = joint.flag("limited").unwrap_or(range.is_some() && self.compiler.auto_limits);
         let mut limit =
             range.filter(|_| is_limited).map(|range| (unit * range[0] - reference, unit * range[1] - reference));
         let mut spring = None;
-        let stiffness = number_of("stiffness", 0.0)?;
+        let stiffness = self.linear(&joint, "stiffness")?.unwrap_or(0.0);
         let rest = unit * number_of("springref", 0.0)? - reference;
         if stiffness > 0.0 {
             spring = Some((stiffness, rest));
@@ -86,7 +86,7 @@ impl Reader<'_> {
             axis: axis.try_normalize(0.0).unwrap_or(Vector3::z()),
             reference,
             limit,
-            damping: number_of("damping", 0.0)?,
+            damping: self.linear(&joint, "damping")?.unwrap_or(0.0),
             friction: number_of("frictionloss", 0.0)?,
             armature,
             spring,

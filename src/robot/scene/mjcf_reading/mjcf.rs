@@ -2,14 +2,12 @@
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::mjcf_reading::fields::Field;
-use crate::scene::mjcf_reading::mass::Inside;
+use crate::scene::mjcf_reading::compiler::{Reading, reading_of};
 use crate::scene::mjcf_reading::orientation::Angles;
-use crate::scene::mjcf_reading::parts::Geom;
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::replicate::with_copies;
 use crate::scene::mjcf_reading::tree::{Element, read_tree};
-use crate::scene::robot::{MeshFile, Robot};
+use crate::scene::robot::Robot;
 use crate::scene::scene_reading::scene_file::scene_from_text;
 use crate::scene::scene_reading::scene_files::SceneFiles;
 use crate::scene::text::{read_bytes, read_text};
@@ -19,6 +17,7 @@ use crate::scene::warning::{Warning, WarningGroup};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Sections that have no effect on the motion.
 const SILENT: [&str; 8] = ["visual", "statistic", "size", "custom", "sensor", "extension", "asset", "default"];
@@ -37,8 +36,9 @@ pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &Pac
     let files: Vec<String> = (1..=reader.trees.len()).map(|number| format!("{stem}.{number}.urdf")).collect();
     let toml = reader.toml(&files);
     let urdfs: Vec<String> = reader.trees.iter().map(|tree| reader.urdf(tree)).collect();
-    let fields = reader.fields.values().map(|field| (reader.folder.join(&field.file), field.obj())).collect();
-    let mut made = Made { urdfs: urdfs.into_iter(), fields, packages };
+    let files = reader.made.iter().map(|(file, bytes)| (reader.folder.join(file), bytes.clone())).collect();
+    let packages = PackagePath { carried: reader.made.clone(), ..packages.clone() };
+    let mut made = Made { urdfs: urdfs.into_iter(), files, packages };
     let placed = |error: SceneError| match error.file.is_file() && error.file != path {
         true => error,
         // Lines are those of what was made.
@@ -50,16 +50,16 @@ pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &Pac
     Ok(scene)
 }
 
-/// The URDFs that were made, one after the other, height fields, and the files of the file system.
-struct Made<'m> {
+/// The URDFs that were made, one after the other, meshes in memory, and the files of the file system.
+struct Made {
     urdfs: std::vec::IntoIter<String>,
-    fields: HashMap<PathBuf, String>,
-    packages: &'m PackagePath,
+    files: HashMap<PathBuf, Arc<Vec<u8>>>,
+    packages: PackagePath,
 }
 
-impl SceneFiles for Made<'_> {
+impl SceneFiles for Made {
     fn robot(&mut self, urdf: &Path) -> Result<Robot, SceneError> {
-        robot_from_text(&self.urdfs.next().unwrap_or_default(), urdf, self.packages)
+        robot_from_text(&self.urdfs.next().unwrap_or_default(), urdf, &self.packages)
     }
 
     fn text(&mut self, file: &Path) -> Result<String, SceneError> {
@@ -67,8 +67,8 @@ impl SceneFiles for Made<'_> {
     }
 
     fn bytes(&mut self, file: &Path) -> Result<Vec<u8>, SceneError> {
-        match self.fields.get(file) {
-            Some(obj) => Ok(obj.clone().into_bytes()),
+        match self.files.get(file) {
+            Some(bytes) => Ok(bytes.to_vec()),
             None => read_bytes(file),
         }
     }
@@ -92,25 +92,24 @@ impl Reader<'_> {
             }
         }
         for compiler in root.all("compiler") {
-            for unread in ["balanceinertia", "boundmass", "boundinertia", "coordinate", "fitaabb"] {
-                if compiler.text(unread).is_some_and(|text| !["false", "local", "0", "-1"].contains(&text)) {
-                    self.odd(compiler, format!("{unread} is not read"));
+            for (name, value) in &compiler.attributes {
+                match reading_of(name, value) {
+                    Reading::Read => {}
+                    Reading::WithoutEffect => self.ignored_attribute(compiler, name),
+                    Reading::Told(message) => self.odd(compiler, message),
                 }
             }
         }
-        let mesh_folder = root.all("compiler").filter_map(|one| one.text("meshdir").or(one.text("assetdir"))).last();
-        let mesh_folder = PathBuf::from(mesh_folder.unwrap_or_default());
         for asset in root.all("asset").flat_map(|assets| &assets.children) {
-            self.asset(asset, &mesh_folder)?;
+            self.asset(asset)?;
         }
         let worlds: Vec<&Element> = root.all("worldbody").collect();
         worlds.iter().try_for_each(|world| self.world(world))?;
-        for compiler in root.all("compiler") {
-            if let Some(total) = compiler.number("settotalmass")?.filter(|total| *total > 0.0) {
-                self.scale_masses(total);
-            }
+        if let Some(total) = self.compiler.total_mass {
+            self.scale_masses(total);
         }
         self.name_robots();
+        root.all("actuator").try_for_each(|actuators| self.add_rotors(actuators))?;
         self.tune_joints();
         root.all("tendon").try_for_each(|tendons| self.tendons(tendons))?;
         root.all("equality").try_for_each(|equality| self.equality(equality))?;
@@ -118,7 +117,7 @@ impl Reader<'_> {
             match section.name.as_str() {
                 "worldbody" | "option" | "compiler" => {}
                 "actuator" => self.actuators(section)?,
-                "contact" => self.contact(section),
+                "contact" => self.contact(section)?,
                 "keyframe" | "tendon" | "equality" => {}
                 "deformable" => {
                     for one in &section.children {
@@ -189,42 +188,11 @@ impl Reader<'_> {
         }
     }
 
-    fn asset(&mut self, asset: &Element, mesh_folder: &Path) -> Result<(), SceneError> {
+    fn asset(&mut self, asset: &Element) -> Result<(), SceneError> {
         let asset = self.defaults.applied(asset, None);
         match asset.name.as_str() {
-            "mesh" => {
-                if asset.flag("shellinertia") == Some(true) {
-                    self.odd(&asset, "shellinertia is not read: the mesh is solid".to_string());
-                }
-                let Some(file) = asset.text("file") else {
-                    self.not_simulated(&asset, "a mesh without a file is left out".to_string());
-                    return Ok(());
-                };
-                if asset.text("refpos").is_some() || asset.text("refquat").is_some() {
-                    self.odd(&asset, "refpos and refquat of a mesh are not read".to_string());
-                }
-                let stem = || Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-                let name = asset.text("name").map(str::to_string).or_else(stem).unwrap_or_default();
-                let path = mesh_folder.join(file).to_string_lossy().into_owned();
-                let scale = asset.vector("scale")?.unwrap_or(Vector3::repeat(1.0));
-                let inside = match asset.text("inertia").unwrap_or("legacy") {
-                    "legacy" => Inside::Legacy,
-                    "exact" => Inside::Exact,
-                    other => {
-                        self.odd(&asset, format!("inertia {other:?} of a mesh is read as \"exact\""));
-                        Inside::Exact
-                    }
-                };
-                self.meshes.insert(name, (MeshFile { path, resolved: None, scale, carried: None }, inside));
-            }
-            "hfield" => {
-                let field = Field::read(&asset, &self.folder.join(mesh_folder))?;
-                if field.is_none() {
-                    let message = "a height field from a picture is not read: write its numbers as elevation";
-                    self.not_simulated(&asset, message.to_string());
-                }
-                self.fields.extend(field);
-            }
+            "mesh" => self.mesh(&asset)?,
+            "hfield" => self.height_field(&asset)?,
             "material" => {
                 if let (Some(name), Some(rgba)) = (asset.text("name"), asset.list("rgba", 4, 4)?) {
                     self.colors.insert(name.to_string(), [rgba[0], rgba[1], rgba[2], rgba[3]]);
@@ -233,26 +201,6 @@ impl Reader<'_> {
             _ => self.ignore(&asset, "asset"),
         }
         Ok(())
-    }
-
-    /// Pairs of bodies that do not touch, and what else is said of pairs.
-    fn contact(&mut self, contact: &Element) {
-        for one in &contact.children {
-            match (one.name.as_str(), one.text("body1"), one.text("body2")) {
-                ("exclude", Some(a), Some(b)) => {
-                    let tree = |name: &str| self.placed.get(name).and_then(|placed| placed.tree);
-                    let touches = |name: &str| {
-                        let links = self.trees.iter().flat_map(|tree| &tree.links);
-                        links.filter(|link| link.name == name).any(|link| link.geoms.iter().any(Geom::can_touch))
-                    };
-                    if tree(a).is_some() && tree(b).is_some() && a != b && touches(a) && touches(b) {
-                        let pair = (self.link_name(a), self.link_name(b));
-                        self.excluded.push(pair);
-                    }
-                }
-                _ => self.not_simulated(one, format!("<{}> of <contact> is not simulated", one.name)),
-            }
-        }
     }
 
     /// Puts the lines of the file into the robots, instead of lines of the text that was made.
@@ -298,10 +246,6 @@ impl Reader<'_> {
             }
         }
         all.extend(kinds.into_iter().filter_map(|(_, same)| Warning::of_kind(same, "element", "elements")));
-        if self.masks {
-            let message = "bits of contype and conaffinity count between links of one child of the world; elsewhere they say whether a geom touches anything";
-            all.push(Warning::odd(self.path, None, None, message));
-        }
         all.extend(self.ignored.into_iter().map(|(what, (file, line, count))| {
             let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
             Warning::odd(&file, Some(line), None, format!("{what}{times}")).in_group(WarningGroup::Ignored)

@@ -181,13 +181,25 @@ pub(crate) struct Motor {
 }
 
 impl Motor {
-    /// Its kind in a scene file, its stiffness and damping, and how it is driven.
-    pub fn law(&self) -> (&'static str, Drive, Driving) {
-        let control = self.control_range.map_or(self.control, |(lower, upper)| self.control.max(lower).min(upper));
-        let drive = Drive { kd: self.drive.kd + self.brake * control, ..self.drive };
-        let driving = match &self.activation {
-            Some(activation) => activation.driving(&drive, control),
-            None => Driving { target: format!("{:?}", drive.at_rest(control)), load: None },
+    /// The kind of the motors of a joint in a scene file, their stiffness and damping together, and how they are driven: one has an activation at most.
+    pub fn law<'m>(motors: impl Iterator<Item = &'m Motor>) -> (&'static str, Drive, Driving) {
+        let mut drive = Drive { kp: 0.0, kd: 0.0, constant: 0.0, gain: 0.0 };
+        let mut active = None;
+        for motor in motors {
+            let control =
+                motor.control_range.map_or(motor.control, |(lower, upper)| motor.control.max(lower).min(upper));
+            let Drive { kp, kd, constant, gain } = motor.drive;
+            drive.kp += kp;
+            drive.kd += kd + motor.brake * control;
+            drive.constant += constant;
+            match &motor.activation {
+                Some(activation) => (drive.gain, active) = (gain, Some((activation, control))),
+                None => drive.constant += gain * control,
+            }
+        }
+        let driving = match active {
+            Some((activation, control)) => activation.driving(&drive, control),
+            None => Driving { target: format!("{:?}", drive.at_rest(0.0)), load: None },
         };
         let kind = match (drive.kp > 0.0, drive.kd > 0.0) {
             (true, _) => "position",

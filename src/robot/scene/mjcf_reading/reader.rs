@@ -1,8 +1,9 @@
 //! What is read of an MJCF file, and what is said of it.
 
 use crate::scene::error::SceneError;
+use crate::scene::mjcf_reading::compiler::Compiler;
 use crate::scene::mjcf_reading::defaults::Defaults;
-use crate::scene::mjcf_reading::fields::Field;
+use crate::scene::mjcf_reading::grips::{Grip, paired_geoms};
 use crate::scene::mjcf_reading::mass::Inside;
 use crate::scene::mjcf_reading::orientation::Angles;
 use crate::scene::mjcf_reading::parts::{Closing, Geom, Motor, Moving, Placed, Relation, Rope, Spring, Tree};
@@ -12,6 +13,7 @@ use crate::scene::warning::{Warning, WarningGroup};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Gravity where the file says none [m/s²].
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
@@ -23,19 +25,22 @@ pub(crate) struct Reader<'r> {
     pub name: String,
     pub defaults: Defaults,
     pub angles: Angles,
-    /// Whether a range is a limit where nothing else is said.
-    pub auto_limits: bool,
-    /// Whether masses come from geoms: always, never, or where no inertia is given.
-    pub inertia_from_geoms: Option<bool>,
+    pub compiler: Compiler,
     pub gravity: Vector3<f64>,
     /// Meshes, and how the solids in them are counted.
     pub meshes: HashMap<String, (MeshFile, Inside)>,
     pub colors: HashMap<String, [f64; 4]>,
-    pub fields: HashMap<String, Field>,
+    /// The file in memory of each height field.
+    pub fields: HashMap<String, String>,
+    /// Names of meshes that are left out, as a warning says.
+    pub left_out: HashSet<String>,
+    /// Mesh files that are in memory alone, by the names that the scene file and the URDFs give them.
+    pub made: HashMap<String, Arc<Vec<u8>>>,
     pub trees: Vec<Tree>,
     /// Names of the trees as robots.
     pub robot_names: Vec<String>,
-    pub obstacles: Vec<Geom>,
+    /// Geoms that do not move, each with its body.
+    pub obstacles: Vec<(String, Geom)>,
     pub placed: HashMap<String, Placed>,
     pub sites: HashMap<String, (Option<String>, Pose)>,
     /// The tree of each joint, and its position at the start as the file counts.
@@ -57,15 +62,18 @@ pub(crate) struct Reader<'r> {
     pub activations: usize,
     pub positions: Vec<(usize, String, Vec<f64>)>,
     pub velocities: Vec<(usize, String, Vec<f64>)>,
-    pub excluded: Vec<(String, String)>,
+    /// Pairs of bodies that do not touch.
+    pub excluded: Vec<[String; 2]>,
+    /// Names of geoms that touch as a `<pair>` says.
+    pub paired: HashSet<String>,
+    /// Geoms with a friction of their own against each other.
+    pub pairs: Vec<([String; 2], Grip)>,
     /// Whether anything touches.
     pub touches: bool,
     /// Mass of bodies that do not move (kg).
     pub fixed_mass: f64,
     /// How many bodies there were.
     pub bodies: usize,
-    /// Whether masks of contact say more than yes or no.
-    pub masks: bool,
     pub warnings: Vec<Warning>,
     /// Elements without a meaning for the motion: the first file and line, and how often they are there.
     pub ignored: BTreeMap<String, (PathBuf, usize, usize)>,
@@ -75,28 +83,23 @@ impl<'r> Reader<'r> {
     /// Before anything but the settings of the file is read.
     pub fn new(path: &'r Path, root: &Element) -> Result<Self, SceneError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let compiler = |name: &str| root.all("compiler").filter_map(|one| one.text(name)).last();
         let name = root.text("model").map_or_else(
             || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned()),
             str::to_string,
         );
-        let flag = |name: &str| match compiler(name) {
-            Some("true") => Some(true),
-            Some("false") => Some(false),
-            _ => None,
-        };
         Ok(Reader {
             path,
             folder,
             name,
-            defaults: Defaults::of(root),
+            defaults: Defaults::of(root)?,
             angles: Angles::of(root),
-            auto_limits: flag("autolimits").unwrap_or(true),
-            inertia_from_geoms: flag("inertiafromgeom"),
+            compiler: Compiler::of(root)?,
             gravity: GRAVITY,
             meshes: HashMap::new(),
             colors: HashMap::new(),
             fields: HashMap::new(),
+            left_out: HashSet::new(),
+            made: HashMap::new(),
             trees: Vec::new(),
             robot_names: Vec::new(),
             obstacles: Vec::new(),
@@ -117,10 +120,11 @@ impl<'r> Reader<'r> {
             positions: Vec::new(),
             velocities: Vec::new(),
             excluded: Vec::new(),
+            paired: paired_geoms(root),
+            pairs: Vec::new(),
             touches: true,
             fixed_mass: 0.0,
             bodies: 0,
-            masks: false,
             warnings: Vec::new(),
             ignored: BTreeMap::new(),
         })
@@ -175,6 +179,15 @@ impl<'r> Reader<'r> {
     pub fn odd(&mut self, element: &Element, message: String) {
         let warning = self.warning(element, message);
         self.warnings.push(warning);
+    }
+
+    /// The first coefficient of a polynomial, if there is one; warns of the others, which have no counterpart.
+    pub fn linear(&mut self, element: &Element, name: &str) -> Result<Option<f64>, SceneError> {
+        let Some(all) = element.list(name, 1, 3)? else { return Ok(None) };
+        if all.iter().skip(1).any(|number| *number != 0.0) {
+            self.not_simulated(element, format!("{name} that is not linear is not simulated; its first number is"));
+        }
+        Ok(all.first().copied())
     }
 
     /// Lists an element that says nothing of the motion.

@@ -27,9 +27,7 @@ impl Reader<'_> {
     /// All tendons of a `<tendon>`.
     pub fn tendons(&mut self, tendons: &Element) -> Result<(), SceneError> {
         for given in &tendons.children {
-            // Defaults of both kinds are those of `tendon`.
-            let common = Element { name: "tendon".to_string(), ..given.clone() };
-            let tendon = Element { attributes: self.defaults.applied(&common, None).attributes, ..given.clone() };
+            let tendon = self.defaults.applied_as("tendon", given, None);
             match tendon.name.as_str() {
                 "spatial" => self.spatial(&tendon)?,
                 "fixed" => self.fixed_tendon(&tendon)?,
@@ -122,7 +120,7 @@ impl Reader<'_> {
     /// How a tendon pulls. Warns of what no tendon has here.
     fn pull_of(&mut self, tendon: &Element) -> Result<Pull, SceneError> {
         let range = tendon.list("range", 2, 2)?;
-        let is_limited = tendon.flag("limited").unwrap_or(range.is_some() && self.auto_limits);
+        let is_limited = tendon.flag("limited").unwrap_or(range.is_some() && self.compiler.auto_limits);
         for key in ["frictionloss", "armature"] {
             if tendon.number(key)?.is_some_and(|number| number != 0.0) {
                 self.not_simulated(tendon, format!("{key} of tendons is not simulated"));
@@ -130,8 +128,8 @@ impl Reader<'_> {
         }
         Ok(Pull {
             range: range.filter(|_| is_limited).map(|range| (range[0], range[1])),
-            stiffness: tendon.number("stiffness")?.unwrap_or(0.0),
-            damping: tendon.number("damping")?.unwrap_or(0.0),
+            stiffness: self.linear(tendon, "stiffness")?.unwrap_or(0.0),
+            damping: self.linear(tendon, "damping")?.unwrap_or(0.0),
         })
     }
 

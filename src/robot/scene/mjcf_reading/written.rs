@@ -1,9 +1,10 @@
 //! An MJCF file that was read, written as a scene file and its URDFs. Numbers have all their digits.
 
 use crate::scene::mjcf_reading::activations::Driving;
-use crate::scene::mjcf_reading::grips::{Grip, grip_keys};
 use crate::scene::mjcf_reading::orientation::roll_pitch_yaw;
-use crate::scene::mjcf_reading::parts::{Between, Closing, End, Form, Geom, Joint, Link, Relation, Rope, Spring, Tree};
+use crate::scene::mjcf_reading::parts::{
+    Between, Closing, End, Form, Geom, Joint, Link, Motor, Relation, Rope, Spring, Tree,
+};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::robot::{Geometry, Pose, UrdfJointKind};
 use crate::scene::urdf_reading::element::escaped;
@@ -11,7 +12,7 @@ use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// A name or text of TOML in quotes.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for character in text.chars() {
         match character {
@@ -38,7 +39,7 @@ fn number(number: &f64) -> String {
     format!("{number:?}")
 }
 
-fn pose(pose: &Pose) -> String {
+pub(crate) fn pose(pose: &Pose) -> String {
     let rpy = roll_pitch_yaw(&pose.rotation);
     format!("{{ position = {}, rpy = {} }}", list(&pose.translation.vector), list(&rpy))
 }
@@ -55,8 +56,8 @@ impl Reader<'_> {
         text + "</robot>\n"
     }
 
-    /// The scene file; the URDF of tree i is called as `files` says.
-    pub fn toml(&self, files: &[String]) -> String {
+    /// The scene file; the URDF of tree i is called as `files` says. Warns of contacts that no scene file can say.
+    pub fn toml(&mut self, files: &[String]) -> String {
         let mut text =
             format!("# Made by catena from {}\n[scene]\nname = {}\n", self.source_name(), quoted(&self.name));
         // Writing into a String cannot fail.
@@ -85,7 +86,8 @@ impl Reader<'_> {
         }
         self.write_joints(&mut text);
         self.write_couplings(&mut text);
-        self.write_contact(&mut text);
+        let warnings = self.write_contact(&mut text);
+        self.warnings.extend(warnings);
         text
     }
 
@@ -148,9 +150,14 @@ impl Reader<'_> {
                 }
             }
         }
-        for (_, motor) in &self.motors {
+        for (number, (_, motor)) in self.motors.iter().enumerate() {
             let Some((tree, _)) = self.references.get(&motor.joint) else { continue };
-            let (kind, drive, Driving { target, load }) = motor.law();
+            let own = |(_, other): &&(usize, Motor)| other.joint == motor.joint;
+            if self.motors[..number].iter().any(|other| own(&other)) {
+                continue;
+            }
+            let all = self.motors.iter().filter(own).map(|(_, motor)| motor);
+            let (kind, drive, Driving { target, load }) = Motor::law(all);
             let name = quoted(&self.called(*tree, &motor.joint));
             let _ = writeln!(text, "\n[[motor]]\njoint = {name}\nkind = \"{kind}\"\ntarget = {target}");
             if target.starts_with('[') {
@@ -171,116 +178,10 @@ impl Reader<'_> {
             }
         }
     }
-
-    /// Whether bits of contact let any two links of one tree touch, and the pairs of such links that they keep from it.
-    fn masked(&self) -> (bool, Vec<(String, String)>) {
-        let (mut itself, mut masked) = (false, Vec::new());
-        for (index, tree) in self.trees.iter().enumerate() {
-            let touching: Vec<_> = tree.links.iter().filter(|link| link.geoms.iter().any(Geom::can_touch)).collect();
-            for (place, one) in touching.iter().enumerate() {
-                for other in &touching[place + 1..] {
-                    let meet = |[a, b]: [&Geom; 2]| (a.masks[0] & b.masks[1]) | (b.masks[0] & a.masks[1]) != 0;
-                    let pairs = one.geoms.iter().flat_map(|a| other.geoms.iter().map(move |b| [a, b]));
-                    if pairs.into_iter().any(meet) {
-                        itself = true;
-                    } else {
-                        masked.push((self.called(index, &one.name), self.called(index, &other.name)));
-                    }
-                }
-            }
-        }
-        (itself, masked)
-    }
-
-    /// Obstacles, surfaces of links and pairs.
-    fn write_contact(&self, text: &mut String) {
-        let several = self.trees.len() > 1;
-        let pairs = match (self.touches, several) {
-            (false, _) => "none",
-            (true, true) => "all",
-            (true, false) => "environment",
-        };
-        let (itself, masked) = self.masked();
-        let _ = writeln!(text, "\n[contact]\npairs = \"{pairs}\"\nself_contact = {itself}\ncombine = \"larger\"");
-        for (a, b) in self.excluded.iter().chain(masked.iter().filter(|_| itself)) {
-            let _ = writeln!(text, "\n[[contact.pair]]\na = {}\nb = {}\nignore = true", quoted(a), quoted(b));
-        }
-        let mut names: Vec<String> = Vec::with_capacity(self.obstacles.len());
-        let mut surfaces: Vec<Surface> = Vec::new();
-        for (number, geom) in self.obstacles.iter().enumerate() {
-            let Some(shape) = shape_of(geom) else { continue };
-            let name = geom.name.clone().unwrap_or_else(|| format!("geom{}", number + 1));
-            let mut name = self.obstacle_name(&name);
-            while names.contains(&name) {
-                name.push('_');
-            }
-            names.push(name.clone());
-            let _ = writeln!(
-                text,
-                "\n[[obstacle]]\nname = {}\nshape = {shape}\npose = {}",
-                quoted(&name),
-                pose(&geom.pose)
-            );
-            *text += &grip_keys(geom.grip.values(), false);
-            let roundness = if matches!(geom.form, Form::Plane) { Roundness::Plane } else { Roundness::Other };
-            surfaces.push(Surface { tree: None, name, grip: geom.grip, roundness });
-        }
-        for (index, tree) in self.trees.iter().enumerate() {
-            for link in &tree.links {
-                let touching = link.geoms.iter().filter(|geom| geom.can_touch());
-                if let Some(grip) = touching.map(|geom| geom.grip).reduce(|one, other| one.with(&other)) {
-                    let name = self.called(index, &link.name);
-                    let _ = write!(text, "\n[[link]]\nname = {}\n{}", quoted(&name), grip_keys(grip.values(), false));
-                    let roundness = if link.is_round() { Roundness::Ellipsoid } else { Roundness::Other };
-                    surfaces.push(Surface { tree: Some(index), name, grip, roundness });
-                }
-            }
-        }
-        write_pairs(&surfaces, itself, text);
-    }
-}
-
-/// A link or an obstacle that may touch.
-struct Surface {
-    /// Of a link.
-    tree: Option<usize>,
-    name: String,
-    grip: Grip,
-    roundness: Roundness,
-}
-
-/// Which shapes touch it: ellipsoids touch planes alone.
-#[derive(PartialEq)]
-enum Roundness {
-    Plane,
-    Ellipsoid,
-    Other,
-}
-
-/// The pairs for which the larger of both values is not the friction of the file, and those of an ellipsoid that are left out; `itself` says whether
-/// links of one tree touch.
-fn write_pairs(surfaces: &[Surface], itself: bool, text: &mut String) {
-    for (place, one) in surfaces.iter().enumerate() {
-        for other in &surfaces[place + 1..] {
-            if one.tree == other.tree && (one.tree.is_none() || !itself) {
-                continue;
-            }
-            let (a, b) = (quoted(&one.name), quoted(&other.name));
-            let is = |roundness: &Roundness| [&one.roundness, &other.roundness].contains(&roundness);
-            if is(&Roundness::Ellipsoid) && !is(&Roundness::Plane) {
-                let _ = writeln!(text, "\n[[contact.pair]]\na = {a}\nb = {b}\nignore = true");
-                continue;
-            }
-            let (wanted, own, others) = (one.grip.with(&other.grip).values(), one.grip.values(), other.grip.values());
-            if [0, 1, 2].iter().any(|&way| own[way].max(others[way]) != wanted[way]) {
-                let _ = write!(text, "\n[[contact.pair]]\na = {a}\nb = {b}\n{}", grip_keys(wanted, true));
-            }
-        }
-    }
 }
 
 /// The shape of an obstacle.
-fn shape_of(geom: &Geom) -> Option<String> {
+pub(crate) fn shape_of(geom: &Geom) -> Option<String> {
     Some(match &geom.form {
         Form::Plane => "{ type = \"half_space\" }".to_string(),
         Form::Other => return None,

@@ -15,12 +15,19 @@ const ANGLES: [&str; 3] = ["roll", "pitch", "yaw"];
 const MOMENTS: [(&str, usize, usize); 6] =
     [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
 
+/// Keys of the lengths of rolling and of spinning friction.
+pub(crate) const MOMENT_LENGTHS: [&str; 2] = ["rolling_friction", "spinning_friction"];
+
 /// All parameters of a scene, without what the files say.
 pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
     let mut keys = Keys { all: Vec::new() };
     keys.vector("scene", "gravity", Range::Finite, Place::Gravity);
     for (index, robot) in scene.robots.iter().enumerate() {
-        keys.start(index, robot);
+        // A winch follows from its rope.
+        if scene.ropes.iter().any(|rope| rope.winch.as_ref().is_some_and(|winch| winch.robot == index)) {
+            continue;
+        }
+        keys.start(index, robot, scene);
         if let Some(body) = &robot.body {
             keys.body(index, robot, body);
             continue;
@@ -92,7 +99,7 @@ impl Keys {
     }
 
     /// Where a robot starts.
-    fn start(&mut self, robot: usize, of: &SceneRobot) {
+    fn start(&mut self, robot: usize, of: &SceneRobot, scene: &Scene) {
         // The short key path of a body has its name, the short key path of a robot has not.
         let (head, own) = match of.body {
             Some(_) => ("body".to_string(), format!("{}.", of.name)),
@@ -107,7 +114,9 @@ impl Keys {
             self.vector(&head, &called("velocity.linear"), Range::Finite, place);
             self.vector(&head, &called("velocity.angular"), Range::Finite, |axis| place(3 + axis));
         }
-        for one in &of.robot.joints {
+        // A joint that is moved in time starts where it is then.
+        let is_moved = |name: &str| scene.motions.iter().any(|one| one.joint.robot == robot && one.joint.joint == name);
+        for one in of.robot.joints.iter().filter(|one| !is_moved(&one.name)) {
             let joint = || one.name.clone();
             let (positions, velocities) = coordinates(one.kind);
             for (number, name) in positions.iter().enumerate() {
@@ -147,15 +156,7 @@ impl Keys {
         for (link, one) in of.robot.links.iter().enumerate() {
             let name = called(of, &one.name);
             self.put("link", &format!("{name}.mass"), Range::NotNegative, Place::Mass { robot, link });
-            if !one.collisions.is_empty() {
-                let friction = Place::LinkFriction { robot, link };
-                self.put("link", &format!("{name}.friction"), Range::Friction, friction);
-                let restitution = Place::LinkRestitution { robot, link };
-                self.put("link", &format!("{name}.restitution"), Range::Fraction, restitution);
-                self.moments("link", &name, |of| Place::LinkMoment { robot, link, of });
-                let velocity = |axis| Place::LinkSurface { robot, link, axis };
-                self.vector("link", &format!("{name}.surface_velocity"), Range::Finite, velocity);
-            }
+            self.surface_of_link(robot, link, &name, one);
             let place = |axis| Place::CenterOfMass { robot, link, axis };
             self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
             for (moment, row, column) in MOMENTS {
@@ -173,6 +174,7 @@ impl Keys {
                     Geometry::Ellipsoid { .. } => self.radii("link", &head, place),
                     Geometry::Mesh(_) => self.scales("link", &head, place),
                 }
+                self.surface_of_shape(&head, &given.surface, place);
                 let origin = format!("{head}.origin");
                 self.vector("link", &origin, Range::Finite, |axis| place(ShapeNumber::Position(axis)));
                 self.angles("link", &origin, |angle| place(ShapeNumber::Turn(angle)));
@@ -307,9 +309,9 @@ impl Keys {
             if one.points.len() > 2 {
                 self.put("rope", &format!("{}.stop", one.name), Range::NotNegative, Place::RopeStop(rope));
             }
-            // A winch has a point before the first, and is where that is.
+            // A winch has a point before the first.
             let before = usize::from(one.winch.is_some());
-            for end in 2 * before..one.points.len() {
+            for end in before..one.points.len() {
                 let rest = format!("{}.points.{}.position", one.name, end + 1 - before);
                 self.vector("rope", &rest, Range::Finite, |axis| Place::RopeEnd { rope, end, axis });
             }
@@ -367,17 +369,7 @@ impl Keys {
             self.moments("contact", &format!("pair.{}", rule + 1), |of| Place::PairMoment { rule, of });
         }
     }
-
-    /// The lengths of rolling and spinning friction of a thing.
-    fn moments(&mut self, head: &str, of: &str, place: impl Fn(usize) -> Place) {
-        for (number, key) in MOMENT_LENGTHS.into_iter().enumerate() {
-            self.put(head, &format!("{of}.{key}"), Range::NotNegative, place(number));
-        }
-    }
 }
-
-/// Keys of the lengths of rolling and of spinning friction.
-const MOMENT_LENGTHS: [&str; 2] = ["rolling_friction", "spinning_friction"];
 
 /// The name of a link or joint as scene files write it.
 fn called(robot: &SceneRobot, name: &str) -> String {

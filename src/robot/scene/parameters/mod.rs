@@ -17,6 +17,7 @@
 //! | `link.NAME.inertia.ixx` (`ixy`, `ixz`, `iyy`, `iyz`, `izz`)           | about the centre of mass, in the inertial frame [kg m²]     |
 //! | `link.NAME.inertia.roll` (`pitch`, `yaw`)                             | turn of the inertial frame in the link frame (rad)          |
 //! | `link.NAME.collision.1.radius`, `.length`, `.size.x`, `.radii.x`, `.scale.x` | size of a collision shape (m), scale of its mesh; from 1 |
+//! | `link.NAME.collision.1.friction`, `.restitution`, `.rolling_friction`, `.surface_velocity.x` | of one collision shape, where a `[[link]]` says it |
 //! | `link.NAME.collision.1.origin.x`, `.origin.roll`                      | its frame in the link frame [m, rad]                        |
 //! | `joint.NAME.origin.x`, `joint.NAME.origin.roll`                       | of the joint frame in its parent link [m, rad]              |
 //! | `joint.NAME.axis.x`                                                   | axis in the joint frame; its length does not count          |
@@ -52,6 +53,8 @@ mod reach;
 mod settle;
 mod slot;
 mod stand;
+mod surface_keys;
+mod units;
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};

@@ -343,4 +343,10 @@ pub(crate) enum ShapeNumber {
     Position(usize),
     /// The roll, pitch or yaw of its frame in the frame of its link.
     Turn(usize),
+    Friction,
+    Restitution,
+    /// Length of rolling friction, or of spinning friction if it is 1.
+    Moment(usize),
+    /// Velocity of its surface along an axis of its link.
+    SurfaceVelocity(usize),
 }

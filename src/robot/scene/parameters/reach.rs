@@ -287,6 +287,10 @@ fn entry_of(scene: &mut Scene, motor: usize, entry: usize) -> Option<&mut (f64, 
 /// A number of a collision shape of a link.
 fn of_collision(shape: &mut LinkShape, what: ShapeNumber) -> Option<Slot<'_>> {
     Some(Slot::Number(match what {
+        ShapeNumber::Friction => return Some(Slot::Optional(&mut shape.surface.friction)),
+        ShapeNumber::Restitution => return Some(Slot::Optional(&mut shape.surface.restitution)),
+        ShapeNumber::Moment(of) => return shape.surface.moments.get_mut(of).map(Slot::Optional),
+        ShapeNumber::SurfaceVelocity(axis) => shape.surface.velocity.as_mut()?.get_mut(axis)?,
         ShapeNumber::Position(axis) => shape.origin.translation.vector.get_mut(axis)?,
         ShapeNumber::Turn(angle) => shape.rpy.get_mut(angle)?,
         of_geometry_alone => of_geometry(&mut shape.geometry, of_geometry_alone)?,

@@ -15,6 +15,7 @@ use crate::scene::loads::{Factor, SceneLoad};
 use crate::scene::numbers::{normalised, turn, turn_of_z};
 use crate::scene::parameters::place::{Place, ShapeNumber};
 use crate::scene::robot::Geometry;
+use crate::scene::taken::TakenNumber;
 use crate::scene::urdf_reading::inertia::impossible_inertia;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -39,7 +40,21 @@ impl Place {
                 if let Some(body) = &placed.body {
                     let made = body.robot(&placed.name, &scene.path, placed.line);
                     placed.robot = made.map_err(|error| error.problem.to_string())?;
+                } else if let Place::LinkFriction { link, .. } = *self {
+                    let link = Element::Link(placed.robot.links[link].name.clone());
+                    placed.robot.forget_taken(TakenNumber::Friction, &link);
                 }
+            }
+            // A winch stands where its rope begins.
+            Place::RopeEnd { rope, end: 1, .. } => {
+                let rope = &scene.ropes[rope];
+                if let (Some(winch), Some(first)) = (&rope.winch, rope.points.get(1)) {
+                    scene.robots[winch.robot].pose.translation.vector = first.position;
+                }
+            }
+            Place::Armature(ref of) => {
+                let joint = Element::Joint(of.joint.clone());
+                scene.robots[of.robot].robot.forget_taken(TakenNumber::Armature, &joint);
             }
             Place::Mass { robot, link } | Place::Inertia { robot, link, .. } => warn_of_inertia(scene, robot, link),
             Place::InertiaTurn { robot, link, .. } => {

@@ -243,11 +243,6 @@ impl CouplingReader<'_> {
                             surface_velocity";
                 return refuse(span, keys);
             }
-            if let Some(span) = of_surface.filter(|_| shape.is_some()) {
-                let message = "friction of every kind, restitution and surface_velocity are of the whole link; leave \
-                               out its shape";
-                return refuse(span, message);
-            }
             let surface = Surface {
                 friction: friction.map(|friction| friction.get_ref().0),
                 restitution: restitution.map(|restitution| restitution.get_ref().0),

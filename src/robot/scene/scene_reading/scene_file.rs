@@ -35,6 +35,7 @@ use crate::scene::scene_reading::scene_schema::{
     BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, vector,
 };
 use crate::scene::scene_reading::toml_text::TomlText;
+use crate::scene::taken::TakenNumber;
 use crate::scene::text::read_text;
 use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::world::WORLD_LINK;
@@ -86,12 +87,22 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     }
     for said in &contact.links {
         if let LinkReference::Link { robot, link } = said.link {
-            let surface = &mut robots[robot].robot.links[link].surface;
-            surface.friction = said.surface.friction.or(surface.friction);
-            surface.restitution = said.surface.restitution.or(surface.restitution);
-            surface.moments = [0, 1].map(|of: usize| said.surface.moments[of].or(surface.moments[of]));
-            surface.velocity = said.surface.velocity.or(surface.velocity);
+            let robot = &mut robots[robot].robot;
+            if said.shape.is_none() && said.surface.friction.is_some() {
+                let link = Element::Link(robot.links[link].name.clone());
+                robot.forget_taken(TakenNumber::Friction, &link);
+            }
+            let link = &mut robot.links[link];
+            let surface = match said.shape {
+                Some(number) => &mut link.collisions[number - 1].surface,
+                None => &mut link.surface,
+            };
+            *surface = said.surface.or(surface);
         }
+    }
+    for said in joints.iter().filter(|said| said.armature.is_some()) {
+        let joint = Element::Joint(said.joint.joint.clone());
+        robots[said.joint.robot].robot.forget_taken(TakenNumber::Armature, &joint);
     }
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
     let (name, gravity) = file.scene.map_or((None, None), |scene| (scene.name, scene.gravity));

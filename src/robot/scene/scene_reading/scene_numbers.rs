@@ -73,6 +73,13 @@ pub enum Unit {
     AngleRate,
 }
 
+impl From<f64> for Quantity {
+    /// A number without a unit.
+    fn from(number: f64) -> Self {
+        Quantity { number, unit: Unit::Unwritten }
+    }
+}
+
 impl Quantity {
     /// A finite number with the unit `deg`, `rad`, `deg/s` or `rad/s`.
     ///
@@ -96,7 +103,7 @@ impl Quantity {
     }
 
     /// The number, if the place has numbers with this unit; `Unwritten` stands for a place without a unit.
-    fn of(self, unit: Unit) -> Result<f64, String> {
+    pub(crate) fn of(self, unit: Unit) -> Result<f64, String> {
         if self.unit == unit || self.unit == Unit::Unwritten {
             return Ok(self.number);
         }

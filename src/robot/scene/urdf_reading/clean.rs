@@ -8,7 +8,7 @@ use crate::scene::numbers::{numbers, shown};
 use crate::scene::text::XmlText;
 use crate::scene::urdf_reading::element::{CleanAttribute, CleanElement};
 use crate::scene::urdf_reading::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
-use crate::scene::urdf_reading::surface_friction::says_friction_alone;
+use crate::scene::urdf_reading::surface_friction::beside_friction;
 use crate::scene::urdf_reading::transmissions::says_rotor;
 use crate::scene::warning::Warning;
 use roxmltree::Node;
@@ -43,6 +43,7 @@ pub(crate) fn clean(xml: &XmlText, schema: &'static Schema) -> Result<Cleaned, S
     if root.tag_name().name() != schema.name {
         let problem = match root.tag_name().name() {
             "sdf" => Problem::Sdf,
+            "mujoco" => Problem::ModelOfMujoco,
             other => Problem::NotRobot(shown(other)),
         };
         return Err(cleaner.error(root, problem));
@@ -91,8 +92,11 @@ impl Cleaner<'_> {
             let known = schema.children.iter().find(|known| known.schema.name == child.tag_name().name());
             match known.filter(|_| child.tag_name().namespace() == self.namespace.as_deref()) {
                 Some(known) => self.child(child, known.schema, known.count, &mut element)?,
-                None if says_friction_alone(child) || says_rotor(child) => {}
-                None => self.ignore(child, format!("<{}>", qualified(child)), schema.name),
+                None if says_rotor(child) => {}
+                None => match beside_friction(child) {
+                    Some(beside) => beside.into_iter().for_each(|(node, what, of)| self.ignore(node, what, &of)),
+                    None => self.ignore(child, format!("<{}>", qualified(child)), schema.name),
+                },
             }
         }
         for known in schema.children.iter().filter(|known| known.count == Count::One) {

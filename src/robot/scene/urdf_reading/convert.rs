@@ -51,7 +51,8 @@ impl Converter<'_> {
             let name = element.attribute("name").map(str::to_string);
             let color = element.child("material").and_then(|material| self.color(material));
             let (origin, rpy) = self.origin(element, owner)?;
-            shapes.push(Shape { name, origin, rpy, geometry, color, line: element.line });
+            let surface = Surface::default();
+            shapes.push(Shape { name, origin, rpy, geometry, color, surface, line: element.line });
         }
         Ok(shapes)
     }
@@ -293,7 +294,7 @@ impl Converter<'_> {
                 path: form.text("filename"),
                 resolved: self.meshes.get(form.attribute("filename")?).cloned(),
                 scale: form.vector("scale").map_or(Vector3::repeat(1.0), Vector3::from),
-                carried: None,
+                carried: self.meshes.carried(form.attribute("filename")?).cloned(),
             }),
         })
     }

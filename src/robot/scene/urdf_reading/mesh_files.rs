@@ -6,11 +6,13 @@ use crate::scene::urdf_reading::package_path::{PackagePath, Resolved};
 use crate::scene::warning::Warning;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The mesh files that were found, by the name the URDF gives them.
 #[derive(Default)]
 pub(crate) struct MeshFiles {
     found: HashMap<String, PathBuf>,
+    carried: HashMap<String, Arc<Vec<u8>>>,
 }
 
 /// Meshes of one package (or folder) that were not found.
@@ -29,6 +31,11 @@ impl MeshFiles {
         self.found.get(name)
     }
 
+    /// The bytes behind a name, if they are in memory alone.
+    pub fn carried(&self, name: &str) -> Option<&Arc<Vec<u8>>> {
+        self.carried.get(name)
+    }
+
     /// Looks for every mesh of the robot.
     pub fn find(file: &Path, robot: &CleanElement, packages: &PackagePath) -> (Self, Vec<Warning>) {
         let folder = file.parent().unwrap_or(Path::new(""));
@@ -43,6 +50,10 @@ impl MeshFiles {
             let reason = match packages.resolve(name, folder) {
                 Resolved::Found(path) => {
                     files.found.insert(name.to_string(), path);
+                    continue;
+                }
+                Resolved::Carried(bytes) => {
+                    files.carried.insert(name.to_string(), bytes);
                     continue;
                 }
                 Resolved::Missing(tried) => {

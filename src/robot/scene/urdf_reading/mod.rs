@@ -10,6 +10,7 @@ pub(crate) mod package_path;
 pub(crate) mod schema;
 pub(crate) mod screws;
 pub(crate) mod surface_friction;
+pub(crate) mod taken_numbers;
 pub(crate) mod transmissions;
 pub(crate) mod tree;
 pub(crate) mod unsimulated;

@@ -7,9 +7,13 @@
 //! 3. `AMENT_PREFIX_PATH`: `P/NAME/rest`, `P/share/NAME/rest`;
 //! 4. the folders above the URDF: `A/NAME/rest`, `A/rest`.
 //!
+//! A name that a program carries in memory is that.
+//!
 //! A rest that leads out of its package, `package://NAME/../file`, names no file.
 
+use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 /// The places in which packages are looked for.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +24,10 @@ pub struct PackagePath {
     pub ros_package_path: Vec<PathBuf>,
     /// Folders of `AMENT_PREFIX_PATH`.
     pub ament_prefix_path: Vec<PathBuf>,
+    /// Arguments of sources of xacro: names and values.
+    pub xacro: Vec<(String, String)>,
+    /// Files that are in memory alone, by the names that a robot gives them.
+    pub carried: HashMap<String, Arc<Vec<u8>>>,
 }
 
 /// The result of a search for a file.
@@ -27,6 +35,8 @@ pub struct PackagePath {
 pub enum Resolved {
     /// The file exists.
     Found(PathBuf),
+    /// It is in memory.
+    Carried(Arc<Vec<u8>>),
     /// It does not; these paths were tried.
     Missing(Vec<PathBuf>),
     /// It leads out of its package.
@@ -47,11 +57,16 @@ impl PackagePath {
             packages,
             ros_package_path: folders("ROS_PACKAGE_PATH"),
             ament_prefix_path: folders("AMENT_PREFIX_PATH"),
+            xacro: Vec::new(),
+            carried: HashMap::new(),
         }
     }
 
     /// Looks for the file that a URDF in the folder `folder` calls `uri`.
     pub fn resolve(&self, uri: &str, folder: &Path) -> Resolved {
+        if let Some(bytes) = self.carried.get(uri) {
+            return Resolved::Carried(bytes.clone());
+        }
         let candidates = match uri.split_once("://") {
             None => vec![folder.join(uri)],
             Some(("file", path)) => vec![folder.join(path)],

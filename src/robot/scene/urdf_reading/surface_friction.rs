@@ -8,34 +8,54 @@
 //!
 //! Gazebo's `mu2` is the coefficient across the first direction. Friction here is the same in all directions, so the smaller one is used.
 
-use crate::mechanism::ground::words::counted;
 use crate::scene::error::Element;
 use crate::scene::numbers::{check_friction, numbers, shown};
 use crate::scene::robot::Link;
+use crate::scene::taken::{Taken, TakenNumber};
 use crate::scene::text::XmlText;
-use crate::scene::warning::{Warning, WarningGroup};
+use crate::scene::warning::Warning;
 use roxmltree::Node;
 use std::collections::BTreeMap;
 
 /// Elements of `<gazebo>` that say friction.
 const OF_GAZEBO: [&str; 3] = ["mu", "mu1", "mu2"];
 
+/// Elements within links that say friction.
+const OF_LINK: [&str; 2] = ["contact_coefficients", "lateral_friction"];
+
 /// What sets it instead.
 const INSTEAD: &str = "`friction` of a [[link]] in a scene file, or --set link.NAME.friction=MU, sets it";
 
-/// Most links that a message names.
-const NAMED: usize = 6;
-
-/// Whether an element says friction and no more, so that it is not ignored.
-pub(crate) fn says_friction_alone(node: Node) -> bool {
-    let own = node.tag_name().name() == "gazebo" && node.attribute("reference").is_some();
-    let mut parts = node.children().filter(Node::is_element).peekable();
-    own && parts.peek().is_some() && parts.all(|part| OF_GAZEBO.contains(&part.tag_name().name()))
+/// The parts that are not read of an element that says friction: each part, how it is written, and the name of the element around it. `None` if the
+/// element says no friction.
+pub(crate) fn beside_friction<'d, 'x>(node: Node<'d, 'x>) -> Option<Vec<(Node<'d, 'x>, String, String)>> {
+    let names: &[&str] = match node.tag_name().name() {
+        "gazebo" if node.attribute("reference").is_some() => &OF_GAZEBO,
+        "contact" | "contact_coefficients" => &OF_LINK,
+        _ => return None,
+    };
+    let says = |node: Node| within(node, names).into_iter().any(has_coefficient);
+    if !says(node) {
+        return None;
+    }
+    let (mut beside, mut open) = (Vec::new(), vec![node]);
+    while let Some(one) = open.pop() {
+        let of = || shown(one.tag_name().name());
+        if names.contains(&one.tag_name().name()) {
+            let unread = one.attributes().filter(|given| !["mu", "value"].contains(&given.name()));
+            beside.extend(unread.map(|given| (one, format!("{}=\"...\"", shown(given.name())), of())));
+        }
+        let (inner, unread): (Vec<Node>, Vec<Node>) =
+            one.children().filter(Node::is_element).partition(|one| says(*one));
+        beside.extend(unread.into_iter().map(|part| (part, format!("<{}>", shown(part.tag_name().name())), of())));
+        open.extend(inner);
+    }
+    Some(beside)
 }
 
-/// Puts the friction that the document says into the links. The warnings say which coefficients were taken and which were not.
-pub(crate) fn take_friction(xml: &XmlText, root: Node, links: &mut [Link]) -> Vec<Warning> {
-    let (mut taken, mut warnings): (Vec<(String, f64, usize)>, Vec<Warning>) = (Vec::new(), Vec::new());
+/// Puts the friction that the document says into the links. Returns the numbers that were taken, and warnings of the others.
+pub(crate) fn take_friction(xml: &XmlText, root: Node, links: &mut [Link]) -> (Vec<Taken>, Vec<Warning>) {
+    let (mut taken, mut warnings): (Vec<Taken>, Vec<Warning>) = (Vec::new(), Vec::new());
     let odd = |node: Node, link: &str, message: String| {
         Warning::odd(&xml.file, Some(xml.line(node)), Some(Element::Link(link.to_string())), message)
     };
@@ -44,12 +64,15 @@ pub(crate) fn take_friction(xml: &XmlText, root: Node, links: &mut [Link]) -> Ve
     for node in root.children().filter(Node::is_element) {
         let (link, all) = match node.tag_name().name() {
             "gazebo" => (node.attribute("reference"), within(node, &OF_GAZEBO)),
-            "link" => (node.attribute("name"), within(node, &["contact_coefficients", "lateral_friction"])),
+            "link" => (node.attribute("name"), within(node, &OF_LINK)),
             _ => continue,
         };
-        // A reference to a joint says something else.
         if let Some(index) = links.iter().position(|own| Some(own.name.as_str()) == link) {
             said.entry(index).or_default().extend(all);
+        } else if let Some(name) = link.filter(|name| !all.is_empty() && !is_joint(root, name)) {
+            let message =
+                format!("friction of <gazebo reference={name:?}> has no effect: there is no link of this name");
+            warnings.push(Warning::odd(&xml.file, Some(xml.line(node)), None, message));
         }
     }
     for (index, all) in said {
@@ -72,19 +95,15 @@ pub(crate) fn take_friction(xml: &XmlText, root: Node, links: &mut [Link]) -> Ve
             warnings.push(odd(all[0], &link.name, message));
         }
         link.surface.friction = Some(least);
-        taken.push((link.name.clone(), least, xml.line(all[0])));
+        let of = Element::Link(link.name.clone());
+        taken.push(Taken { number: TakenNumber::Friction, of, value: least, line: xml.line(all[0]) });
     }
-    if let Some((_, _, line)) = taken.first() {
-        let mut named: Vec<String> =
-            taken.iter().take(NAMED).map(|(link, friction, _)| format!("{friction} for {link:?}")).collect();
-        if taken.len() > NAMED {
-            named.push(format!("and so on for {} more", taken.len() - NAMED));
-        }
-        let links = counted(taken.len(), "link", "links");
-        let message = format!("friction of {links} is taken from the file: {}", named.join(", "));
-        warnings.push(Warning::odd(&xml.file, Some(*line), None, message).in_group(WarningGroup::Taken));
-    }
-    warnings
+    (taken, warnings)
+}
+
+/// Whether the document has a joint of this name, of which a reference says something else.
+fn is_joint(root: Node, name: &str) -> bool {
+    root.children().any(|one| one.tag_name().name() == "joint" && one.attribute("name") == Some(name))
 }
 
 /// All elements of these names within one.
@@ -94,12 +113,17 @@ fn within<'d, 'x>(node: Node<'d, 'x>, names: &[&str]) -> Vec<Node<'d, 'x>> {
 
 /// The coefficient that an element says: its attribute `mu` or `value`, or its text. Of `<contact_coefficients>` without `mu` there is none.
 fn coefficient(node: Node) -> Result<Option<f64>, String> {
-    let attribute = node.attribute("mu").or_else(|| node.attribute("value"));
-    if attribute.is_none() && node.tag_name().name() == "contact_coefficients" {
+    if !has_coefficient(node) {
         return Ok(None);
     }
+    let attribute = node.attribute("mu").or_else(|| node.attribute("value"));
     let text = attribute.or_else(|| node.text()).unwrap_or_default();
     let (read, _) = numbers(text, 1, false)?;
     let number = read.first().and_then(|number| number.parse().ok()).unwrap_or(f64::NAN);
     check_friction(number).map(|()| Some(number))
+}
+
+/// Whether an element that may say friction does.
+fn has_coefficient(node: Node) -> bool {
+    node.tag_name().name() != "contact_coefficients" || node.has_attribute("mu") || node.has_attribute("value")
 }

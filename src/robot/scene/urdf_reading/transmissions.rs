@@ -14,8 +14,9 @@ use crate::mechanism::ground::words::counted;
 use crate::scene::error::Element;
 use crate::scene::numbers::numbers;
 use crate::scene::robot::UrdfJoint;
+use crate::scene::taken::{Taken, TakenNumber};
 use crate::scene::text::XmlText;
-use crate::scene::warning::{Warning, WarningGroup};
+use crate::scene::warning::Warning;
 use roxmltree::Node;
 
 const INERTIAS: [&str; 3] = ["rotorInertia", "motorInertia", "rotor_inertia"];
@@ -24,24 +25,22 @@ const RATIOS: [&str; 2] = ["mechanicalReduction", "gear_ratio"];
 /// What sets it instead.
 const INSTEAD: &str = "`armature` of a [[joint]] in a scene file, or --set joint.NAME.armature=A, sets it";
 
-/// Most joints that a message names.
-const NAMED: usize = 6;
-
 /// Whether an element says the inertia of a rotor, so that it is not ignored.
 pub(crate) fn says_rotor(node: Node) -> bool {
     node.tag_name().name() == "transmission" && inside(node, &INERTIAS).next().is_some()
 }
 
-/// Adds the armatures that transmissions say to the joints. The warnings say which were taken and which were not.
-pub(crate) fn take_rotors(xml: &XmlText, root: Node, joints: &mut [UrdfJoint]) -> Vec<Warning> {
-    let (mut taken, mut warnings): (Vec<(String, f64, usize)>, Vec<Warning>) = (Vec::new(), Vec::new());
+/// Adds the armatures that transmissions say to the joints. Returns the numbers that were taken, and warnings of the others.
+pub(crate) fn take_rotors(xml: &XmlText, root: Node, joints: &mut [UrdfJoint]) -> (Vec<Taken>, Vec<Warning>) {
+    let (mut taken, mut warnings): (Vec<Taken>, Vec<Warning>) = (Vec::new(), Vec::new());
     for node in root.children().filter(|node| node.is_element() && says_rotor(*node)) {
         let called = node.attribute("name").unwrap_or("without a name");
         let read = driven(node, joints).and_then(|joint| Ok((joint, armature(node)?)));
         match read {
             Ok((joint, armature)) => {
                 *joint.armature.get_or_insert(0.0) += armature;
-                taken.push((joint.name.clone(), armature, xml.line(node)));
+                let of = Element::Joint(joint.name.clone());
+                taken.push(Taken { number: TakenNumber::Armature, of, value: armature, line: xml.line(node) });
             }
             Err(reason) => {
                 let message = format!("the rotor of <transmission> {called:?} is not simulated: {reason}; {INSTEAD}");
@@ -49,18 +48,7 @@ pub(crate) fn take_rotors(xml: &XmlText, root: Node, joints: &mut [UrdfJoint]) -
             }
         }
     }
-    if let Some((joint, _, line)) = taken.first() {
-        let mut named: Vec<String> =
-            taken.iter().take(NAMED).map(|(joint, armature, _)| format!("{armature} for {joint:?}")).collect();
-        if taken.len() > NAMED {
-            named.push(format!("and so on for {} more", taken.len() - NAMED));
-        }
-        let rotors = counted(taken.len(), "joint", "joints");
-        let message = format!("armature of {rotors} is taken from the file: {}", named.join(", "));
-        let owner = (taken.len() == 1).then(|| Element::Joint(joint.clone()));
-        warnings.push(Warning::odd(&xml.file, Some(*line), owner, message).in_group(WarningGroup::Taken));
-    }
-    warnings
+    (taken, warnings)
 }
 
 /// The joint that a transmission drives.

@@ -32,11 +32,11 @@ pub fn read_urdf(path: &Path, packages: &PackagePath) -> Result<Robot, SceneErro
 /// As [`read_urdf`].
 pub(crate) fn robot_or_xacro(text: &str, path: &Path, packages: &PackagePath) -> Result<Robot, SceneError> {
     if is_source(path) {
-        return robot_from_text(&expanded(path, None)?, path, packages);
+        return robot_from_text(&expanded(path, text, None, &packages.xacro)?, path, packages);
     }
     match robot_from_text(text, path, packages) {
         Err(SceneError { line, problem, .. }) if matches!(*problem, Problem::Xacro(_)) => {
-            robot_from_text(&expanded(path, line)?, path, packages)
+            robot_from_text(&expanded(path, text, line, &packages.xacro)?, path, packages)
         }
         read => read,
     }
@@ -93,8 +93,9 @@ fn read_robot(
         loops.push(closing);
     }
     let root = find_root(path, &links, &joints, robot.line)?;
-    let of_friction = take_friction(&xml, xml.document()?.root_element(), &mut links);
-    let of_rotors = take_rotors(&xml, xml.document()?.root_element(), &mut joints);
+    let (mut taken, of_friction) = take_friction(&xml, xml.document()?.root_element(), &mut links);
+    let (rotors, of_rotors) = take_rotors(&xml, xml.document()?.root_element(), &mut joints);
+    taken.extend(rotors);
 
     let mut warnings = xml.warnings;
     warnings.extend(of_friction);
@@ -107,7 +108,7 @@ fn read_robot(
     let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);
     meshes.make_absolute(&mut robot);
     let description = write(&robot);
-    Ok(Robot {
+    let mut robot = Robot {
         name,
         links,
         joints,
@@ -117,7 +118,10 @@ fn read_robot(
         source: source.to_string(),
         description,
         warnings,
-    })
+        taken,
+    };
+    robot.tell_taken();
+    Ok(robot)
 }
 
 impl Robot {
