@@ -10,6 +10,7 @@ mod runs;
 mod sensitivity;
 mod sensitivity_contacts;
 mod sensitivity_events;
+mod sensitivity_frames;
 mod sensitivity_gradient;
 mod sensitivity_keys;
 mod sensors;

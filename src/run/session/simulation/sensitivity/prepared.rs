@@ -21,7 +21,7 @@ use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use crate::session::simulation::sensitivity::parameters::frames;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use std::sync::{Arc, Mutex};
 
 /// The repeated steps end this close to the run, in multiples of its tolerance and of its displacements.
@@ -150,6 +150,12 @@ impl Prepared {
             laws: &self.laws,
             parameters,
         }
+    }
+
+    /// The derivatives of the origins of the links of floating joints in their bodies (n × p).
+    pub fn arms(&self) -> DMatrix<f64> {
+        let (n, p) = (self.start.velocity.len(), self.parameters.len());
+        DMatrix::from_fn(n, p, |row, column| self.parameters[column].arms[row])
     }
 
     /// The same run with its trace.
