@@ -61,11 +61,4 @@ impl TimeLaws {
     pub fn new(motors: &[Motor], forces: &Forces) -> Self {
         TimeLaws { motors: motors.to_vec(), courses: forces.joint_courses.clone() }
     }
-
-    /// The next instant after a time at which an effort changes its law (s).
-    pub fn next_instant(&self, time: f64) -> f64 {
-        let motors = self.motors.iter().map(|motor| motor.next_instant(time));
-        let courses = self.courses.iter().map(|load| load.course.next_instant(time));
-        motors.chain(courses).fold(f64::INFINITY, f64::min)
-    }
 }

@@ -42,6 +42,8 @@ pub(crate) struct Subject<'w> {
     pub tableau: &'w Tableau,
     pub laws: &'w TimeLaws,
     pub parameters: &'w [Parameter],
+    /// When the run ends (s).
+    pub end: f64,
 }
 
 /// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
@@ -215,7 +217,7 @@ impl<'w> Walk<'w> {
         if let Some(&trigger) = traced.triggers.first() {
             return self.step_to_event(traced, &mode, &closed, trigger, next);
         }
-        let later = self.later(traced, since);
+        let later = self.later(traced, since)?;
         if mode.free.is_empty() {
             self.state.time = traced.end.time;
             self.tangent.times = later;
@@ -234,15 +236,29 @@ impl<'w> Walk<'w> {
         Ok(())
     }
 
-    /// ∂T/∂θ of the end of a step to a given instant (p): the instant may move with a parameter.
-    pub(super) fn later(&self, traced: &TracedStep, since: f64) -> DVector<f64> {
-        let Subject { laws, parameters, .. } = *self.subject;
-        let reached = laws.next_instant(since);
-        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
-        let later = |parameter: &Parameter| {
-            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
-        };
-        DVector::from_iterator(parameters.len(), parameters.iter().map(later))
+    /// ∂T/∂θ of the end of a step to a given instant (p): the ticks of a motor move with its period. The end of the run does not move.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Ticks`] where ticks of two motors fall together that move apart.
+    pub(super) fn later(&self, traced: &TracedStep, since: f64) -> Result<DVector<f64>, SensitivityError> {
+        let Subject { laws, parameters, end, .. } = *self.subject;
+        let time = traced.end.time;
+        let mut later = DVector::zeros(parameters.len());
+        if time >= end {
+            return Ok(later);
+        }
+        let here = |instant: f64| (instant - time).abs() <= AT_TICK * time.abs().max(1.0);
+        let mut known = false;
+        for (index, motor) in laws.motors.iter().enumerate().filter(|(_, motor)| here(motor.next_instant(since))) {
+            let ticks = if motor.period > 0.0 { (time / motor.period).round() } else { 0.0 };
+            let own = parameters.iter().map(|parameter| ticks * parameter.slope(|laws| laws.motors[index].period));
+            let own = DVector::from_iterator(parameters.len(), own);
+            if known && (&own - &later).amax() > AT_TICK * own.amax().max(later.amax()) {
+                return Err(SensitivityError::Ticks { time });
+            }
+            (known, later) = (true, own);
+        }
+        Ok(later)
     }
 
     /// Notes limits that a joint has turned back from within a step.

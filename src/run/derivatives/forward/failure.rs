@@ -39,6 +39,11 @@ pub enum SensitivityError {
         "{contact} stay closed from t = {time} s on with features whose derivatives are not known; end the run before it"
     )]
     Closed { time: f64, contact: String },
+    /// Ticks that fall together and move apart.
+    #[error(
+        "ticks of two motors fall together at t = {time} s, and move apart with the period of one: there is no derivative by it; give periods without common ticks, or end the run before"
+    )]
+    Ticks { time: f64 },
     /// No step of the scheme was made.
     #[error(
         "the run makes steps of first order over many events at t = {time} s, which have no derivative; end the run before it"

@@ -149,6 +149,7 @@ impl Prepared {
             tableau: self.tableau,
             laws: &self.laws,
             parameters,
+            end: self.end.time,
         }
     }
 
