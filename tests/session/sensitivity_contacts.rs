@@ -151,3 +151,19 @@ fn a_parameter_that_opens_a_closed_contact_is_valid_within_nothing() {
     assert!(run.valid_within[column(&run, "gravity.x")] > 0.0);
     assert!(run.dq.iter().all(|dq| dq.iter().all(|entry| entry.is_finite())));
 }
+
+#[test]
+fn a_box_that_spins_while_it_slides_on_four_corners_has_the_derivatives_of_its_runs() {
+    // Pressures lie on a plane: they are as unequal as friction at the height of the centre makes them, and each corner slips in its own direction.
+    for spin in [0.0, 2.0] {
+        let start = format!(
+            "pose = {{ position = [0, 0, 0.05] }}\nvelocity = {{ linear = [1.5, 0.3, 0], angular = [0, 0, {spin:?}] }}"
+        );
+        let name = format!("spinning_box_{spin}");
+        let model = on_the_floor(&name, "<box size='0.2 0.3 0.1'/>", 0.02, [0.0, 0.0, -9.81], &start, 0.3);
+        let keys = ["velocity.angular.z", "velocity.linear.x", "floor.friction"];
+        agrees_with_runs(&model, &keys, (5, 0.02, 0.3), 1e-2, 1e-7);
+        let run = derivatives(&model, 5, 0.02, 0.3, &keys);
+        assert!(run.warnings.is_empty(), "the shares of one rigid body on a plane are constant: {:?}", run.warnings);
+    }
+}

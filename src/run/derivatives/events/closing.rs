@@ -141,7 +141,8 @@ impl Walk<'_> {
         }
         let of = |(chunk, figures): (usize, &BothFigures<Part>)| {
             let anchors = self.anchored.iter().map(|(_, varied)| varied[chunk].clone()).collect();
-            Ok(ClosedContacts { anchors, touches: self.touches_of(traced, &figures.laws)? })
+            let shares = mode.closed.shares.clone();
+            Ok(ClosedContacts { anchors, touches: self.touches_of(traced, &figures.laws)?, shares })
         };
         self.varied.chunks().iter().enumerate().map(of).collect()
     }

@@ -11,6 +11,7 @@ mod locating;
 mod meet;
 pub mod parameter;
 pub(crate) mod reverse;
+mod sharing;
 mod solving;
 mod struck;
 mod ticks;

@@ -172,13 +172,16 @@ impl<'w> Walk<'w> {
         let constant = ClosedContacts {
             anchors: anchors.iter().map(lifted).collect(),
             touches: self.touches_of(traced, &self.constant.laws)?,
+            shares: Vec::new(),
         };
-        let closed = ClosedContacts { anchors, touches: self.touches_of(traced, &self.figures.laws)? };
+        let touches = self.touches_of(traced, &self.figures.laws)?;
+        let closed = ClosedContacts { anchors, touches, shares: Vec::new() };
         let slips = self.slips_of(traced);
         let mut mode = StepMode { free, rows: Vec::new(), row_count: 0, motors, closed, constant, slips };
         let gradient = self.gradient(&mode);
         mode.row_count = gradient.nrows();
-        let of_free = gradient.select_columns(&mode.free);
+        let mut of_free = gradient.select_columns(&mode.free);
+        mode.take_shares(&mut of_free);
         mode.rows = Independent::of(&of_free, &vec![1.0; mode.free.len()]).rows;
         Ok(mode)
     }
@@ -223,6 +226,7 @@ impl<'w> Walk<'w> {
             self.tangent.times = later;
             return Ok(());
         }
+        self.see_shares(&mode);
         let before = self.state.clone();
         let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since, None)?;
         let longer = &later - &self.tangent.times;
