@@ -167,3 +167,27 @@ fn a_box_that_spins_while_it_slides_on_four_corners_has_the_derivatives_of_its_r
         assert!(run.warnings.is_empty(), "the shares of one rigid body on a plane are constant: {:?}", run.warnings);
     }
 }
+
+#[test]
+fn a_body_that_turns_while_all_its_slips_stop_is_warned_of() {
+    let foot = |[x, y]: [f64; 2]| {
+        format!("<collision><origin xyz='{x} {y} -0.05'/><geometry><sphere radius='0.03'/></geometry></collision>")
+    };
+    let feet: String = [[0.2, 0.0], [-0.1, 0.15], [-0.12, -0.17]].map(foot).concat();
+    let urdf = scene(
+        "tripod.urdf",
+        &format!(
+            "<robot name='tripod'><link name='tripod'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/><inertia ixx='.03' iyy='.04' \
+             izz='.05' ixy='0.001' ixz='0' iyz='0'/></inertial>{feet}</link></robot>"
+        ),
+    );
+    let text = format!(
+        "[[robot]]\nurdf = {urdf:?}\nbase = \"floating\"\npose = {{ position = [0, 0, 0.08] }}\n\
+         velocity = {{ linear = [0.6, 0.4, 0], angular = [0, 0, 2] }}\n\
+         [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.3\n"
+    );
+    let model = Model::load(scene("tripod.toml", &text)).expect("a model");
+    let run = derivatives(&model, 5, 0.01, 0.5, &["floor.friction"]);
+    assert!(run.events.iter().any(|event| event.what.contains("stops")), "{:?}", run.events);
+    assert!(run.warnings.iter().any(|warning| warning.contains("turns by")), "{:?}", run.warnings);
+}

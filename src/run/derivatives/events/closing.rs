@@ -83,8 +83,15 @@ impl Walk<'_> {
         traced.mode.contacts.iter().map(of).collect()
     }
 
-    /// Tells of a slip that turns while it stops: `φ = u · t₀` is zero and u is not.
-    pub(super) fn see_turn(&mut self, traced: &TracedStep, trigger: Watched, start: &State, words: &str) {
+    /// Tells of slips that turn while they stop: of the contact itself `φ = u · t₀` is zero and u is not, and the slips of all others turn from the
+    /// start of the step to its last inner stage.
+    pub(super) fn see_turn(
+        &mut self,
+        traced: &TracedStep,
+        trigger: Watched,
+        [start, inside]: [&State; 2],
+        words: &str,
+    ) {
         let belongs = |contact: usize, closed: &Closed| match trigger {
             Watched::Slips(own) => own == contact,
             Watched::SlipsTogether(pair) => closed.contact.pair == pair && closed.slides.is_some(),
@@ -97,7 +104,21 @@ impl Walk<'_> {
                 [&before, &after].map(|bodies| touch_motion(&closed.contact.joint, bodies).slip.norm());
             belongs(contact, closed).then(|| after.atan2(before))
         };
-        let turned = traced.mode.contacts.iter().enumerate().filter_map(of).fold(0.0, f64::max);
+        let own = traced
+            .mode
+            .contacts
+            .iter()
+            .enumerate()
+            .filter_map(of)
+            .fold(None, |most: Option<f64>, turned| Some(most.map_or(turned, |most| most.max(turned))));
+        let Some(own) = own else { return };
+        let [first, last] = [start, inside].map(|state| body_states(mechanism, state));
+        let turns = |closed: &Closed| {
+            let [one, other] = [&first, &last].map(|bodies| touch_motion(&closed.contact.joint, bodies).slip);
+            one.cross(&other).norm().atan2(one.dot(&other))
+        };
+        let sliding = traced.mode.contacts.iter().filter(|closed| closed.slides.is_some());
+        let turned = sliding.map(turns).fold(own, f64::max);
         if turned > STRAIGHT {
             let time = self.state.time;
             self.warnings.push(format!(

@@ -71,7 +71,7 @@ impl Walk<'_> {
         let still = DVector::zeros(self.tangent.times.len());
         self.carry(mode, step, solved, &efforts, closed, &still)?;
         self.take_end(solved, since + step);
-        self.see_turn(traced, trigger, &start, &words);
+        self.see_turn(traced, trigger, [&start, solved.stages.iter().rev().nth(1).unwrap_or(&start)], &words);
         let mut longer = DVector::zeros(still.len());
         for (chunk, closed) in closed.iter().enumerate() {
             let varying = Varying { chunk: Some(chunk), tangent: &self.tangent };

@@ -9,6 +9,7 @@ mod jumping;
 mod limit_impact;
 mod locating;
 mod meet;
+mod near;
 pub mod parameter;
 pub(crate) mod reverse;
 mod sharing;

@@ -13,6 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::near::Passed;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
@@ -21,8 +22,8 @@ use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, lifted};
 use crate::derivatives::forward::tangent::{Tangent, Varied};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
-use crate::events::trace::{Closed, JointMode, Mode, MotorMode, Traced, TracedJump, TracedStep};
-use crate::instant::holding::elements::{Elements, inward};
+use crate::events::trace::{Closed, Mode, MotorMode, Traced, TracedJump, TracedStep};
+use crate::instant::holding::elements::Elements;
 use crate::lobatto::tableau::butcher::Tableau;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -227,12 +228,12 @@ impl<'w> Walk<'w> {
             return Ok(());
         }
         self.see_shares(&mode);
-        let before = self.state.clone();
+        let (before, was) = (self.state.clone(), self.tangent.clone());
         let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since, None)?;
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(&solved, traced.end.time);
-        self.see_near(traced, &before);
+        self.see_near(traced, &Passed { before: &before, was: &was, stages: &solved.stages });
         if self.keeps {
             let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
             self.kept = Some(Arc::new(KeptStep { step: traced.end.time - since, mode, solved, efforts }));
@@ -263,24 +264,6 @@ impl<'w> Walk<'w> {
             (known, later) = (true, own);
         }
         Ok(later)
-    }
-
-    /// Notes limits that a joint has turned back from within a step.
-    fn see_near(&mut self, traced: &TracedStep, before: &State) {
-        let Subject { mechanism, elements, .. } = *self.subject;
-        for (joint, mode) in elements.joints.iter().zip(&traced.mode.joints) {
-            let JointMode::Free { .. } = mode else { continue };
-            for side in joint.sides() {
-                let rates = [before, &self.state].map(|state| inward(side) * joint.rate(state));
-                if rates[0] < 0.0 && rates[1] > 0.0 {
-                    let gaps = [before, &self.state].map(|state| joint.gap(side, joint.position(state)));
-                    let name = &mechanism.bodies[joint.owner(side)].joint.name;
-                    let by = self.tangent.positions.row(joint.coordinate.freedom).transpose();
-                    let what = format!("joint \"{name}\" meets a limit");
-                    self.validity.see_near(&what, self.state.time, gaps[0].min(gaps[1]), &by);
-                }
-            }
-        }
     }
 }
 
