@@ -187,7 +187,27 @@ fn a_body_that_turns_while_all_its_slips_stop_is_warned_of() {
          [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.3\n"
     );
     let model = Model::load(scene("tripod.toml", &text)).expect("a model");
-    let run = derivatives(&model, 5, 0.01, 0.5, &["floor.friction"]);
-    assert!(run.events.iter().any(|event| event.what.contains("stops")), "{:?}", run.events);
-    assert!(run.warnings.iter().any(|warning| warning.contains("turns by")), "{:?}", run.warnings);
+    let fixed = derivatives(&model, 5, 0.01, 0.5, &["floor.friction"]);
+    assert!(fixed.events.iter().any(|event| event.what.contains("stops")), "{:?}", fixed.events);
+    assert!(fixed.warnings.iter().any(|warning| warning.contains("turns by")), "{:?}", fixed.warnings);
+    for tolerance in [1e-6, 1e-8, 1e-10] {
+        let run = Simulation::new(&model).tolerance(tolerance).duration(0.5).without_figures();
+        match run.sensitivity(&["floor.friction"]) {
+            // Never a number without a word.
+            Ok(run) => assert!(!run.warnings.is_empty(), "{tolerance}: {:?}", run.dq.last()),
+            Err(error) => assert!(error.to_string().contains("could not be solved to rounding"), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn a_corner_that_strikes_while_another_one_rests_has_the_derivatives_of_its_runs() {
+    // The first corner rests from 0.1617 s on, the second one strikes at 0.2023 s: the time of that event is of its own gap.
+    let start = "pose = { position = [0, 0, 0.25], rpy = [0.3, 0.4, 0] }\nvelocity = { linear = [1.5, 0.3, 0], angular = [0, 0, 2] }";
+    let model = on_the_floor("corners", "<box size='0.2 0.3 0.1'/>", 0.02, [0.0, 0.0, -9.81], start, 0.3);
+    let keys = ["velocity.linear.z", "velocity.linear.x", "floor.friction"];
+    let run = derivatives(&model, 5, 0.01, 0.21, &keys);
+    let strikes = run.events.iter().filter(|event| event.what.contains("meets")).count();
+    assert!(strikes >= 2 && run.warnings.is_empty(), "{:?} {:?}", run.events, run.warnings);
+    agrees_with_runs(&model, &keys, (5, 0.01, 0.21), 1e-4, 1e-6);
 }

@@ -13,7 +13,8 @@ use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::end_frame;
 use crate::derivatives::equations::residual::still;
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::walk::Walk;
+use crate::derivatives::events::validity::MetEvent;
+use crate::derivatives::events::walk::{AT_TICK, Walk};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH, lifted};
@@ -182,6 +183,7 @@ impl Walk<'_> {
         if is_like(&self.entered) {
             return Ok(());
         }
+        self.see_unmet(traced);
         self.entered = traced.mode.contacts.clone();
         if mode.rows.is_empty() {
             return Ok(());
@@ -229,6 +231,11 @@ impl Walk<'_> {
             for off in self.lost_motions(traced, &at, &velocities) {
                 for part in (0..width).filter(|&part| off.parts[part].abs() > STAYS) {
                     let what = format!("a closed contact parts or slips at {:.6} s", self.state.time);
+                    if self.state.time > self.began && !self.warnings.iter().any(|known| known.starts_with(&what)) {
+                        self.warnings.push(format!(
+                            "{what}: the derivatives of the impact there do not keep it, and are wrong behind it"
+                        ));
+                    }
                     self.validity.none(first + part, &what);
                 }
             }
@@ -246,6 +253,19 @@ impl Walk<'_> {
         let moved = solve(right).ok_or_else(failed)?;
         mode.free.iter().enumerate().for_each(|(row, &freedom)| self.state.velocity[freedom] += moved[(row, 0)]);
         Ok(())
+    }
+
+    /// Tells of closed contacts that change without an event, whose time would move.
+    fn see_unmet(&mut self, traced: &TracedStep) {
+        let time = self.state.time;
+        let here = |event: &MetEvent| (event.time - time).abs() <= AT_TICK * time.abs().max(1.0);
+        let first = self.entered.is_empty() || traced.mode.contacts.is_empty();
+        if time > self.began && !first && !self.events.iter().rev().any(here) {
+            self.warnings.push(format!(
+                "closed contacts change at {time:.6} s without an event of their own: derivatives behind it leave out that its time moves; \
+                 take another step or tolerance and compare"
+            ));
+        }
     }
 
     /// The velocities that closed contacts take away where their mode begins. At the start of a run any slip of contacts that stick counts; later it

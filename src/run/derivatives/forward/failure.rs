@@ -59,7 +59,7 @@ pub enum SensitivityError {
     Sample { time: f64, start: f64, end: f64 },
     /// A step was not solved again.
     #[error(
-        "the step at t = {time} s could not be solved to rounding again; take shorter steps, with two stages or more"
+        "the step at t = {time} s could not be solved to rounding again: take fixed steps, shorter ones, with two stages or more, or another --tolerance"
     )]
     Step { time: f64 },
     /// The repeated steps do not end where the run ended.
