@@ -9,9 +9,11 @@ Source: J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, chapter
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._errors import CatenaError, InputError
 from ._model import Model
@@ -60,7 +62,21 @@ class Fit:
         return f"<catena.Fit: {parts}; {self.iterations} runs, rms {self.rms:.3g}>"
 
 
-def fit(model, t, data, keys, *, joints=None, q=None, v=None, sigma=None, bounds=None, stages=5, step=None, iterations=50):
+def fit(
+    model: Model,
+    t: ArrayLike,
+    data: ArrayLike,
+    keys: Iterable[str],
+    *,
+    joints: Iterable[str] | None = None,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    sigma: float | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    stages: int = 5,
+    step: float | None = None,
+    iterations: int = 50,
+) -> Fit:
     """Finds numbers of a model so that a run goes through measured positions.
 
     Parameters

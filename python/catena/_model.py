@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError
@@ -28,7 +30,20 @@ def flat(numbers, what):
     return as_array(numbers, what, 1, "of one axis")
 
 
-def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contact=None, without=(), packages=None, params=None, hold=None, keyframe=None):
+def load(
+    path: str | os.PathLike[str],
+    *,
+    base: str = "fixed",
+    base_pose: ArrayLike | None = None,
+    gravity: ArrayLike | None = None,
+    floor: float | None = None,
+    contact: str | None = None,
+    without: Iterable[str] = (),
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    params: Mapping[str, float] | None = None,
+    hold: bool | Mapping[str, float] | None = None,
+    keyframe: str | None = None,
+) -> Model:
     """Reads a robot (``.urdf``) or a scene (``.toml``).
 
     Parameters
@@ -119,7 +134,9 @@ class Sensitivity:
     ----------
     t : times (steps,) [s]
     q, v : (steps, n) as of a run
-    dq, dv : derivatives (steps, n, p) along ``freedoms`` by ``keys``; ball joints turn about the axes of their child
+    dq, dv : derivatives (steps, n, p) along ``freedoms``, the entries of v, by ``keys``. Where q has a quaternion, dq has a rotation vector φ about the
+        axes in which v has the angular velocity, those of the parent: ``R <- exp(hat(φ)) R``, the quaternion changes by ``0.5 (0, φ) * quaternion``.
+        A floating joint moves the origin of its link, as in q and v
     keys, freedoms : names
     events : of the run, each with its time ``t`` [s], ``what`` it is, the derivatives ``dt`` (p) of its time, the ``rate`` of its function, and ``q``, ``v``
         before it jumps with their derivatives ``dq``, ``dv`` (n, p)
@@ -155,7 +172,7 @@ class Sensitivity:
         """A table indexed by time with a column for each position and velocity, and for each derivative, ``dq.JOINT/d.KEY`` and ``dv.JOINT/d.KEY``."""
         return table_of(self._columns())
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the run and its derivatives, the columns of ``to_pandas``, to a file of this ending: ``.npz``, ``.parquet`` or ``.csv``.
 
         A file that is there is replaced when all of the new one is written.
@@ -182,7 +199,7 @@ class Samples:
     v: np.ndarray
     events: list[dict]
 
-    def event(self, word, count=0):
+    def event(self, word: str, count: int = 0) -> int:
         """The number among all events of the one that has this word, as the name of a joint or shape, after so many others: ``run.event("floor", 2)``."""
         own = [number for number, event in enumerate(self.events) if word in event["what"]]
         if not 0 <= count < len(own):
@@ -216,6 +233,9 @@ class Gradient:
 
 class Linear:
     """Linear equations of motion ``d/dt x = A x + B u``; x holds the independent joint coordinates, then their velocities.
+
+    Coordinates of ball and floating joints are slight motions along v: a rotation vector about the axes of the parent, and the displacement of the
+    origin of a floating link. The lower rows of A and B are the derivatives of :meth:`Model.forward_dynamics`.
 
     Attributes
     ----------
@@ -310,7 +330,7 @@ class Model:
         """Numbers by key path: those that were set, or else those of the files; None where no file has one."""
         return dict(self._inner.params())
 
-    def with_params(self, params) -> Model:
+    def with_params(self, params: Mapping[str, float]) -> Model:
         """The same with other numbers, by key path: ``model.with_params({"link7.mass": 2.5, "gravity.z": -1.62})``.
 
         ``model.params`` has all key paths; the first word may be left out where one number remains.
@@ -319,11 +339,11 @@ class Model:
         given = {**self._given, "params": {**self._given.get("params", {}), **params}}
         return Model(self._inner.with_params(params), given)
 
-    def start(self):
+    def start(self) -> tuple[np.ndarray, np.ndarray]:
         """q and v where the file starts it, with all loops closed."""
         return self._inner.start()
 
-    def linearize(self, q=None, v=None, efforts=None, *, at=None):
+    def linearize(self, q: ArrayLike | None = None, v: ArrayLike | None = None, efforts: ArrayLike | None = None, *, at: str | None = None) -> Linear:
         """Linear equations of motion and their modes: a :class:`Linear`.
 
         Parameters
@@ -345,7 +365,17 @@ class Model:
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v), ("efforts", efforts))]
         return Linear(self._inner.linearize(*given, at == "rest"))
 
-    def sensitivity(self, keys, q=None, v=None, *, duration=1.0, tolerance=None, stages=None, step=None):
+    def sensitivity(
+        self,
+        keys: str | Iterable[str],
+        q: ArrayLike | None = None,
+        v: ArrayLike | None = None,
+        *,
+        duration: float = 1.0,
+        tolerance: float | None = None,
+        stages: int | None = None,
+        step: float | None = None,
+    ) -> Sensitivity:
         """A run and its derivatives by its start and its numbers: a :class:`Sensitivity`.
 
         The derivatives go through the steps of the run and are exact for them, also through its events: limits, dry friction, motors at their bounds
@@ -353,14 +383,17 @@ class Model:
 
         Parameters
         ----------
-        keys : ``"start.q"``, ``"start.v"`` (or ``"start.q.JOINT"``), ``"effort.JOINT"``, and key paths of ``model.params``
+        keys : ``"start.q"``, ``"start.v"`` (or ``"start.q.JOINT"``), ``"effort.JOINT"``, and key paths of ``model.params``. Starts and efforts of
+            floating and ball joints are along v, as dq is; an effort is held as :meth:`Sim.set_efforts` holds it
         q, v : the start; that of the file if they are left out
         duration : s
         tolerance : wanted accuracy [m], or ``stages`` and ``step`` [s] of fixed steps
 
         Raises
         ------
-        InputError : unknown keys, and runs without derivatives: with drag, with contacts whose forces are not unique where they let go, and many events in one instant
+        InputError : unknown keys, and runs without derivatives: with drag, ropes through points, belts, rolling and spinning friction, joints that are
+            moved in time, loads over time or in the axes of a link, motors that hold weights, ellipsoids, dampers in ball joints, contacts whose
+            forces are not unique where they let go, and many events in one instant
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
         if (stages is None) != (step is None):
@@ -370,7 +403,20 @@ class Model:
         told = self._inner.sensitivity(keys, *given, float(duration), None if tolerance is None else float(tolerance), fixed)
         return Sensitivity(**told)
 
-    def gradient(self, keys, times, loss, q=None, v=None, *, duration=None, tolerance=None, stages=None, step=None, every=1):
+    def gradient(
+        self,
+        keys: str | Iterable[str],
+        times: ArrayLike,
+        loss: Callable[[Samples], tuple],
+        q: ArrayLike | None = None,
+        v: ArrayLike | None = None,
+        *,
+        duration: float | None = None,
+        tolerance: float | None = None,
+        stages: int | None = None,
+        step: float | None = None,
+        every: int = 1,
+    ) -> Gradient:
         """The gradient of a loss of a run, against time: a :class:`Gradient`. Its cost hardly depends on the number of keys.
 
         The steps of the run also end at the samples, and the gradient is exact for them, through events as well.
@@ -379,7 +425,7 @@ class Model:
         ----------
         keys : as of :meth:`sensitivity`
         times : of the samples, in order, from 0 on [s]
-        loss : a function of the :class:`Samples`: its value, and the derivatives dq, dv (samples, n) of it, along the degrees of freedom; None for zeros.
+        loss : a function of the :class:`Samples`: its value, and the derivatives dq, dv (samples, n) of it along v, as of :class:`Sensitivity`; None for zeros.
             A fourth entry has the derivatives by events: ``{number: dt}`` or ``{number: (dt, dq, dv)}``
         q, v : the start; that of the file if they are left out
         duration : s; the last time if left out
@@ -416,53 +462,53 @@ class Model:
         value, names, by, warnings = self._inner.gradient(keys, times, lost, *given, length, accuracy, fixed, int(every))
         return Gradient(value, by, names, seen[0], warnings)
 
-    def mass_matrix(self, q):
+    def mass_matrix(self, q: ArrayLike) -> np.ndarray:
         """The mass matrix M(q), (n, n)."""
         return self._inner.mass_matrix(flat(q, "q"))
 
-    def jacobian(self, link, q, point=(0, 0, 0)):
+    def jacobian(self, link: str, q: ArrayLike, point: ArrayLike = (0, 0, 0)) -> np.ndarray:
         """The Jacobian (6, n) of a point on a link, given in the link's frame [m]: its velocity, then the link's angular velocity, in the world, for v."""
         return self._inner.point_jacobian(link, _count(point, 3, "point"), flat(q, "q"))
 
-    def inverse_dynamics(self, q, v, a, joints=None):
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, joints: Iterable[str] | None = None) -> np.ndarray:
         """The efforts (n) that give the accelerations a = dv/dt, besides gravity, springs, dampers and loads.
 
         With closed loops and joints that mimic others several efforts do: those of least norm, or those on ``joints`` alone."""
         return self._inner.inverse_dynamics(flat(q, "q"), flat(v, "v"), flat(a, "a"), None if joints is None else list(joints))
 
-    def velocity(self, link, q, v, point=(0, 0, 0)):
+    def velocity(self, link: str, q: ArrayLike, v: ArrayLike, point: ArrayLike = (0, 0, 0)) -> np.ndarray:
         """Velocity of a point on a link, given in the link's frame [m], then the link's angular velocity, in the world (6)."""
         return self._inner.point_velocity(link, _count(point, 3, "point"), flat(q, "q"), flat(v, "v"))
 
-    def acceleration(self, link, q, v, a, point=(0, 0, 0)):
+    def acceleration(self, link: str, q: ArrayLike, v: ArrayLike, a: ArrayLike, point: ArrayLike = (0, 0, 0)) -> np.ndarray:
         """Acceleration of that point, then the link's angular acceleration, in the world (6), for a = dv/dt."""
         return self._inner.point_acceleration(link, _count(point, 3, "point"), flat(q, "q"), flat(v, "v"), flat(a, "a"))
 
-    def bias_acceleration(self, link, q, v, point=(0, 0, 0)):
+    def bias_acceleration(self, link: str, q: ArrayLike, v: ArrayLike, point: ArrayLike = (0, 0, 0)) -> np.ndarray:
         """J̇ v of that point (6): its acceleration, and the link's, for dv/dt = 0."""
         return self.acceleration(link, q, v, np.zeros(len(flat(v, "v"))), point)
 
-    def center_of_mass(self, q):
+    def center_of_mass(self, q: ArrayLike) -> np.ndarray:
         """Centre of mass of all that moves, in the world (3)."""
         return self._inner.center_of_mass(flat(q, "q"))
 
-    def center_of_mass_jacobian(self, q):
+    def center_of_mass_jacobian(self, q: ArrayLike) -> np.ndarray:
         """Its Jacobian (3, n) for v."""
         return self._inner.center_of_mass_jacobian(flat(q, "q"))
 
-    def momentum(self, q, v):
+    def momentum(self, q: ArrayLike, v: ArrayLike) -> np.ndarray:
         """Momentum of all that moves, then its angular momentum about the origin of the world (6)."""
         return self._inner.momentum(flat(q, "q"), flat(v, "v"))
 
-    def forward_dynamics(self, q, v, efforts):
+    def forward_dynamics(self, q: ArrayLike, v: ArrayLike, efforts: ArrayLike) -> np.ndarray:
         """The accelerations dv/dt (n) under efforts, with closed loops and joints that mimic others."""
         return self._inner.forward_dynamics(flat(q, "q"), flat(v, "v"), flat(efforts, "efforts"))
 
-    def gravity_efforts(self, q):
+    def gravity_efforts(self, q: ArrayLike) -> np.ndarray:
         """The efforts (n) that hold it at rest against gravity alone."""
         return self._inner.gravity_efforts(flat(q, "q"))
 
-    def pose(self, link, q):
+    def pose(self, link: str, q: ArrayLike) -> np.ndarray:
         """x, y, z and the quaternion w, x, y, z of a link frame in the world."""
         return self._inner.pose(link, flat(q, "q"))
 

@@ -8,7 +8,7 @@ import os
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 
@@ -133,7 +133,7 @@ class Result:
         """A table indexed by time with a column for each coordinate, ``q.JOINT`` and ``v.JOINT``, and the energy."""
         return table_of(self._columns())
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the run to a file of this ending: ``.mcap`` (a log, for viewers and ``catena inspect``), ``.npz``, ``.parquet`` or ``.csv``.
 
         A file that is there is replaced when all of the new one is written.
@@ -145,11 +145,22 @@ class Result:
         else:
             save_columns(path, self._columns(), [".mcap"])
 
-    def report(self, path, *, mesh_limit=200_000):
+    def report(self, path: str | os.PathLike[str], *, mesh_limit: int = 200_000) -> None:
         """Writes a page that shows the run in 3-D with its curves and its report, in one HTML file that any browser opens."""
         self._inner.save_page(os.fspath(path), mesh_limit)
 
-    def film(self, path, *, size=None, fps=25.0, speed=1.0, time=None, view="corner", browser=False, mesh_limit=200_000):
+    def film(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        size: tuple[int, int] | None = None,
+        fps: float = 25.0,
+        speed: float = 1.0,
+        time: Iterable[float] | None = None,
+        view: str | Iterable[float] = "corner",
+        browser: bool = False,
+        mesh_limit: int = 200_000,
+    ):
         """Writes a film of the run, ``.gif`` or ``.mp4`` (by ffmpeg), or a picture of some instants, ``.png``; returns the number of pictures.
 
         Parameters
@@ -166,7 +177,7 @@ class Result:
         side = view if isinstance(view, str) else ",".join(repr(float(number)) for number in view)
         return self._inner.save_film(os.fspath(path), size and tuple(size), fps, speed, times, side, browser, mesh_limit)
 
-    def show(self, *, mesh_limit=200_000):
+    def show(self, *, mesh_limit: int = 200_000):
         """Shows the page of the run: in a notebook below the cell, else in a browser from a temporary file, whose path is returned."""
         if _in_notebook():
             display = _import("IPython.display", "show in a notebook")
@@ -190,7 +201,7 @@ class Result:
         except InputError:
             return None
 
-    def plot(self, joints=None, axes=None):
+    def plot(self, joints: Iterable[str] | None = None, axes: object | None = None):
         """Draws positions and velocities over time with matplotlib; returns the axes."""
         pyplot = _import("matplotlib.pyplot", "plot")
         names = list(self.q.keys()) if joints is None else [joints] if isinstance(joints, str) else list(joints)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import warnings as python_warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError
-from ._model import as_array
+from ._model import Model, as_array
 from ._named import NamedArray
 
 _NONE = np.zeros(0)
@@ -43,26 +45,26 @@ class Rollouts:
 
 
 def rollout(
-    model,
-    q0,
-    v0=None,
-    duration=None,
-    rate=None,
-    threads=0,
+    model: Model,
+    q0: ArrayLike,
+    v0: ArrayLike | None = None,
+    duration: float | None = None,
+    rate: float | None = None,
+    threads: int = 0,
     *,
-    tolerance=None,
-    stages=None,
-    step=None,
-    controls=None,
-    targets=None,
-    feedback=None,
-    reference=None,
-    period=None,
-    params=None,
-    warnings=False,
-    contacts=False,
-    energies=False,
-    estimate=True,
+    tolerance: float | None = None,
+    stages: int | None = None,
+    step: float | None = None,
+    controls: ArrayLike | None = None,
+    targets: ArrayLike | None = None,
+    feedback: ArrayLike | None = None,
+    reference: ArrayLike | None = None,
+    period: float | None = None,
+    params: Mapping[str, ArrayLike] | None = None,
+    warnings: bool = False,
+    contacts: bool = False,
+    energies: bool = False,
+    estimate: bool = True,
 ) -> Rollouts:
     """Runs a model from many starts, on several threads, while other threads of Python go on.
 

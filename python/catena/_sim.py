@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError, RunError
@@ -81,14 +83,14 @@ class Sim:
         self._time = 0.0
         self._moved = False
 
-    def reset(self):
+    def reset(self) -> None:
         """Back to the start that the file gives, at time 0, with its targets of motors."""
         self._q[:], self._v[:] = self._start
         self._time = 0.0
         self._targets = {}
         self._moved = True
 
-    def start_from(self, log, time=None):
+    def start_from(self, log: str | os.PathLike[str], time: float | None = None) -> None:
         """Puts q and v where another run was: in the sample of its log that is nearest to a time [s], or in the last one, as ``--from LOG@T``. The
         simulation is at time 0 then, with the targets of motors that the file gives, and with joints of a [[motion]] where that is at time 0."""
         self._q[:], self._v[:] = self.model._inner.logged(os.fspath(log), None if time is None else float(time))
@@ -173,7 +175,12 @@ class Sim:
     def __reduce__(self):
         return _sim, (self.model, self._how, self._keep, self._controller, self.state)
 
-    def set_controller(self, controller, rate=None, period=None):
+    def set_controller(
+        self,
+        controller: Callable[[float, np.ndarray, np.ndarray], ArrayLike | None] | None,
+        rate: float | None = None,
+        period: float | None = None,
+    ) -> None:
         """Lets ``controller(t, q, v)`` decide on efforts, asked at a fixed rate [Hz] or period [s]: it returns an array of efforts along v [N m or
         N], held until it is asked again, or None for none. ``set_controller(None)`` takes it away."""
         if controller is None:
@@ -186,7 +193,7 @@ class Sim:
             self._controller = (controller, _period(rate, period))
         self._run = None
 
-    def set_efforts(self, efforts):
+    def set_efforts(self, efforts: ArrayLike | None) -> None:
         """Efforts along v from now on [N m or N], besides the forces of the model; None for none."""
         efforts = None if efforts is None else flat(efforts, "efforts").copy()
         if efforts is not None:
@@ -201,7 +208,7 @@ class Sim:
         if self._is_here():
             self._run.set_efforts(np.zeros(len(self._v)) if efforts is None else self._efforts)
 
-    def set_target(self, joint, target):
+    def set_target(self, joint: str, target: float) -> None:
         """Gives the motor of a joint a target from now on, in place of the file's: a position, a velocity or an effort, as its law says. Motors
         that work out their efforts at ticks see it at the next one. ``model.motor_names`` has the joints."""
         if joint not in self.model.motor_names:
@@ -211,7 +218,7 @@ class Sim:
         if self._is_here():
             self._run.set_target(joint, float(target))
 
-    def set_targets(self, targets):
+    def set_targets(self, targets: ArrayLike) -> None:
         """Targets of all motors: a mapping from joints, or numbers in the order of ``model.motor_names``."""
         if not hasattr(targets, "items"):
             numbers = flat(targets, "targets")
@@ -221,7 +228,16 @@ class Sim:
         for joint, target in targets.items():
             self.set_target(joint, target)
 
-    def run(self, duration=None, rate=60.0, *, log=None, controller=None, control_rate=None, sensitivity=()) -> Result:
+    def run(
+        self,
+        duration: float | None = None,
+        rate: float = 60.0,
+        *,
+        log: str | os.PathLike[str] | None = None,
+        controller: Callable[[float, np.ndarray, np.ndarray], ArrayLike | None] | None = None,
+        control_rate: float | None = None,
+        sensitivity: str | Iterable[str] = (),
+    ) -> Result:
         """Runs from where it is, for a duration [s], and returns samples at a rate [Hz].
 
         ``log`` is an MCAP file that is written on the way. ``controller`` with its ``control_rate`` is as of :meth:`set_controller`, for this run.
@@ -254,11 +270,11 @@ class Sim:
             result.sensitivity = self.model.sensitivity(keys, *start, duration=self._time, tolerance=tolerance, stages=stages, step=step)
         return result
 
-    def step(self, duration):
+    def step(self, duration: float) -> None:
         """Goes on for a duration [s], exactly, under the efforts or the controller that are set."""
         self.step_to(self._time + duration)
 
-    def step_to(self, time):
+    def step_to(self, time: float) -> None:
         """Goes on until a time [s], exactly."""
         time = float(time)
         if not self._time <= time < np.inf:
@@ -272,7 +288,7 @@ class Sim:
             raise
         self._look(run)
 
-    def pose(self, link):
+    def pose(self, link: str) -> np.ndarray:
         """x, y, z and the quaternion w, x, y, z of a link frame in the world now."""
         return self.model.pose(link, self._q)
 

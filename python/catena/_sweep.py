@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,15 +56,15 @@ class Swept:
 
 
 def sweep(
-    path,
-    output,
+    path: str | os.PathLike[str],
+    output: str | os.PathLike[str],
     *,
-    engine=None,
+    engine: object | None = None,
     shards: int | None = None,
     jobs: int | None = None,
     retries: int = 2,
     format: str | None = None,
-    packages=None,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Swept:
     """Makes all runs of a sweep file; called again with the same folder it goes on where it was stopped.

@@ -4,7 +4,14 @@ The derivatives are exact, through events; `jax.grad`, `jax.jacfwd` and `jax.jit
 against time, at a cost that hardly grows with them, and `jax.grad` alone knows them; `against_time` says so or otherwise. JAX must count in doubles: `jax_enable_x64`.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from numpy.typing import ArrayLike
+
 from ._errors import InputError
+from ._model import Model
 from ._motion import Motion
 
 try:
@@ -16,7 +23,17 @@ except ImportError as error:
 __all__ = ["rollout"]
 
 
-def rollout(model, keys, *, duration, step, stages=5, q=None, v=None, against_time=None):
+def rollout(
+    model: Model,
+    keys: str | Iterable[str],
+    *,
+    duration: float,
+    step: float,
+    stages: int = 5,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    against_time: bool | None = None,
+):
     """The function from the numbers of `keys` to q and v (samples, n), a step apart; `.values` are the numbers of the model."""
     if not jax.config.jax_enable_x64:
         raise InputError('JAX counts in single precision: jax.config.update("jax_enable_x64", True) first')

@@ -4,7 +4,14 @@ The derivatives are exact, through events; `backward` knows them. By more than 3
 numbers they are taken against time, at a cost that hardly grows with them; `against_time` says so or otherwise. Numbers are doubles: tensors of float32 are refused.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from numpy.typing import ArrayLike
+
 from ._errors import InputError
+from ._model import Model
 from ._motion import Motion
 
 try:
@@ -34,7 +41,17 @@ class _Run(torch.autograd.Function):
         return torch.einsum("tnk,tn->k", dq, by_q) + torch.einsum("tnk,tn->k", dv, by_v), None
 
 
-def rollout(model, keys, *, duration, step, stages=5, q=None, v=None, against_time=None):
+def rollout(
+    model: Model,
+    keys: str | Iterable[str],
+    *,
+    duration: float,
+    step: float,
+    stages: int = 5,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    against_time: bool | None = None,
+):
     """The function from the numbers of `keys` to q and v (samples, n), a step apart; `.values` are the numbers of the model."""
     motion = Motion(model, keys, duration=duration, step=step, stages=stages, q=q, v=v, against_time=against_time)
 

@@ -236,3 +236,51 @@ def test_derivatives_are_columns_of_tables_and_files(double_pendulum, tmp_path):
     pytest.importorskip("pyarrow")
     run.save(tmp_path / "run.parquet")
     assert pandas.read_parquet(tmp_path / "run.parquet").equals(table)
+
+
+def test_a_floating_link_has_the_derivatives_of_its_q_and_v(tmp_path):
+    # The centre of mass is off the origin of the link: x_link = x_com - R r moves on a circle about it.
+    (tmp_path / "one.urdf").write_text(
+        '<robot name="one"><link name="t"><inertial><origin xyz="0.1 0 0"/><mass value="2"/>'
+        '<inertia ixx=".03" iyy=".04" izz=".05" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+    )
+    model = catena.load(tmp_path / "one.urdf", base="floating", gravity=(0, 0, 0))
+    q, v = model.start()
+    w, t, r = 2.0, 0.5, 0.1
+    v[5] = w
+    keys = ["link.t.center_of_mass.x", "start.v.base.rz", "effort.base.y"]
+    found = model.sensitivity(keys, q, v, duration=t, tolerance=1e-11)
+    assert np.abs(found.dq[0]).max() < 1e-12, "the start does not depend on them"
+    turned, time = w * t, np.array([np.sin(w * t), 1 - np.cos(w * t)])
+    by_center = [time[1], turned - time[0], 0]
+    by_spin = [r * t * time[0], r * t - r * t * np.cos(turned), 0]
+    # The run is exact to 1e-11 m; the derivative by a length has that over a metre.
+    assert np.allclose(found.dq[-1][:3, 0], by_center, rtol=0, atol=1e-9)
+    assert np.allclose(found.dq[-1][:3, 1], by_spin, rtol=0, atol=1e-9)
+    back = model.gradient(keys, [t], lambda run: (run.q[0, 1], np.eye(6)[[1]], None), q, v, tolerance=1e-11)
+    assert np.allclose(back.by, found.dq[-1][1], rtol=0, atol=1e-10)
+    # A force at the origin of the link along y turns it about its centre of mass.
+    linear = model.linearize(q, np.zeros(6))
+    row = linear.names.index
+    assert np.isclose(linear.B[6 + row("base.rz"), linear.freedoms.index("base.y")], -r / 0.05, rtol=1e-12)
+    assert np.allclose(linear.inertia, model.mass_matrix(q), rtol=0, atol=1e-13)
+
+
+def test_every_parameter_of_programs_has_a_type():
+    import inspect
+
+    functions = [catena.load, catena.rollout, catena.fit, catena.sweep]
+    for owner in (catena.Model, catena.Sim, catena.Result, catena.Sensitivity):
+        functions += [own for name, own in vars(owner).items() if inspect.isfunction(own) and not name.startswith("_")]
+    for function in functions:
+        for name, given in inspect.signature(function).parameters.items():
+            assert name == "self" or given.annotation is not inspect.Parameter.empty, f"{function.__qualname__}: {name}"
+
+
+def test_rollouts_name_numbers_that_the_model_does_not_have(double_pendulum):
+    with pytest.raises(catena.InputError, match="lower_arm.mess"):
+        catena.rollout(double_pendulum, np.zeros((2, 2)), duration=0.1, params={"lower_arm.mess": [1.0, 2.0]})
+
+
+def test_noise_shows_what_it_is():
+    assert repr(catena.Noise(0.1, bias=0.2, seed=3)) == "<catena.Noise: deviation 0.1, bias 0.2, seed 3>"

@@ -211,18 +211,19 @@ fn as_csv(found: &Sensitivity) -> String {
         let pairs = found.freedoms.iter().flat_map(|name| found.keys.iter().map(move |key| (name, key)));
         pairs.map(|(name, key)| field(&format!("d{kind}.{name}/d.{key}"))).collect()
     };
-    // Ball joints have more positions than freedoms.
+    // Ball joints have more positions than freedoms, and as many velocities.
     let count = found.q.first().map_or(0, Vec::len);
     for index in 0..count {
         let named = found.freedoms.get(index).filter(|_| count == found.freedoms.len());
         let name = named.map_or_else(|| index.to_string(), Clone::clone);
         text += &format!(",{}", field(&format!("q.{name}")));
     }
+    found.freedoms.iter().for_each(|name| text += &format!(",{}", field(&format!("v.{name}"))));
     columns("q").iter().chain(&columns("v")).for_each(|name| text += &format!(",{name}"));
     text.push('\n');
     for (step, time) in found.times.iter().enumerate() {
         text += &time.to_string();
-        found.q[step].iter().for_each(|value| text += &format!(",{value}"));
+        found.q[step].iter().chain(&found.v[step]).for_each(|value| text += &format!(",{value}"));
         for of in [&found.dq[step], &found.dv[step]] {
             of.row_iter().for_each(|row| row.iter().for_each(|value| text += &format!(",{value}")));
         }

@@ -27,8 +27,9 @@ fn a_bouncing_ball_has_the_derivatives_of_its_first_impact_in_json_and_a_row_for
     let table = std::fs::read_to_string(folder.join("ball.csv")).expect("a table");
     let steps = report["times"].as_array().expect("times").len();
     assert_eq!(table.lines().count(), 1 + steps);
-    // Time, seven positions of the floating ball, and six derivatives of q and of v by two parameters.
-    assert!(table.lines().all(|line| line.split(',').count() == 1 + 7 + 24), "{:?}", table.lines().next());
+    // Time, seven positions and six velocities of the floating ball, and six derivatives of q and of v by two parameters.
+    assert!(table.lines().all(|line| line.split(',').count() == 1 + 7 + 6 + 24), "{:?}", table.lines().next());
+    assert!(table.lines().next().is_some_and(|head| head.contains(",v.ball.z,")), "{:?}", table.lines().next());
 }
 
 #[test]

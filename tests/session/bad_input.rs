@@ -84,6 +84,15 @@ fn files_and_worlds_that_cannot_be_are_named() {
 }
 
 #[test]
+fn numbers_of_many_runs_that_a_model_does_not_have_are_named_before_any_run() {
+    let model = arm();
+    let params = [("link.forearm.mess".to_string(), vec![1.0])];
+    let options = Rollout { duration: Some(0.1), params: &params, ..Rollout::default() };
+    let refused = model.rollout(&[0.0; 7], &[0.0; 7], &options).expect_err("refused").to_string();
+    assert!(refused.contains("link.forearm.mess"), "{refused}");
+}
+
+#[test]
 fn wrong_arrays_of_many_runs_are_named_and_a_run_that_fails_is_told() {
     let model = arm();
     let options = Rollout { duration: Some(0.1), ..Rollout::default() };

@@ -196,15 +196,15 @@ fn a_sleeping_top_nutates_and_falls_at_the_rates_of_its_closed_form() {
     let (about_pivot, along, weight) = (0.06 + 0.16, 0.03, 9.81 * 0.4);
     for spin in [90.0_f64, 50.0] {
         let linear = model.linearize(&[1.0, 0.0, 0.0, 0.0], &[0.0, 0.0, spin], &[]).expect("linear equations");
-        // ν = (J₃ω ± √(J₃²ω² − 4 J₁ m g l))/2 J₁, seen from axes that turn with the top.
+        // ν = (J₃ω ± √(J₃²ω² − 4 J₁ m g l))/2 J₁, seen from the parent.
         let square = (along * spin).powi(2) - 4.0 * about_pivot * weight;
         let middle = along * spin / (2.0 * about_pivot);
         let swing = square.abs().sqrt() / (2.0 * about_pivot);
         let eigenvalues: Vec<_> = linear.modes.iter().map(|mode| mode.eigenvalue).collect();
         let wanted = if square > 0.0 {
-            [(0.0, spin - middle - swing), (0.0, spin - middle + swing)]
+            [(0.0, middle - swing), (0.0, middle + swing)]
         } else {
-            [(swing, spin - middle), (-swing, spin - middle)]
+            [(swing, middle), (-swing, middle)]
         };
         for (re, im) in wanted {
             let nearest = eigenvalues.iter().map(|own| (own.re - re).hypot(own.im - im)).fold(f64::INFINITY, f64::min);

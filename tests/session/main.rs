@@ -10,8 +10,10 @@ mod runs;
 mod sensitivity;
 mod sensitivity_contacts;
 mod sensitivity_events;
+mod sensitivity_frames;
 mod sensitivity_gradient;
 mod sensitivity_keys;
+mod sensitivity_ticks;
 mod sensors;
 mod states;
 

@@ -151,3 +151,63 @@ fn a_parameter_that_opens_a_closed_contact_is_valid_within_nothing() {
     assert!(run.valid_within[column(&run, "gravity.x")] > 0.0);
     assert!(run.dq.iter().all(|dq| dq.iter().all(|entry| entry.is_finite())));
 }
+
+#[test]
+fn a_box_that_spins_while_it_slides_on_four_corners_has_the_derivatives_of_its_runs() {
+    // Pressures lie on a plane: they are as unequal as friction at the height of the centre makes them, and each corner slips in its own direction.
+    for spin in [0.0, 2.0] {
+        let start = format!(
+            "pose = {{ position = [0, 0, 0.05] }}\nvelocity = {{ linear = [1.5, 0.3, 0], angular = [0, 0, {spin:?}] }}"
+        );
+        let name = format!("spinning_box_{spin}");
+        let model = on_the_floor(&name, "<box size='0.2 0.3 0.1'/>", 0.02, [0.0, 0.0, -9.81], &start, 0.3);
+        let keys = ["velocity.angular.z", "velocity.linear.x", "floor.friction"];
+        agrees_with_runs(&model, &keys, (5, 0.02, 0.3), 1e-2, 1e-7);
+        let run = derivatives(&model, 5, 0.02, 0.3, &keys);
+        assert!(run.warnings.is_empty(), "the shares of one rigid body on a plane are constant: {:?}", run.warnings);
+    }
+}
+
+#[test]
+fn a_body_that_turns_while_all_its_slips_stop_is_warned_of() {
+    let foot = |[x, y]: [f64; 2]| {
+        format!("<collision><origin xyz='{x} {y} -0.05'/><geometry><sphere radius='0.03'/></geometry></collision>")
+    };
+    let feet: String = [[0.2, 0.0], [-0.1, 0.15], [-0.12, -0.17]].map(foot).concat();
+    let urdf = scene(
+        "tripod.urdf",
+        &format!(
+            "<robot name='tripod'><link name='tripod'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/><inertia ixx='.03' iyy='.04' \
+             izz='.05' ixy='0.001' ixz='0' iyz='0'/></inertial>{feet}</link></robot>"
+        ),
+    );
+    let text = format!(
+        "[[robot]]\nurdf = {urdf:?}\nbase = \"floating\"\npose = {{ position = [0, 0, 0.08] }}\n\
+         velocity = {{ linear = [0.6, 0.4, 0], angular = [0, 0, 2] }}\n\
+         [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.3\n"
+    );
+    let model = Model::load(scene("tripod.toml", &text)).expect("a model");
+    let fixed = derivatives(&model, 5, 0.01, 0.5, &["floor.friction"]);
+    assert!(fixed.events.iter().any(|event| event.what.contains("stops")), "{:?}", fixed.events);
+    assert!(fixed.warnings.iter().any(|warning| warning.contains("turns by")), "{:?}", fixed.warnings);
+    for tolerance in [1e-6, 1e-8, 1e-10] {
+        let run = Simulation::new(&model).tolerance(tolerance).duration(0.5).without_figures();
+        match run.sensitivity(&["floor.friction"]) {
+            // Never a number without a word.
+            Ok(run) => assert!(!run.warnings.is_empty(), "{tolerance}: {:?}", run.dq.last()),
+            Err(error) => assert!(error.to_string().contains("could not be solved to rounding"), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn a_corner_that_strikes_while_another_one_rests_has_the_derivatives_of_its_runs() {
+    // The first corner rests from 0.1617 s on, the second one strikes at 0.2023 s: the time of that event is of its own gap.
+    let start = "pose = { position = [0, 0, 0.25], rpy = [0.3, 0.4, 0] }\nvelocity = { linear = [1.5, 0.3, 0], angular = [0, 0, 2] }";
+    let model = on_the_floor("corners", "<box size='0.2 0.3 0.1'/>", 0.02, [0.0, 0.0, -9.81], start, 0.3);
+    let keys = ["velocity.linear.z", "velocity.linear.x", "floor.friction"];
+    let run = derivatives(&model, 5, 0.01, 0.21, &keys);
+    let strikes = run.events.iter().filter(|event| event.what.contains("meets")).count();
+    assert!(strikes >= 2 && run.warnings.is_empty(), "{:?} {:?}", run.events, run.warnings);
+    agrees_with_runs(&model, &keys, (5, 0.01, 0.21), 1e-4, 1e-6);
+}

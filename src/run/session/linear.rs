@@ -4,16 +4,21 @@
 //!     d/dt (ξ, η) = A (ξ, η) + B u         ξ (d): independent joint coordinates,  η = their velocities
 //! ```
 //!
-//! Ball and floating joints have three turns about the axes of their child, and no quaternion. See [`crate::derivatives::linear`].
+//! A slight change of q is along the entries of v, without a quaternion: ball and floating joints have a rotation vector φ in the frame of the joint on
+//! the parent, `R ← exp(φ̂) R`, and floating joints the displacement of the origin of the child link. B takes efforts as `set_efforts` does, and the rows
+//! of A and B for η are the derivatives of `forward_dynamics`. Of a joint that turns freely with ω, `φ̇ = δω + ω × φ`. See
+//! [`crate::derivatives::linear`].
 
-use crate::derivatives::linear::about::{About, about_instant, about_rest};
+use crate::derivatives::linear::about::{About, LinearizeError, about_instant, about_rest};
 use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::held_start::mechanism_from;
 use crate::session::model::Model;
+use crate::session::tangents::Tangents;
 use nalgebra::{Complex, DMatrix};
+use std::borrow::Cow;
 
 pub use crate::derivatives::linear::modes::Stability;
 
@@ -148,13 +153,19 @@ impl Model {
         let mechanism = &*mechanism_from(self.description(), start);
         let about =
             if settled { about_rest(mechanism, state, efforts)? } else { about_instant(mechanism, state, efforts)? };
-        Ok(self.told(&about))
+        Ok(self.told(&about, efforts)?)
     }
 
-    fn told(&self, about: &About) -> Linear {
-        let About { moving, state, linearised, modes, iterations } = about;
+    fn told(&self, about: &About, efforts: &[f64]) -> Result<Linear, LinearizeError> {
+        let About { moving, state, linearised, iterations } = about;
         let whole = &self.description().mechanism;
         let of_whole = moving.freedoms_of_whole();
+        let tangents = Tangents::at(self.description(), state);
+        let linearised = match tangents.elsewhere(&of_whole, &linearised.accelerations, efforts) {
+            None => Cow::Borrowed(linearised),
+            Some(elsewhere) => Cow::Owned(elsewhere.told(linearised)?),
+        };
+        let modes = linearised.modes()?;
         let name = |own: &usize| freedom_name(whole, of_whole[*own]);
         let unit = |own: &usize| {
             let freedom = of_whole[*own];
@@ -171,7 +182,7 @@ impl Model {
             driving.iter().map(|&(motor, freedom)| linearised.input.column(freedom) * motor.by_target).collect();
         let b_targets = DMatrix::from_fn(linearised.input.nrows(), columns.len(), |row, column| columns[column][row]);
         let (q, v) = self.flat(state);
-        Linear {
+        Ok(Linear {
             names: linearised.independent.iter().map(name).collect(),
             units: linearised.independent.iter().map(unit).collect(),
             a: linearised.state.clone(),
@@ -203,7 +214,7 @@ impl Model {
                 .map(|motor| motor_joint(motor.motor))
                 .collect(),
             sticking_contacts: moving.sticking,
-        }
+        })
     }
 }
 

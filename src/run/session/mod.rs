@@ -34,6 +34,7 @@ mod sensors;
 mod simulation;
 mod special_output;
 mod state;
+mod tangents;
 mod ticks;
 mod watch;
 mod words;

@@ -189,6 +189,17 @@ impl Model {
         Ok(model)
     }
 
+    /// Checks that there are numbers with these key paths.
+    pub(crate) fn know_numbers<'k>(&self, keys: impl IntoIterator<Item = &'k str>) -> Result<(), Error> {
+        let mut keys = keys.into_iter().peekable();
+        if keys.peek().is_none() {
+            return Ok(());
+        }
+        let scene = self.scene()?;
+        let all = scene.parameters();
+        keys.try_for_each(|key| Ok(scene.parameter_among(&all, key).map(drop)?))
+    }
+
     /// The scene of the file with the numbers that were set.
     pub(crate) fn scene_with_numbers(&self) -> Result<Scene, Error> {
         let mut scene = Scene::clone(&*self.scene()?);

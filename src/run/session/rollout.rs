@@ -40,7 +40,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// Wrong lengths, numbers that are not finite, invalid options, an interruption. A run that fails is listed in [`Trajectories::failures`], and
+    /// Wrong lengths, numbers that are not finite, unknown key paths, invalid options, an interruption. A run that fails is listed in [`Trajectories::failures`], and
     /// the others continue.
     pub fn rollout(&self, q0: &[f64], v0: &[f64], options: &Rollout) -> Result<Trajectories, Error> {
         let Rollout { duration, tolerance, no_estimate, fixed, rate, threads, interrupt, .. } = *options;
@@ -58,6 +58,7 @@ impl Model {
             self.coordinates().check("q0", q, width_q, |joint| &joint.q)?;
             self.coordinates().check("v0", v, width_v, |joint| &joint.v)?;
         }
+        self.know_numbers(options.params.iter().map(|(key, _)| key.as_str()))?;
         let period = self.check_inputs(runs, settled.duration, options)?;
         let times = sample_times(settled.duration, rate);
         let samples = times.len();

@@ -19,6 +19,7 @@ use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
 use crate::mechanism::motion::touches::tangents;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// A slip of this part of the speeds of both bodies is none, and so is one of this size [m/s].
 const NO_SLIP: f64 = 1e-9;
@@ -47,6 +48,15 @@ pub struct ClosedContacts<T> {
     pub anchors: Vec<LoopFigures<T>>,
     /// The others.
     pub touches: Vec<ClosedTouch<T>>,
+    /// Pressures that follow from others.
+    pub shares: Vec<Share>,
+}
+
+/// A pressure that follows from others where normals imply each other: `λ = Σ c λ_i`, by the rows of the touches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    pub row: usize,
+    pub of: Vec<(usize, f64)>,
 }
 
 /// The force of a contact on its second body, at a point of the world.
@@ -58,7 +68,7 @@ pub struct ContactForce<T> {
 
 impl<T> Default for ClosedContacts<T> {
     fn default() -> Self {
-        ClosedContacts { anchors: Vec::new(), touches: Vec::new() }
+        ClosedContacts { anchors: Vec::new(), touches: Vec::new(), shares: Vec::new() }
     }
 }
 
@@ -73,6 +83,19 @@ impl<T: Number> ClosedContacts<T> {
     /// The number of equations of the touches, which come after those of all other closures.
     pub fn touch_rows(&self) -> usize {
         self.touches.iter().map(ClosedTouch::rows).sum()
+    }
+
+    /// The multipliers of the touches, with those that follow from others.
+    pub fn shared<'m>(&self, multipliers: &'m [T]) -> Cow<'m, [T]> {
+        if self.shares.is_empty() {
+            return Cow::Borrowed(multipliers);
+        }
+        let mut all = multipliers.to_vec();
+        for share in &self.shares {
+            let sum = |sum: T, &(row, part): &(usize, f64)| sum + multipliers[row].times(part);
+            all[share.row] = share.of.iter().fold(T::zero(), sum);
+        }
+        Cow::Owned(all)
     }
 }
 

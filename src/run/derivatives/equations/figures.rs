@@ -97,10 +97,11 @@ pub struct WrenchFigures<T> {
     pub torque: Vector<T>,
 }
 
-/// The entries of the frames of all joints in the list of all numbers: axes and origin, on the parent and on the child.
+/// The entries of the frames of all joints in the list of all numbers: axes, and then origin, on the parent and on the child.
 pub(crate) fn frame_entries(bodies: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
     // Three numbers of gravity; for each body mass, p, P, and two frames of twelve numbers.
-    (0..bodies).flat_map(|body| [16, 28].map(|first| 37 * body + first..37 * body + first + 12))
+    let of_frame = |first: usize| [first..first + 9, first + 9..first + 12];
+    (0..bodies).flat_map(move |body| [16, 28].map(|first| of_frame(37 * body + first))).flatten()
 }
 
 /// All constant numbers of a mechanism.

@@ -13,7 +13,8 @@ use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::end_frame;
 use crate::derivatives::equations::residual::still;
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::walk::Walk;
+use crate::derivatives::events::validity::MetEvent;
+use crate::derivatives::events::walk::{AT_TICK, Walk};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH, lifted};
@@ -83,8 +84,15 @@ impl Walk<'_> {
         traced.mode.contacts.iter().map(of).collect()
     }
 
-    /// Tells of a slip that turns while it stops: `φ = u · t₀` is zero and u is not.
-    pub(super) fn see_turn(&mut self, traced: &TracedStep, trigger: Watched, start: &State, words: &str) {
+    /// Tells of slips that turn while they stop: of the contact itself `φ = u · t₀` is zero and u is not, and the slips of all others turn from the
+    /// start of the step to its last inner stage.
+    pub(super) fn see_turn(
+        &mut self,
+        traced: &TracedStep,
+        trigger: Watched,
+        [start, inside]: [&State; 2],
+        words: &str,
+    ) {
         let belongs = |contact: usize, closed: &Closed| match trigger {
             Watched::Slips(own) => own == contact,
             Watched::SlipsTogether(pair) => closed.contact.pair == pair && closed.slides.is_some(),
@@ -97,7 +105,21 @@ impl Walk<'_> {
                 [&before, &after].map(|bodies| touch_motion(&closed.contact.joint, bodies).slip.norm());
             belongs(contact, closed).then(|| after.atan2(before))
         };
-        let turned = traced.mode.contacts.iter().enumerate().filter_map(of).fold(0.0, f64::max);
+        let own = traced
+            .mode
+            .contacts
+            .iter()
+            .enumerate()
+            .filter_map(of)
+            .fold(None, |most: Option<f64>, turned| Some(most.map_or(turned, |most| most.max(turned))));
+        let Some(own) = own else { return };
+        let [first, last] = [start, inside].map(|state| body_states(mechanism, state));
+        let turns = |closed: &Closed| {
+            let [one, other] = [&first, &last].map(|bodies| touch_motion(&closed.contact.joint, bodies).slip);
+            one.cross(&other).norm().atan2(one.dot(&other))
+        };
+        let sliding = traced.mode.contacts.iter().filter(|closed| closed.slides.is_some());
+        let turned = sliding.map(turns).fold(own, f64::max);
         if turned > STRAIGHT {
             let time = self.state.time;
             self.warnings.push(format!(
@@ -141,7 +163,8 @@ impl Walk<'_> {
         }
         let of = |(chunk, figures): (usize, &BothFigures<Part>)| {
             let anchors = self.anchored.iter().map(|(_, varied)| varied[chunk].clone()).collect();
-            Ok(ClosedContacts { anchors, touches: self.touches_of(traced, &figures.laws)? })
+            let shares = mode.closed.shares.clone();
+            Ok(ClosedContacts { anchors, touches: self.touches_of(traced, &figures.laws)?, shares })
         };
         self.varied.chunks().iter().enumerate().map(of).collect()
     }
@@ -160,6 +183,7 @@ impl Walk<'_> {
         if is_like(&self.entered) {
             return Ok(());
         }
+        self.see_unmet(traced);
         self.entered = traced.mode.contacts.clone();
         if mode.rows.is_empty() {
             return Ok(());
@@ -207,6 +231,11 @@ impl Walk<'_> {
             for off in self.lost_motions(traced, &at, &velocities) {
                 for part in (0..width).filter(|&part| off.parts[part].abs() > STAYS) {
                     let what = format!("a closed contact parts or slips at {:.6} s", self.state.time);
+                    if self.state.time > self.began && !self.warnings.iter().any(|known| known.starts_with(&what)) {
+                        self.warnings.push(format!(
+                            "{what}: the derivatives of the impact there do not keep it, and are wrong behind it"
+                        ));
+                    }
                     self.validity.none(first + part, &what);
                 }
             }
@@ -224,6 +253,19 @@ impl Walk<'_> {
         let moved = solve(right).ok_or_else(failed)?;
         mode.free.iter().enumerate().for_each(|(row, &freedom)| self.state.velocity[freedom] += moved[(row, 0)]);
         Ok(())
+    }
+
+    /// Tells of closed contacts that change without an event, whose time would move.
+    fn see_unmet(&mut self, traced: &TracedStep) {
+        let time = self.state.time;
+        let here = |event: &MetEvent| (event.time - time).abs() <= AT_TICK * time.abs().max(1.0);
+        let first = self.entered.is_empty() || traced.mode.contacts.is_empty();
+        if time > self.began && !first && !self.events.iter().rev().any(here) {
+            self.warnings.push(format!(
+                "closed contacts change at {time:.6} s without an event of their own: derivatives behind it leave out that its time moves; \
+                 take another step or tolerance and compare"
+            ));
+        }
     }
 
     /// The velocities that closed contacts take away where their mode begins. At the start of a run any slip of contacts that stick counts; later it

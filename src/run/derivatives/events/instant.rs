@@ -155,7 +155,9 @@ impl<T: Number> Instant<'_, T> {
         };
         forces.iter().for_each(|&(body, point, force)| on_body(body, point, force, Vector::zero()));
         let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
-        let (multipliers, mut own) = multipliers.split_at(multipliers.len() - self.closed.touch_rows());
+        let (multipliers, own) = multipliers.split_at(multipliers.len() - self.closed.touch_rows());
+        let own = self.closed.shared(own);
+        let mut own = &own[..];
         for closed in &self.closed.touches {
             let found = closed.force(moving, own);
             own = &own[closed.rows()..];

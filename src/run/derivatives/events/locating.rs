@@ -17,7 +17,7 @@ use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH};
 use crate::derivatives::forward::tangent::{Tangent, with};
 use crate::derivatives::forward::tree::by_length;
 use crate::derivatives::numbers::number::Number;
-use crate::events::trace::{Mode, TracedJump, TracedStep, Watched};
+use crate::events::trace::{Closed, Mode, TracedJump, TracedStep, Watched};
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::joint::Pose;
@@ -60,7 +60,7 @@ impl Walk<'_> {
         next: Option<&TracedJump>,
     ) -> Result<(), SensitivityError> {
         let since = self.state.time;
-        let contact = next.and_then(|jump| self.contact_of(trigger, jump));
+        let contact = next.and_then(|jump| self.contact_of(trigger, jump, &traced.mode));
         let words = self.words(trigger, contact, &traced.mode);
         let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
         let of = (trigger, contact);
@@ -71,7 +71,7 @@ impl Walk<'_> {
         let still = DVector::zeros(self.tangent.times.len());
         self.carry(mode, step, solved, &efforts, closed, &still)?;
         self.take_end(solved, since + step);
-        self.see_turn(traced, trigger, &start, &words);
+        self.see_turn(traced, trigger, [&start, solved.stages.iter().rev().nth(1).unwrap_or(&start)], &words);
         let mut longer = DVector::zeros(still.len());
         for (chunk, closed) in closed.iter().enumerate() {
             let varying = Varying { chunk: Some(chunk), tangent: &self.tangent };
@@ -239,13 +239,18 @@ impl Walk<'_> {
         sight.value(trigger)
     }
 
-    /// The contact at which a pair closes: the one with the least gap.
-    fn contact_of<'j>(&self, trigger: Watched, jump: &'j TracedJump) -> Option<&'j Contact> {
+    /// The contact at which a pair closes: the one with the least gap of those that were not closed before.
+    fn contact_of<'j>(&self, trigger: Watched, jump: &'j TracedJump, mode: &Mode) -> Option<&'j Contact> {
         let Watched::Approach(pair) = trigger else { return None };
         let bodies = body_states(self.subject.mechanism, &jump.before);
         let gap = |contact: &&Contact| touch_motion(&contact.joint, &bodies).gap.abs();
-        let own = jump.contacts.iter().filter(|contact| contact.pair == pair);
-        own.min_by(|one, other| gap(one).total_cmp(&gap(other)))
+        let own = || jump.contacts.iter().filter(|contact| contact.pair == pair);
+        let rests = |contact: &&Contact| {
+            let same = |closed: &Closed| closed.contact.pair == pair && closed.contact.features == contact.features;
+            mode.contacts.iter().any(same)
+        };
+        let least = |one: &&Contact, other: &&Contact| gap(one).total_cmp(&gap(other));
+        own().filter(|contact| !rests(contact)).min_by(least).or_else(|| own().min_by(least))
     }
 
     /// A contact with the numbers of its colliders.

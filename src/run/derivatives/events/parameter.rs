@@ -30,6 +30,8 @@ pub struct Parameter {
     pub velocity: DVector<f64>,
     /// Of a constant effort (n).
     pub constant_effort: DVector<f64>,
+    /// Of the origins of the child links of floating joints, in the frames of their bodies (n, in the rows of sliding).
+    pub arms: DVector<f64>,
     /// Models with other numbers, with their weights; none if efforts do not change.
     pub others: Vec<(f64, TimeLaws)>,
 }
@@ -42,7 +44,8 @@ impl Parameter {
             figures: Vec::new(),
             position: zero.clone(),
             velocity: zero.clone(),
-            constant_effort: zero,
+            constant_effort: zero.clone(),
+            arms: zero,
             others: Vec::new(),
         }
     }
@@ -57,12 +60,5 @@ impl TimeLaws {
     /// Of motors and forces.
     pub fn new(motors: &[Motor], forces: &Forces) -> Self {
         TimeLaws { motors: motors.to_vec(), courses: forces.joint_courses.clone() }
-    }
-
-    /// The next instant after a time at which an effort changes its law (s).
-    pub fn next_instant(&self, time: f64) -> f64 {
-        let motors = self.motors.iter().map(|motor| motor.next_instant(time));
-        let courses = self.courses.iter().map(|load| load.course.next_instant(time));
-        motors.chain(courses).fold(f64::INFINITY, f64::min)
     }
 }

@@ -319,7 +319,7 @@ impl Back<'_> {
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
         let pulled = pulled_back(&problem, solved, factors, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
             .ok_or_else(|| self.walk.failed())?;
-        let later = self.walk.later(traced, since);
+        let later = self.walk.later(traced, since)?;
         let (mut longer, mut of_time) = (pulled.given.longer, 0.0);
         for (stage, of_efforts) in pulled.given.efforts.iter().enumerate() {
             for (freedom, by) in of_efforts.iter().enumerate() {

@@ -13,6 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::near::Passed;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
@@ -21,8 +22,8 @@ use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, lifted};
 use crate::derivatives::forward::tangent::{Tangent, Varied};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
-use crate::events::trace::{Closed, JointMode, Mode, MotorMode, Traced, TracedJump, TracedStep};
-use crate::instant::holding::elements::{Elements, inward};
+use crate::events::trace::{Closed, Mode, MotorMode, Traced, TracedJump, TracedStep};
+use crate::instant::holding::elements::Elements;
 use crate::lobatto::tableau::butcher::Tableau;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -42,6 +43,8 @@ pub(crate) struct Subject<'w> {
     pub tableau: &'w Tableau,
     pub laws: &'w TimeLaws,
     pub parameters: &'w [Parameter],
+    /// When the run ends (s).
+    pub end: f64,
 }
 
 /// A point of a contact that sticks, with its derivatives for each [`WIDTH`] parameters.
@@ -170,13 +173,16 @@ impl<'w> Walk<'w> {
         let constant = ClosedContacts {
             anchors: anchors.iter().map(lifted).collect(),
             touches: self.touches_of(traced, &self.constant.laws)?,
+            shares: Vec::new(),
         };
-        let closed = ClosedContacts { anchors, touches: self.touches_of(traced, &self.figures.laws)? };
+        let touches = self.touches_of(traced, &self.figures.laws)?;
+        let closed = ClosedContacts { anchors, touches, shares: Vec::new() };
         let slips = self.slips_of(traced);
         let mut mode = StepMode { free, rows: Vec::new(), row_count: 0, motors, closed, constant, slips };
         let gradient = self.gradient(&mode);
         mode.row_count = gradient.nrows();
-        let of_free = gradient.select_columns(&mode.free);
+        let mut of_free = gradient.select_columns(&mode.free);
+        mode.take_shares(&mut of_free);
         mode.rows = Independent::of(&of_free, &vec![1.0; mode.free.len()]).rows;
         Ok(mode)
     }
@@ -215,18 +221,19 @@ impl<'w> Walk<'w> {
         if let Some(&trigger) = traced.triggers.first() {
             return self.step_to_event(traced, &mode, &closed, trigger, next);
         }
-        let later = self.later(traced, since);
+        let later = self.later(traced, since)?;
         if mode.free.is_empty() {
             self.state.time = traced.end.time;
             self.tangent.times = later;
             return Ok(());
         }
-        let before = self.state.clone();
+        self.see_shares(&mode);
+        let (before, was) = (self.state.clone(), self.tangent.clone());
         let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since, None)?;
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(&solved, traced.end.time);
-        self.see_near(traced, &before);
+        self.see_near(traced, &Passed { before: &before, was: &was, stages: &solved.stages });
         if self.keeps {
             let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
             self.kept = Some(Arc::new(KeptStep { step: traced.end.time - since, mode, solved, efforts }));
@@ -234,33 +241,29 @@ impl<'w> Walk<'w> {
         Ok(())
     }
 
-    /// ∂T/∂θ of the end of a step to a given instant (p): the instant may move with a parameter.
-    pub(super) fn later(&self, traced: &TracedStep, since: f64) -> DVector<f64> {
-        let Subject { laws, parameters, .. } = *self.subject;
-        let reached = laws.next_instant(since);
-        let at_instant = (reached - traced.end.time).abs() <= AT_TICK * traced.end.time.abs().max(1.0);
-        let later = |parameter: &Parameter| {
-            if at_instant { parameter.slope(|laws| laws.next_instant(since)) } else { 0.0 }
-        };
-        DVector::from_iterator(parameters.len(), parameters.iter().map(later))
-    }
-
-    /// Notes limits that a joint has turned back from within a step.
-    fn see_near(&mut self, traced: &TracedStep, before: &State) {
-        let Subject { mechanism, elements, .. } = *self.subject;
-        for (joint, mode) in elements.joints.iter().zip(&traced.mode.joints) {
-            let JointMode::Free { .. } = mode else { continue };
-            for side in joint.sides() {
-                let rates = [before, &self.state].map(|state| inward(side) * joint.rate(state));
-                if rates[0] < 0.0 && rates[1] > 0.0 {
-                    let gaps = [before, &self.state].map(|state| joint.gap(side, joint.position(state)));
-                    let name = &mechanism.bodies[joint.owner(side)].joint.name;
-                    let by = self.tangent.positions.row(joint.coordinate.freedom).transpose();
-                    let what = format!("joint \"{name}\" meets a limit");
-                    self.validity.see_near(&what, self.state.time, gaps[0].min(gaps[1]), &by);
-                }
-            }
+    /// ∂T/∂θ of the end of a step to a given instant (p): the ticks of a motor move with its period. The end of the run does not move.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Ticks`] where ticks of two motors fall together that move apart.
+    pub(super) fn later(&self, traced: &TracedStep, since: f64) -> Result<DVector<f64>, SensitivityError> {
+        let Subject { laws, parameters, end, .. } = *self.subject;
+        let time = traced.end.time;
+        let mut later = DVector::zeros(parameters.len());
+        if time >= end {
+            return Ok(later);
         }
+        let here = |instant: f64| (instant - time).abs() <= AT_TICK * time.abs().max(1.0);
+        let mut known = false;
+        for (index, motor) in laws.motors.iter().enumerate().filter(|(_, motor)| here(motor.next_instant(since))) {
+            let ticks = if motor.period > 0.0 { (time / motor.period).round() } else { 0.0 };
+            let own = parameters.iter().map(|parameter| ticks * parameter.slope(|laws| laws.motors[index].period));
+            let own = DVector::from_iterator(parameters.len(), own);
+            if known && (&own - &later).amax() > AT_TICK * own.amax().max(later.amax()) {
+                return Err(SensitivityError::Ticks { time });
+            }
+            (known, later) = (true, own);
+        }
+        Ok(later)
     }
 }
 

@@ -39,6 +39,11 @@ pub enum SensitivityError {
         "{contact} stay closed from t = {time} s on with features whose derivatives are not known; end the run before it"
     )]
     Closed { time: f64, contact: String },
+    /// Ticks that fall together and move apart.
+    #[error(
+        "ticks of two motors fall together at t = {time} s, and move apart with the period of one: there is no derivative by it; give periods without common ticks, or end the run before"
+    )]
+    Ticks { time: f64 },
     /// No step of the scheme was made.
     #[error(
         "the run makes steps of first order over many events at t = {time} s, which have no derivative; end the run before it"
@@ -54,7 +59,7 @@ pub enum SensitivityError {
     Sample { time: f64, start: f64, end: f64 },
     /// A step was not solved again.
     #[error(
-        "the step at t = {time} s could not be solved to rounding again; take shorter steps, with two stages or more"
+        "the step at t = {time} s could not be solved to rounding again: take fixed steps, shorter ones, with two stages or more, or another --tolerance"
     )]
     Step { time: f64 },
     /// The repeated steps do not end where the run ended.

@@ -332,6 +332,7 @@ impl<T: Number> StepMotion<'_, T> {
             push(body, arm, force, torque);
         };
         let mut on_freedom = |freedom: usize, effort: T| efforts[freedom] = efforts[freedom] + effort;
+        let of_touches = closed.shared(of_touches);
         let mut own = of_touches.iter();
         for touch in touches {
             let along = touch.pushes[stage].iter().zip(own.by_ref());

@@ -5,7 +5,7 @@
 
 use crate::derivatives::linear::equilibrium::{EquilibriumError, settle};
 use crate::derivatives::linear::linearised::{LinearError, Linearised};
-use crate::derivatives::linear::modes::{LinearMode, NoModes};
+use crate::derivatives::linear::modes::NoModes;
 use crate::events::{Moving, MovingError};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -36,13 +36,12 @@ pub enum LinearizeError {
     Undecided,
 }
 
-/// Linear equations of motion, with the mechanism that they are of.
+/// Linear equations of motion in coordinates of the state, with the mechanism that they are of.
 pub struct About {
     pub moving: Moving,
     /// The state of the whole mechanism.
     pub state: State,
     pub linearised: Linearised,
-    pub modes: Vec<LinearMode>,
     /// Iterations to the equilibrium; `None` at an instant.
     pub iterations: Option<usize>,
 }
@@ -97,8 +96,7 @@ fn refuse_unknown(mechanism: &Mechanism) -> Result<(), LinearError> {
 
 fn of(moving: Moving, state: State, iterations: Option<usize>) -> Result<About, LinearizeError> {
     let linearised = Linearised::about(moving.mechanism(), &moving.state, &moving.efforts, &moving.driven())?;
-    let modes = linearised.modes()?;
-    Ok(About { moving, state, linearised, modes, iterations })
+    Ok(About { moving, state, linearised, iterations })
 }
 
 /// Puts joints that are beyond a limit on it; returns whether all were within.

@@ -49,6 +49,12 @@ pub struct Linearised {
     pub stiffness: DMatrix<f64>,
     /// The accelerations in the state itself (n): zero at an equilibrium.
     pub accelerations: DVector<f64>,
+    /// W (n × d).
+    pub followed: DMatrix<f64>,
+    /// δa by ξ and η (n × 2d).
+    pub accelerated: DMatrix<f64>,
+    /// δa by δτ (n × n).
+    pub by_effort: DMatrix<f64>,
 }
 
 /// Why a state has no linear equations.
@@ -150,6 +156,9 @@ impl Linearised {
             state: matrix,
             input,
             accelerations,
+            followed: turned,
+            accelerated: by_state,
+            by_effort,
         })
     }
 }
@@ -165,8 +174,11 @@ impl Linearised {
             input: none.clone(),
             inertia: none.clone(),
             damping: none.clone(),
-            stiffness: none,
+            stiffness: none.clone(),
             accelerations: DVector::zeros(0),
+            followed: none.clone(),
+            accelerated: none.clone(),
+            by_effort: none,
         }
     }
 }

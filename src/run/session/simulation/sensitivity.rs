@@ -8,9 +8,12 @@
 
 use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::Walk;
+use crate::derivatives::forward::tangent::Tangent;
+use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
+use crate::session::tangents::Tangents;
 use nalgebra::DMatrix;
 
 mod gradient;
@@ -33,9 +36,11 @@ pub struct Sensitivity {
     pub q: Vec<Vec<f64>>,
     /// v.
     pub v: Vec<Vec<f64>>,
-    /// ∂q/∂θ (n × p) at these times; turns of ball joints are about the axes of the child.
+    /// ∂q/∂θ (n × p) at these times, along the entries of v: of ball and floating joints a rotation vector φ in the frame of the joint on the parent,
+    /// `R ← exp(φ̂) R`, and of floating joints the displacement of the origin of the child link in that frame. For the quaternion p of q that is
+    /// `δp = ½ (0, φ) ∘ p`.
     pub dq: Vec<DMatrix<f64>>,
-    /// ∂v/∂θ (n × p), of the velocities along the freedoms.
+    /// ∂v/∂θ (n × p).
     pub dv: Vec<DMatrix<f64>>,
     /// The events of the run with the derivatives of their times.
     pub events: Vec<EventSlope>,
@@ -71,11 +76,19 @@ pub struct EventSlope {
 }
 
 impl EventSlope {
-    fn of(model: &Model, event: MetEvent) -> Self {
+    fn of(model: &Model, event: MetEvent, arms: &DMatrix<f64>) -> Self {
         let MetEvent { time, what, by, rate, state, tangent } = event;
         let (q, v) = model.flat(&state);
-        EventSlope { time, what, by, rate, q, v, dq: tangent.positions, dv: tangent.velocities }
+        let [dq, dv] = shown(model, &state, tangent, arms);
+        EventSlope { time, what, by, rate, q, v, dq, dv }
     }
+}
+
+/// The derivatives of q and v of those of a state; `arms` are those of the origins of links (n × p).
+fn shown(model: &Model, state: &State, tangent: Tangent, arms: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
+    let Tangent { mut positions, mut velocities, .. } = tangent;
+    Tangents::at(model.description(), state).shown(&mut positions, &mut velocities, arms);
+    [positions, velocities]
 }
 
 impl Simulation {
@@ -122,9 +135,11 @@ impl Simulation {
         let apart = prepared.check(&walk.state)?;
         let (q, v) = rows.iter().map(|(state, _)| model.flat(state)).unzip();
         let times = rows.iter().map(|(state, _)| state.time).collect();
-        let (dq, dv) = rows.into_iter().map(|(_, tangent)| (tangent.positions, tangent.velocities)).unzip();
+        let arms = prepared.arms();
+        let told = rows.into_iter().map(|(state, tangent)| shown(model, &state, tangent, &arms));
+        let (dq, dv) = told.map(|[dq, dv]| (dq, dv)).unzip();
         let Walk { events, validity, warnings, .. } = walk;
-        let events = events.into_iter().map(|event| EventSlope::of(model, event)).collect();
+        let events = events.into_iter().map(|event| EventSlope::of(model, event, &arms)).collect();
         let (valid_within, bounded_by) = (validity.within, validity.causes);
         let Prepared { told, names, .. } = prepared;
         Ok(Sensitivity {

@@ -13,6 +13,7 @@ use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use crate::session::simulation::sensitivity::prepared::Prepared;
+use crate::session::tangents::Tangents;
 use nalgebra::DVector;
 
 /// The parameters and the samples of a gradient.
@@ -57,7 +58,7 @@ pub struct SampledEvent {
 pub struct Lost {
     /// Its value.
     pub value: f64,
-    /// By the displacements along the degrees of freedom at each sample (n each); turns of ball joints are about the axes of the child.
+    /// By the displacements along the entries of v at each sample (n each), as those of [`Sensitivity::dq`](crate::session::Sensitivity::dq).
     pub by_q: Vec<Vec<f64>>,
     /// By the velocities (n each).
     pub by_v: Vec<Vec<f64>>,
@@ -72,7 +73,7 @@ pub struct EventLost {
     pub event: usize,
     /// By its time.
     pub time: f64,
-    /// By the displacements along the degrees of freedom at the event (n), or empty.
+    /// By the displacements along the entries of v at the event (n), or empty.
     pub by_q: Vec<f64>,
     /// By the velocities before the event (n), or empty.
     pub by_v: Vec<f64>,
@@ -148,7 +149,7 @@ impl Simulation {
         let mut tape = Tape::new(&subject, &prepared.start, asked.every);
         let mut samples = Samples::default();
         // The piece at whose end each sample is; none for the start.
-        let mut pieces: Vec<Option<usize>> = Vec::new();
+        let (mut pieces, mut states): (Vec<Option<usize>>, Vec<State>) = (Vec::new(), Vec::new());
         let (mut state, mut count) = (prepared.start.clone(), 0);
         let mut sample = |state: &State, piece: Option<usize>| {
             let (q, v) = prepared.model.flat(state);
@@ -156,6 +157,7 @@ impl Simulation {
             samples.q.push(q);
             samples.v.push(v);
             pieces.push(piece);
+            states.push(state.clone());
         };
         if asked.times.contains(&state.time) {
             sample(&state, None);
@@ -181,13 +183,29 @@ impl Simulation {
                 return Err(Error::Count { what, given, wanted });
             }
         }
+        // Losses are of q and v: back to the states, and to the links in their bodies.
+        let mut by_arms = DVector::zeros(n);
+        let mut of_state = |by: Adjoint, state: &State| {
+            let Adjoint { mut positions, mut velocities, time } = by;
+            let tangents = Tangents::at(prepared.model.description(), state);
+            by_arms += tangents.pulled_back(&mut positions, &mut velocities);
+            Adjoint { positions, velocities, time }
+        };
+        let by_sample: Vec<Adjoint> = (states.iter().zip(lost.by_q.iter().zip(&lost.by_v)))
+            .map(|(state, (by_q, by_v))| {
+                let [positions, velocities] = [by_q, by_v].map(|of| DVector::from_column_slice(of));
+                of_state(Adjoint { positions, velocities, time: 0.0 }, state)
+            })
+            .collect();
         let of_sample = |piece: Option<usize>| {
             let sample = pieces.iter().position(|known| *known == piece)?;
-            let [positions, velocities] = [&lost.by_q, &lost.by_v].map(|of| DVector::from_column_slice(&of[sample]));
-            Some(Adjoint { positions, velocities, time: 0.0 })
+            Some(by_sample[sample].clone())
         };
-        let by_event = lost.by_events.iter().map(|by| by.checked(n, samples.events.len()));
-        let by_event: Vec<(usize, Adjoint)> = by_event.collect::<Result<_, Error>>()?;
+        let mut by_event = Vec::new();
+        for by in &lost.by_events {
+            let (event, by) = by.checked(n, samples.events.len())?;
+            by_event.push((event, of_state(by, &tape.events()[event].state)));
+        }
         let of_event = |event: usize| {
             let own = by_event.iter().filter(|(own, _)| *own == event).map(|(_, by)| by.clone());
             own.reduce(|sum, by| sum.plus(&by))
@@ -197,6 +215,9 @@ impl Simulation {
             for (own, parameter) in by.iter_mut().zip(&prepared.parameters) {
                 *own += start.positions.dot(&parameter.position) + start.velocities.dot(&parameter.velocity);
             }
+        }
+        for (own, parameter) in by.iter_mut().zip(&prepared.parameters) {
+            *own += by_arms.dot(&parameter.arms);
         }
         Ok(Gradient { keys: prepared.told, value: lost.value, by, warnings })
     }

@@ -3,7 +3,7 @@
 //! Numbers of a scene reach the equations through the reader of files. The derivatives of masses, frames, springs and starts by such a number come
 //! from eight models with other numbers, by differences of order eight: these functions are smooth and short, and the error is some 1e-13 of the
 //! derivative. Four models are enough where two differences are the same, as those by masses and inertias are. A start on closed loops is assembled
-//! as often, because other joints follow.
+//! as often, because other joints follow. Floating bodies keep the axes of their frames in their links: principal axes have no part in derivatives.
 
 use crate::derivatives::equations::figures::{Figures, frame_entries};
 use crate::derivatives::equations::laws::Laws;
@@ -12,14 +12,16 @@ use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::contact::Shape;
-use crate::mechanism::description::joint::{FreeRotation, Pose};
+use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
-use crate::scene::{Parameter as Number, Scene};
+use crate::model::Model as Description;
+use crate::scene::{Parameter as Number, Scene, UrdfJointKind};
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
-use nalgebra::DVector;
+use crate::session::tangents::Tangents;
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 /// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
 const WIDTH: f64 = 4e-3;
@@ -85,9 +87,14 @@ impl Simulation {
             };
             return freedoms.into_iter().map(of_start).collect();
         }
+        let tangents = Tangents::at(self.model.description(), start);
         let unit = |freedom: usize, which: usize| {
-            let vector = |own: usize| DVector::from_fn(n, |row, _| f64::from(u8::from(own == which && row == freedom)));
-            let (position, velocity, constant_effort) = (vector(0), vector(1), vector(2));
+            let entry = |own: usize, row: usize| f64::from(u8::from(own == which && row == freedom));
+            let [mut positions, mut velocities] = [0, 1].map(|own| DMatrix::from_fn(n, 1, |row, _| entry(own, row)));
+            tangents.of_state(&mut positions, &mut velocities);
+            let (mut constant_effort, mut none) = (DVector::from_fn(n, |row, _| entry(2, row)), DVector::zeros(n));
+            tangents.pulled_back(&mut constant_effort, &mut none);
+            let (position, velocity) = (positions.column(0).into_owned(), velocities.column(0).into_owned());
             Parameter { position, velocity, constant_effort, ..Parameter::none(n) }
         };
         Ok(freedoms.into_iter().map(|freedom| (format!("{word}.{}", names[freedom]), unit(freedom, of))).collect())
@@ -98,17 +105,20 @@ impl Simulation {
         let mechanism = &self.model.description().mechanism;
         let unknown = || SensitivityError::Unknown { key: name.to_string() };
         let joint = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body].joint).ok_or_else(unknown)?;
-        if joint.kind.rotation() == FreeRotation::Ball && of_position {
-            let (part, advice) = ("starts of ball joints in closed loops", "name another joint of the loop");
-            return Err(SensitivityError::Unsupported { part, advice }.into());
-        }
-        let range = if of_position { joint.position_range() } else { joint.velocity_range() };
-        let own = if of_position { &start.position[range] } else { &start.velocity[range] };
+        let (q, v) = self.model.flat(start);
+        let place = self.model.coordinates().joint(&joint.name).ok_or_else(unknown)?;
+        let entry = freedom - joint.velocity_index;
+        let slides = joint.kind.translation_axes().len();
         let mut parameter = Parameter::none(start.velocity.len());
         for (index, weight) in WEIGHTS.iter().enumerate() {
             for sign in [1.0, -1.0] {
-                let mut numbers = own.to_vec();
-                numbers[freedom - joint.velocity_index] += sign * (index + 1) as f64 * WIDTH;
+                let by = sign * (index + 1) as f64 * WIDTH;
+                let mut numbers = if of_position { q[place.q.clone()].to_vec() } else { v[place.v.clone()].to_vec() };
+                if of_position && joint.kind.rotation() == FreeRotation::Ball && entry >= slides {
+                    turn_about(entry - slides, by, &mut numbers[slides..]);
+                } else {
+                    numbers[entry] += by;
+                }
                 let [mut positions, mut velocities] = [self.positions.clone(), self.velocities.clone()];
                 let given = if of_position { &mut positions } else { &mut velocities };
                 given.retain(|(known, _)| *known != joint.name);
@@ -146,7 +156,9 @@ impl Simulation {
     fn by_differences(&self, number: &Varying, start: &State, width: f64) -> Result<Parameter, Error> {
         let value = number.value;
         let width = if value == 0.0 { width } else { width * value.abs() };
-        let here = Seen { figures: listed(&self.model), ..Seen::of(&self.model, start, start) };
+        let figures = listed(&self.model.description().mechanism, &frames(&self.model));
+        let arms = arms(self.model.description());
+        let here = Seen { figures, arms, ..Seen::of(&self.model, start, start) };
         let at = |count: f64| self.seen(number, value + count * width, start, &here.figures);
         let mut pairs = vec![(2, [at(2.0)?, at(-2.0)?]), (4, [at(4.0)?, at(-4.0)?])];
         let slopes = |(count, [plus, minus]): &(usize, [Seen; 2])| {
@@ -175,6 +187,7 @@ impl Simulation {
                 parameter.figures.iter_mut().zip(&seen.figures).for_each(|(slope, figure)| *slope += weight * figure);
                 parameter.position += weight * &seen.position;
                 parameter.velocity += weight * &seen.velocity;
+                parameter.arms += weight * &seen.arms;
                 if !is_timeless {
                     parameter.others.push((weight, seen.laws.clone()));
                 }
@@ -205,15 +218,17 @@ impl Simulation {
             .map_err(|error| edge(error.to_string()))?;
         let mut state = begun.state;
         state.time = start.time;
-        let (mechanism, other) = (&self.model.description().mechanism, &model.description().mechanism);
-        let figures = listed(&model);
+        let mut other = model.description().mechanism.clone();
+        let arms = in_same_frames([self.model.description(), model.description()], &mut other, &mut state);
+        let mechanism = &self.model.description().mechanism;
+        let figures = listed(&other, &frames(&model));
         let is_like = figures.len() == here.len()
             && state.position.len() == start.position.len()
-            && given_shapes(other).eq(given_shapes(mechanism));
+            && given_shapes(&other).eq(given_shapes(mechanism));
         if !is_like {
             return Err(SensitivityError::Structure { key: own(), value }.into());
         }
-        Ok(Seen { figures, ..Seen::of(&model, start, &state) })
+        Ok(Seen { figures, arms, ..Seen::of(&model, start, &state) })
     }
 }
 
@@ -224,23 +239,26 @@ struct Seen {
     /// The start, as a motion from that of the model itself, and its velocities.
     position: DVector<f64>,
     velocity: DVector<f64>,
+    /// The origins of the child links of floating joints in their bodies.
+    arms: DVector<f64>,
     laws: TimeLaws,
 }
 
 impl Seen {
-    /// A model and its start, without its figures.
+    /// A model and its start, without its figures and arms.
     fn of(model: &Model, from: &State, start: &State) -> Self {
         let mechanism = &model.description().mechanism;
         Seen {
             figures: Vec::new(),
             position: motion_between(mechanism, from, start),
             velocity: DVector::from_column_slice(&start.velocity),
+            arms: DVector::zeros(start.velocity.len()),
             laws: TimeLaws::new(&Elements::new(mechanism).motors, &mechanism.forces),
         }
     }
 
     fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
-        self.figures.iter().chain(self.position.iter()).chain(self.velocity.iter()).copied()
+        self.figures.iter().chain(&self.position).chain(&self.velocity).chain(&self.arms).copied()
     }
 }
 
@@ -254,16 +272,64 @@ pub(super) fn frames(model: &Model) -> Vec<Pose> {
     description.mechanism.bodies.iter().enumerate().map(of).collect()
 }
 
-/// All figures of a model and of its elements, in their order; zero for infinite bounds.
-fn listed(model: &Model) -> Vec<f64> {
-    let (mechanism, frames) = (&model.description().mechanism, frames(model));
+/// The floating joints of a model: their bodies, the first of their entries among the velocities and positions, and their links in their bodies.
+fn floating(description: &Description) -> impl Iterator<Item = (usize, [usize; 2], Pose)> + '_ {
+    description.joints.iter().filter(|record| record.kind == UrdfJointKind::Floating).filter_map(|record| {
+        let body = record.body?;
+        let joint = &description.mechanism.bodies[body].joint;
+        Some((body, [joint.velocity_index, joint.position_index], record.child_link_in_body))
+    })
+}
+
+/// The origins of the child links of floating joints in the frames of their bodies.
+fn arms(description: &Description) -> DVector<f64> {
+    let mut arms = DVector::zeros(description.mechanism.velocity_count);
+    for (_, [first, _], link) in floating(description) {
+        arms.rows_mut(first, 3).copy_from(&link.translation.vector);
+    }
+    arms
+}
+
+/// Turns the frames of the floating bodies of another model, and its state, to where those of a model are in the links: they are at the centres of
+/// mass of the other model, but principal axes turn with its numbers, and jump where moments are equal. Returns the arms of the other model.
+///
+/// With the link at `L₀` and at `L` in the bodies:  Q = R(L) R(L₀)ᵀ,  R ← R Q,  w ← Qᵀ w.
+fn in_same_frames(of: [&Description; 2], mechanism: &mut Mechanism, state: &mut State) -> DVector<f64> {
+    let mut arms = arms(of[1]);
+    for ((body, [first, slot], link), (_, _, other)) in floating(of[0]).zip(floating(of[1])) {
+        if link.rotation == other.rotation {
+            continue;
+        }
+        let turn = other.rotation * link.rotation.inverse();
+        let Some(own) = mechanism.bodies.get_mut(body) else { continue };
+        own.joint.on_child *= turn;
+        let rotation = rotation_from_wxyz(&state.position[slot + 3..slot + 7]) * turn.matrix();
+        state.position[slot + 3..slot + 7].copy_from_slice(&wxyz_from_rotation(&rotation));
+        let spin = Vector3::from_column_slice(&state.velocity[first + 3..first + 6]);
+        state.velocity[first + 3..first + 6].copy_from_slice((turn.inverse() * spin).as_slice());
+        let arm = turn.inverse() * other.translation.vector;
+        arms.rows_mut(first, 3).copy_from(&arm);
+    }
+    arms
+}
+
+/// Turns a quaternion w, x, y, z about an axis of the parent by an angle (rad).
+fn turn_about(axis: usize, angle: f64, quaternion: &mut [f64]) {
+    let mut by = Vector3::zeros();
+    by[axis] = angle;
+    let rotation = Rotation3::new(by).matrix() * rotation_from_wxyz(quaternion);
+    quaternion.copy_from_slice(&wxyz_from_rotation(&rotation));
+}
+
+/// All figures of a mechanism and of its elements, in their order; zero for infinite bounds.
+fn listed(mechanism: &Mechanism, frames: &[Pose]) -> Vec<f64> {
     let mut all = Vec::new();
     let mut take = |value| {
         all.push(value);
         value
     };
-    let _: Figures<f64> = Figures::taken(mechanism, &frames, &mut take);
-    let _: Laws<f64> = Laws::taken(mechanism, &Elements::new(mechanism), &frames, &mut take);
+    let _: Figures<f64> = Figures::taken(mechanism, frames, &mut take);
+    let _: Laws<f64> = Laws::taken(mechanism, &Elements::new(mechanism), frames, &mut take);
     all
 }
 

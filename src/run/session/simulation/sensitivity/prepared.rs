@@ -21,7 +21,7 @@ use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use crate::session::simulation::sensitivity::parameters::frames;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use std::sync::{Arc, Mutex};
 
 /// The repeated steps end this close to the run, in multiples of its tolerance and of its displacements.
@@ -29,6 +29,10 @@ const SAME: f64 = 1e-6;
 /// A step shorter than this part of the way to the next instant is made together with the next one: derivatives over a step have roundings of 1e-16
 /// over its length.
 const SHORT: f64 = 0.1;
+
+/// Steps that end this close to an event (s, or this part of a later time) end at it, or a moment before: a repeated step that is told to end there
+/// has no event, and its end would not move.
+const BESIDE: f64 = 1e-6;
 
 /// The times of the steps of a run, and of its events (s).
 #[derive(Clone, Default)]
@@ -65,11 +69,21 @@ impl Steps {
         work(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 
-    /// The ends of steps that are no events, and the end of the run (s).
+    /// The ends of steps that are not beside events, and after which no event comes much sooner than such a step takes; and the end of the run (s).
     fn instants(&self, start: f64, end: f64) -> Vec<f64> {
         let [steps, events] = self.with(std::mem::take);
-        let given = steps.into_iter().filter(|time| *time > start && *time < end && !events.contains(time));
-        given.chain([end]).collect()
+        let near = |time: f64| events.iter().any(|event| (event - time).abs() <= BESIDE * time.abs().max(1.0));
+        let mut before = start;
+        let mut given: Vec<f64> = Vec::new();
+        for time in steps.into_iter().filter(|time| *time > start && *time < end) {
+            let event = events.iter().copied().filter(|event| *event > time).fold(f64::INFINITY, f64::min);
+            if !near(time) && event - time >= SHORT * (time - before) {
+                given.push(time);
+            }
+            before = time;
+        }
+        given.push(end);
+        given
     }
 }
 
@@ -149,7 +163,14 @@ impl Prepared {
             tableau: self.tableau,
             laws: &self.laws,
             parameters,
+            end: self.end.time,
         }
+    }
+
+    /// The derivatives of the origins of the links of floating joints in their bodies (n × p).
+    pub fn arms(&self) -> DMatrix<f64> {
+        let (n, p) = (self.start.velocity.len(), self.parameters.len());
+        DMatrix::from_fn(n, p, |row, column| self.parameters[column].arms[row])
     }
 
     /// The same run with its trace.

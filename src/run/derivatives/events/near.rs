@@ -1,0 +1,91 @@
+//! Limits that a joint comes near to within a step and turns back from.
+//!
+//! ```text
+//!     φ(c) = Σ_i φ_i l_i(c)                    c: 0..1, through the stages        φ̇ = 0 at c*
+//!     ∂φ(c*)/∂θ = ∂φ/∂q ∂q(c*)/∂θ              ∂q/∂θ: cubic between its values and rates at both ends
+//! ```
+//!
+//! The gap is least where its rate is zero, so that the change of c* has no part in its derivative.
+
+use crate::derivatives::events::walk::Walk;
+use crate::derivatives::forward::tangent::Tangent;
+use crate::events::trace::{JointMode, TracedStep};
+use crate::instant::holding::elements::inward;
+use crate::mechanism::motion::state::State;
+
+/// Places at which the polynomial is looked at before its least value is refined: many more than it has extremes.
+const LOOKED_AT: usize = 256;
+
+/// A step that is behind.
+pub(super) struct Passed<'p> {
+    /// Its start, with its derivatives.
+    pub before: &'p State,
+    pub was: &'p Tangent,
+    /// The stages i = 2..s.
+    pub stages: &'p [State],
+}
+
+impl Walk<'_> {
+    /// Notes limits that a joint has turned back from within a step.
+    pub(super) fn see_near(&mut self, traced: &TracedStep, passed: &Passed) {
+        let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);
+        let step = self.state.time - passed.before.time;
+        for (joint, mode) in elements.joints.iter().zip(&traced.mode.joints) {
+            let JointMode::Free { .. } = mode else { continue };
+            for side in joint.sides() {
+                let rates = [passed.before, &self.state].map(|state| inward(side) * joint.rate(state));
+                if !(rates[0] < 0.0 && rates[1] > 0.0) {
+                    continue;
+                }
+                let gap = |state: &State| joint.gap(side, joint.position(state));
+                let gaps: Vec<f64> = std::iter::once(passed.before).chain(passed.stages).map(gap).collect();
+                let (place, least) = least_between(&self.subject.tableau.nodes, &gaps);
+                let row = joint.coordinate.freedom;
+                let (one, two) = (place * place, place * place * place);
+                let by = (passed.was.positions.row(row) * (1.0 - 3.0 * one + 2.0 * two)
+                    + passed.was.velocities.row(row) * (step * (place - 2.0 * one + two))
+                    + self.tangent.positions.row(row) * (3.0 * one - 2.0 * two)
+                    + self.tangent.velocities.row(row) * (step * (two - one)))
+                    .transpose();
+                let name = &mechanism.bodies[joint.owner(side)].joint.name;
+                let what = format!("joint \"{name}\" meets a limit");
+                self.validity.see_near(&what, passed.before.time + place * step, least.max(0.0), &by);
+            }
+        }
+    }
+}
+
+/// The place and the least value of the polynomial through some values at nodes between 0 and 1.
+fn least_between(nodes: &[f64], values: &[f64]) -> (f64, f64) {
+    let at = |place: f64| -> f64 {
+        let base = |i: usize| -> f64 {
+            let others = (0..nodes.len()).filter(|&other| other != i);
+            others.map(|other| (place - nodes[other]) / (nodes[i] - nodes[other])).product()
+        };
+        values.iter().enumerate().map(|(i, value)| value * base(i)).sum()
+    };
+    let width = 1.0 / LOOKED_AT as f64;
+    let seen = (0..=LOOKED_AT).map(|index| index as f64 * width);
+    let best = seen.min_by(|&one, &other| at(one).total_cmp(&at(other))).unwrap_or_default();
+    // The vertex of the parabola through the neighbours.
+    let [before, here, after] = [best - width, best, best + width].map(at);
+    let bend = before - 2.0 * here + after;
+    let place = if bend > 0.0 { best + 0.5 * width * (before - after) / bend } else { best };
+    let place = place.clamp(0.0, 1.0);
+    (place, at(place).min(here))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_value_of_a_polynomial_through_stages_is_found_to_rounding() {
+        let nodes = [0.0, 0.172_673_164_646_011_4, 0.5, 0.827_326_835_353_988_6, 1.0];
+        let of = |place: f64| (place - 0.37).powi(2) * (1.0 + place * place) + 1e-9;
+        let values = nodes.map(of);
+        let (place, least) = least_between(&nodes, &values);
+        // The parabola of three places 1/256 apart is off by the third derivative, 1e-5 of a place, and its square in value.
+        assert!((place - 0.37).abs() < 1e-4 && (least - 1e-9).abs() < 1e-9, "{place} {least}");
+    }
+}
