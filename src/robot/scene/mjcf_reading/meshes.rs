@@ -77,7 +77,7 @@ impl Reader<'_> {
 /// The triangles of a mesh or of the hull of its vertices as an OBJ file.
 fn obj_of(asset: &Element, numbers: &[f64]) -> Result<String, SceneError> {
     let refuse = |name: &str, reason: &str| asset.error(name, reason.to_string());
-    if numbers.len() % 3 != 0 || numbers.len() < 12 {
+    if !numbers.len().is_multiple_of(3) || numbers.len() < 12 {
         return Err(refuse("vertex", "four points of three numbers are wanted at least"));
     }
     let mut vertices: Vec<Vector3<f64>> = numbers.chunks_exact(3).map(Vector3::from_column_slice).collect();
@@ -89,7 +89,7 @@ fn obj_of(asset: &Element, numbers: &[f64]) -> Result<String, SceneError> {
         }
         Some(corners) => {
             let is_known = |corner: &f64| corner.fract() == 0.0 && (0.0..vertices.len() as f64).contains(corner);
-            if corners.len() % 3 != 0 || !corners.iter().all(is_known) {
+            if !corners.len().is_multiple_of(3) || !corners.iter().all(is_known) {
                 return Err(refuse("face", "it is no list of triangles, of three numbers of vertices from 0 each"));
             }
             corners.chunks_exact(3).map(|corners| [0, 1, 2].map(|at: usize| corners[at] as usize)).collect()
