@@ -11,7 +11,6 @@ use catena::lobatto::tableau::butcher::Tableau;
 use catena::mechanism::description::body_state::BodyState;
 use catena::mechanism::description::closure::{LoopJoint, LoopKind};
 use catena::mechanism::description::contact::LEVEL;
-use catena::mechanism::motion::touches::touch_motion;
 
 /// All vector types; a processor that has not got one takes the next.
 const VECTORS: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];

@@ -2,6 +2,7 @@
 
 pub(crate) mod blocked;
 pub(crate) mod contacts;
+mod deciding;
 pub(crate) mod decision;
 pub(crate) mod first_slips;
 pub(crate) mod flat_ends;

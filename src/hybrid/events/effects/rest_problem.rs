@@ -4,7 +4,7 @@
 //!     a = b + D λ,   b = W a_free + Ẇ v,   D = W Y Wᵀ        a_free: accelerations under all efforts but λ
 //! ```
 //!
-//! with the law of each element (header of [`crate::events::effects::decision`]). The rows of W stand in the order of the joints, then of the contacts
+//! with the law of each element (header of [`crate::events::effects::deciding`]). The rows of W stand in the order of the joints, then of the contacts
 //! that do not open, each before its moments.
 
 use crate::events::effects::decision::{Candidate, Scene, Undecided, Yielding};

@@ -13,7 +13,8 @@
 
 use crate::events::effects::blocked::blocked;
 use crate::events::effects::contacts::Contacts;
-use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
+use crate::events::effects::deciding::decide;
+use crate::events::effects::decision::{Scene, Undecided, Yielding};
 use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
 use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};

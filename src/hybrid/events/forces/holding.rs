@@ -36,7 +36,7 @@ const ROUNDING: f64 = 2e-15;
 const CONTACT_ROUNDING: f64 = 1e-13;
 const SHARED_ROUNDING: f64 = 1e-9;
 /// A contact that sticks on its cone slips where it lacks this part of the size of its force, or of its load where forces are not unique: more than
-/// decisions leave ([`crate::events::effects::decision`]).
+/// decisions leave ([`crate::events::effects::deciding`]).
 const ON_CONE: f64 = 1e-11;
 const ON_SHARED_CONE: f64 = 1e-7;
 /// A contact is unloaded if it presses by less than this part of the force with which the bodies beside it would fall on each other. If bodies hang
