@@ -29,7 +29,7 @@ fn a_bouncing_ball_has_the_derivatives_of_its_first_impact_in_json_and_a_row_for
     assert_eq!(table.lines().count(), 1 + steps);
     // Time, seven positions and six velocities of the floating ball, and six derivatives of q and of v by two parameters.
     assert!(table.lines().all(|line| line.split(',').count() == 1 + 7 + 6 + 24), "{:?}", table.lines().next());
-    assert!(table.lines().next().is_some_and(|head| head.contains(",v.ball.z,")), "{:?}", table.lines().next());
+    assert!(table.lines().next().is_some_and(|head| head.contains(",v.base.z,")), "{:?}", table.lines().next());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Derivatives of q and v, from those of a state: the only place at which derivatives change their coordinates.
+//! Derivatives of q and v, from derivatives of a state: the only place at which derivatives change their coordinates.
 //!
 //! A derivative of q is along the entries of v: a displacement of the child link's origin, and a rotation vector φ, `R_link ← exp(φ̂) R_link`, both
 //! in the joint's frame on the parent. Derivatives of a state are along its velocities: a displacement δx of the body's frame, and a turn θ about the
@@ -12,7 +12,7 @@
 //! ```
 //!
 //! The body's frame is at the centre of mass along principal axes. Its turn in the link is no part of a derivative: it is chosen freely, and has no
-//! derivative where moments are equal ([`Held`]). Ball joints have the parts of turns alone; the coordinates of all other joints are those of the state.
+//! derivative where moments are equal. Ball joints have the parts of turns alone; all other joints have the coordinates of the state.
 
 use crate::derivatives::linear::elsewhere::Elsewhere;
 use crate::mechanism::description::joint::rotation_from_wxyz;
@@ -56,7 +56,7 @@ impl Tangents {
         Tangents { joints: model.joints.iter().filter_map(of).collect(), freedoms: state.velocity.len() }
     }
 
-    /// Derivatives of a state (n × p) as derivatives of q and v; `arms` are those of d (n × p, in the rows of sliding).
+    /// Derivatives of a state (n × p) as derivatives of q and v; `arms` belong to d (n × p, in the rows of sliding).
     pub fn shown(&self, positions: &mut DMatrix<f64>, velocities: &mut DMatrix<f64>, arms: &DMatrix<f64>) {
         for (joint, column) in self.places(positions.ncols()) {
             let Turning { first, arm, turn, spin } = *joint;

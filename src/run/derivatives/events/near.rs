@@ -16,40 +16,31 @@ use crate::mechanism::motion::state::State;
 /// Places at which the polynomial is looked at before its least value is refined: many more than it has extremes.
 const LOOKED_AT: usize = 256;
 
-/// A step that is behind.
-pub(super) struct Passed<'p> {
-    /// Its start, with its derivatives.
-    pub before: &'p State,
-    pub was: &'p Tangent,
-    /// The stages i = 2..s.
-    pub stages: &'p [State],
-}
-
 impl Walk<'_> {
-    /// Notes limits that a joint has turned back from within a step.
-    pub(super) fn see_near(&mut self, traced: &TracedStep, passed: &Passed) {
+    /// Notes limits that a joint has turned back from within a step, from its start with its derivatives and its stages i = 2..s.
+    pub(super) fn see_near(&mut self, traced: &TracedStep, (before, was): (&State, &Tangent), stages: &[State]) {
         let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);
-        let step = self.state.time - passed.before.time;
+        let step = self.state.time - before.time;
         for (joint, mode) in elements.joints.iter().zip(&traced.mode.joints) {
             let JointMode::Free { .. } = mode else { continue };
             for side in joint.sides() {
-                let rates = [passed.before, &self.state].map(|state| inward(side) * joint.rate(state));
+                let rates = [before, &self.state].map(|state| inward(side) * joint.rate(state));
                 if !(rates[0] < 0.0 && rates[1] > 0.0) {
                     continue;
                 }
                 let gap = |state: &State| joint.gap(side, joint.position(state));
-                let gaps: Vec<f64> = std::iter::once(passed.before).chain(passed.stages).map(gap).collect();
+                let gaps: Vec<f64> = std::iter::once(before).chain(stages).map(gap).collect();
                 let (place, least) = least_between(&self.subject.tableau.nodes, &gaps);
                 let row = joint.coordinate.freedom;
                 let (one, two) = (place * place, place * place * place);
-                let by = (passed.was.positions.row(row) * (1.0 - 3.0 * one + 2.0 * two)
-                    + passed.was.velocities.row(row) * (step * (place - 2.0 * one + two))
+                let by = (was.positions.row(row) * (1.0 - 3.0 * one + 2.0 * two)
+                    + was.velocities.row(row) * (step * (place - 2.0 * one + two))
                     + self.tangent.positions.row(row) * (3.0 * one - 2.0 * two)
                     + self.tangent.velocities.row(row) * (step * (two - one)))
                     .transpose();
                 let name = &mechanism.bodies[joint.owner(side)].joint.name;
                 let what = format!("joint \"{name}\" meets a limit");
-                self.validity.see_near(&what, passed.before.time + place * step, least.max(0.0), &by);
+                self.validity.see_near(&what, before.time + place * step, least.max(0.0), &by);
             }
         }
     }

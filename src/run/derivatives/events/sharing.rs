@@ -46,7 +46,7 @@ impl StepMode {
         (self.closed.shares, self.constant.shares) = (shares.clone(), shares);
     }
 
-    /// The rows of the normals among those of the touches; none if no contact slides with friction.
+    /// The rows of the normals among the rows of the touches; empty if no contact slides with friction.
     fn normals(&self) -> Vec<usize> {
         let touches = &self.closed.touches;
         let rubs = |closed: &ClosedTouch<f64>| matches!(closed.friction, Friction::Slides { coefficient, .. } if coefficient != 0.0);

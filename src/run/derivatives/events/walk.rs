@@ -13,7 +13,6 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::near::Passed;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
@@ -233,7 +232,7 @@ impl<'w> Walk<'w> {
         let longer = &later - &self.tangent.times;
         self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
         self.take_end(&solved, traced.end.time);
-        self.see_near(traced, &Passed { before: &before, was: &was, stages: &solved.stages });
+        self.see_near(traced, (&before, &was), &solved.stages);
         if self.keeps {
             let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
             self.kept = Some(Arc::new(KeptStep { step: traced.end.time - since, mode, solved, efforts }));

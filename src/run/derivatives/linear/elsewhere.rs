@@ -1,6 +1,6 @@
 //! Linear equations of motion in other coordinates.
 //!
-//! The slight changes q′, v′ of other coordinates, and their accelerations a′ under efforts τ′, belong to those of the state:
+//! The slight changes q′, v′ of other coordinates, and their accelerations a′ under efforts τ′, belong to slight changes of the state:
 //!
 //! ```text
 //!     δq′ = T δq        δv′ = T δu + V δq        δa′ = T δu̇ + P δq + U δu        δτ = Tᵀ δτ′ + E δq

@@ -84,7 +84,7 @@ impl EventSlope {
     }
 }
 
-/// The derivatives of q and v of those of a state; `arms` are those of the origins of links (n × p).
+/// The derivatives of q and v from the derivatives of a state; `arms` belong to the origins of links (n × p).
 fn shown(model: &Model, state: &State, tangent: Tangent, arms: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
     let Tangent { mut positions, mut velocities, .. } = tangent;
     Tangents::at(model.description(), state).shown(&mut positions, &mut velocities, arms);

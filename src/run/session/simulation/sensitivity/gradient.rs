@@ -58,7 +58,8 @@ pub struct SampledEvent {
 pub struct Lost {
     /// Its value.
     pub value: f64,
-    /// By the displacements along the entries of v at each sample (n each), as those of [`Sensitivity::dq`](crate::session::Sensitivity::dq).
+    /// Its derivatives by displacements along the entries of v at each sample (n each), as in
+    /// [`Sensitivity::dq`](crate::session::Sensitivity::dq).
     pub by_q: Vec<Vec<f64>>,
     /// By the velocities (n each).
     pub by_v: Vec<Vec<f64>>,
@@ -73,7 +74,7 @@ pub struct EventLost {
     pub event: usize,
     /// By its time.
     pub time: f64,
-    /// By the displacements along the entries of v at the event (n), or empty.
+    /// Derivatives by displacements along the entries of v at the event (n), or empty.
     pub by_q: Vec<f64>,
     /// By the velocities before the event (n), or empty.
     pub by_v: Vec<f64>,

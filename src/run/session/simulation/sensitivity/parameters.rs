@@ -290,7 +290,7 @@ fn arms(description: &Description) -> DVector<f64> {
     arms
 }
 
-/// Turns the frames of the floating bodies of another model, and its state, to where those of a model are in the links: they are at the centres of
+/// Turns the frames of the floating bodies of another model, and its state, to where a model has them in the links: they are at the centres of
 /// mass of the other model, but principal axes turn with its numbers, and jump where moments are equal. Returns the arms of the other model.
 ///
 /// With the link at `L₀` and at `L` in the bodies:  Q = R(L) R(L₀)ᵀ,  R ← R Q,  w ← Qᵀ w.
