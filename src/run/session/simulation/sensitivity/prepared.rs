@@ -69,21 +69,12 @@ impl Steps {
         work(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 
-    /// The ends of steps that are not beside events, and after which no event comes much sooner than such a step takes; and the end of the run (s).
+    /// The ends of steps that are not beside events, and the end of the run (s).
     fn instants(&self, start: f64, end: f64) -> Vec<f64> {
         let [steps, events] = self.with(std::mem::take);
         let near = |time: f64| events.iter().any(|event| (event - time).abs() <= BESIDE * time.abs().max(1.0));
-        let mut before = start;
-        let mut given: Vec<f64> = Vec::new();
-        for time in steps.into_iter().filter(|time| *time > start && *time < end) {
-            let event = events.iter().copied().filter(|event| *event > time).fold(f64::INFINITY, f64::min);
-            if !near(time) && event - time >= SHORT * (time - before) {
-                given.push(time);
-            }
-            before = time;
-        }
-        given.push(end);
-        given
+        let given = steps.into_iter().filter(|time| *time > start && *time < end && !near(*time));
+        given.chain([end]).collect()
     }
 }
 
