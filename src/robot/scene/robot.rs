@@ -211,7 +211,6 @@ impl UrdfJointKind {
     }
 
     /// Whether number `index` of a position or velocity of the joint, as users give it, is an angle or its rate.
-    #[cfg(feature = "scene")]
     pub fn is_angle(self, index: usize) -> bool {
         match self {
             UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Spherical => true,
