@@ -362,6 +362,29 @@ fn a_robot_alone_is_the_same_as_a_scene_of_it() {
     }
 }
 
+/// The model of a body is made anew when one of its numbers is set.
+#[test]
+fn what_a_link_table_says_of_a_body_holds_when_another_number_of_the_body_is_set() {
+    let folder = command::folder("parameters_of_bodies");
+    for shape in ["", "shape = 1\n"] {
+        let text = |mass: f64, friction: f64| {
+            format!(
+                "[[body]]\nname = \"weight\"\nshape = {{ type = \"sphere\", radius = 0.1 }}\nmass = {mass:?}\nfriction = 0.9\n\
+                 [[link]]\nname = \"weight\"\n{shape}friction = {friction:?}\nrestitution = 0.3\n"
+            )
+        };
+        let read = |text: &str| {
+            scene_from_text(text, &folder.join("s.toml"), &mut FilesOnDisk(&PackagePath::default())).expect("a scene")
+        };
+        let mechanism = |scene: &Scene| format!("{:?}", Model::from_scene(scene).expect("a model").0.mechanism);
+        let mut set = read(&text(1.0, 0.2));
+        set.set(&[(set.parameter("body.weight.mass").expect("a key"), 3.0)]).expect("a mass");
+        assert_eq!(mechanism(&set), mechanism(&read(&text(3.0, 0.2))), "{shape}");
+        set.set(&[(set.parameter("body.weight.friction").expect("a key"), 0.4)]).expect("a coefficient");
+        assert_eq!(mechanism(&set), mechanism(&read(&text(3.0, 0.4))), "{shape}");
+    }
+}
+
 #[test]
 fn keys_that_can_never_be_set_are_not_listed() {
     let folder = command::folder("parameters_without_effect");

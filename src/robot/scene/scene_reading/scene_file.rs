@@ -87,7 +87,12 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     }
     for said in &contact.links {
         if let LinkReference::Link { robot, link } = said.link {
-            let robot = &mut robots[robot].robot;
+            let placed = &mut robots[robot];
+            // A body is made anew from what it is described by when one of its numbers is set.
+            if let Some(body) = &mut placed.body {
+                body.surface = said.surface.or(&body.surface);
+            }
+            let robot = &mut placed.robot;
             if said.shape.is_none() && said.surface.friction.is_some() {
                 let link = Element::Link(robot.links[link].name.clone());
                 robot.forget_taken(TakenNumber::Friction, &link);
