@@ -145,6 +145,8 @@ fn a_run_without_derivatives_is_refused_with_the_reason() {
     };
     assert!(refused("gripper_holds_box.toml", "gravity.z").contains("single active set"));
     assert!(refused("double_pendulum.urdf", "elbow.nonsense").contains("no parameter"));
+    // A part that several key paths end with is none of them, as for --set.
+    assert!(refused("double_pendulum.urdf", "inertia.ixx").contains("no parameter"));
 }
 
 /// A cart of 2 kg on a rail.

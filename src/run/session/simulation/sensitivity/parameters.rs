@@ -16,7 +16,7 @@ use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxy
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::model::Model as Description;
-use crate::scene::{Parameter as Number, Scene, UrdfJointKind};
+use crate::scene::{Parameter as Number, Problem, Scene, UrdfJointKind};
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
@@ -135,10 +135,11 @@ impl Simulation {
     /// The parameter of a number by its key path.
     fn by_number(&self, key: &str, numbers: &Numbers, start: &State) -> Result<Parameter, Error> {
         let own = || key.to_string();
-        let exact = numbers.all.iter().find(|number| number.key() == key);
-        let called = |name: &str| name.strip_suffix(key).is_some_and(|before| before.ends_with('.'));
-        let found = exact.or_else(|| numbers.all.iter().find(|number| called(number.key())));
-        let found = found.ok_or_else(|| SensitivityError::Unknown { key: own() })?;
+        let found = numbers.scene.parameter_among(&numbers.all, key).map_err(|error| match *error.problem {
+            // Starts and efforts are parameters, too.
+            Problem::UnknownParameter { .. } => Error::from(SensitivityError::Unknown { key: own() }),
+            _ => Error::from(error),
+        })?;
         let said = found.said().filter(|value| value.is_finite());
         let value = said.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
         let number = Varying { key, scene: &numbers.scene, number: found, value };
