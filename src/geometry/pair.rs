@@ -217,8 +217,8 @@ impl PairGeometry {
     }
 
     /// The same places in a way that is quicker, and a lower bound of the distance (m) where there are none. Two small polytopes have the same places to
-    /// rounding, perhaps under other names. Of shapes with many vertices there are a few of the places, among them the nearest, if there are many. `before`
-    /// is what is known from a moment ago.
+    /// rounding, perhaps under other names. Shapes with many vertices have a few of their places, the nearest among them. `before` is known from a moment
+    /// ago.
     pub fn touches_soon(&self, a: &Pose, b: &Pose, near: f64, before: &mut Before) -> (Vec<TouchPlace>, f64) {
         let (first, in_first) = self.relative(a, b);
         let (apart, rounded) = self.by_balls(&in_first);

@@ -1,6 +1,6 @@
 //! Motions that something else knows: the comparator in joint coordinates, and answers of others.
 
-// The models are those of programs with the crates of the method alone, too.
+// `models` names its mechanisms by this path, so that tests of single crates have it, too.
 use catena::mechanism;
 
 #[path = "../shared/common/mod.rs"]

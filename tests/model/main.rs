@@ -1,6 +1,6 @@
 //! From files to mechanisms: what is read, what is left out, and that nothing is lost by it.
 
-// The models are those of programs with the crates of the method alone, too.
+// `models` names its mechanisms by this path, so that tests of single crates have it, too.
 use catena::mechanism;
 
 #[path = "../shared/closed/mod.rs"]

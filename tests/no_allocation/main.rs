@@ -1,6 +1,6 @@
 //! What does not allocate on the heap, counted by an allocator that other tests do without.
 
-// The models are those of programs with the crates of the method alone, too.
+// `models` names its mechanisms by this path, so that tests of single crates have it, too.
 use catena::mechanism;
 
 #[path = "../shared/closed/mod.rs"]

@@ -9,10 +9,9 @@ use catena::lobatto::vectors::portable::Portable;
 
 type Four = Portable<4>;
 
-/// Every joint kind twice in a row, mixtures, branches and bodies that never turn, and all forces on some of them.
-fn every_model() -> Vec<Model> {
-    let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
-    all.extend([models::double_pendulum(), models::spatial_pendulum(), models::floating_tree()]);
+/// All models, and all forces on one of them.
+fn models_and_forces() -> Vec<Model> {
+    let mut all = models::every_model();
     let tree = models::floating_tree();
     let forces = models::every_force(&tree.mechanism);
     all.extend(forces.into_iter().map(|(_, forces)| {
@@ -53,7 +52,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 
 #[test]
 fn with_the_factors_of_the_same_iterate_an_iteration_is_the_full_one() {
-    for model in every_model() {
+    for model in models_and_forces() {
         let mut stages = stages_of(&model);
         // Away from the start, so that every body has turned and every arm has moved.
         for _ in 0..2 {
@@ -71,7 +70,7 @@ fn with_the_factors_of_the_same_iterate_an_iteration_is_the_full_one() {
 
 #[test]
 fn with_the_factors_of_another_iterate_a_solution_is_a_solution_still() {
-    for model in every_model() {
+    for model in models_and_forces() {
         let mut stages = stages_of(&model);
         let first = largest(iterate(&mut stages, &model, false));
         for _ in 0..30 {

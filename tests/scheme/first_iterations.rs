@@ -13,13 +13,6 @@ use catena::mechanism::motion::kinematics::body_states;
 const STAGES: usize = 9;
 const STEP: f64 = 0.05;
 
-/// Every joint kind twice in a row, mixtures, branches and bodies that never turn.
-fn every_model() -> Vec<Model> {
-    let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
-    all.extend([models::double_pendulum(), models::spatial_pendulum(), models::floating_tree()]);
-    all
-}
-
 /// The end of a step that was iterated as far as `stop`, in single precision at first if it may be `rough`, and the iterations.
 fn end(model: &Model, isa: Isa, stop: f64, rough: bool) -> (Vec<BodyState>, usize) {
     let mechanism = &model.mechanism;
@@ -36,7 +29,7 @@ fn end(model: &Model, isa: Isa, stop: f64, rough: bool) -> (Vec<BodyState>, usiz
 
 #[test]
 fn steps_that_begin_in_single_precision_end_where_others_do() {
-    for model in every_model() {
+    for model in models::every_model() {
         let (exact, _) = end(&model, Isa::detect(), 2e-16, false);
         for stop in [1e-2, 1e-3, 1e-4, 1e-6, 1e-7] {
             let (double, in_double) = end(&model, Isa::detect(), stop, false);

@@ -21,13 +21,6 @@ fn fast_step(model: &Model, stages: usize, step: f64) -> Vec<catena::mechanism::
     body_states(&model.mechanism, &state)
 }
 
-/// Every joint kind twice in a row, and mixtures. (The literal scheme needs Σ to be invertible, so no heavy top here.)
-fn every_model() -> Vec<Model> {
-    let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
-    all.extend([models::double_pendulum(), models::spatial_pendulum(), models::floating_tree()]);
-    all
-}
-
 /// Both solvers stop at rounding; the literal one works on entries of size one to ten with dense LU factors, whose
 /// condition (at most some 1e3 here) times 1e-16 is well below the bounds.
 fn assert_literal(model: &Model, forces: &str, stages: usize) {
@@ -45,7 +38,7 @@ fn assert_literal(model: &Model, forces: &str, stages: usize) {
 
 #[test]
 fn one_step_equals_the_literal_scheme_for_every_joint_kind_and_two_to_five_stages() {
-    for model in every_model() {
+    for model in models::every_model() {
         for stages in 2..=5 {
             assert_literal(&model, "no forces", stages);
         }

@@ -1,6 +1,6 @@
 //! The scheme, its solver and its steps: what the method claims.
 
-// The models are those of programs with the crates of the method alone, too.
+// `models` names its mechanisms by this path, so that tests of single crates have it, too.
 use catena::mechanism;
 
 #[path = "../shared/closed/mod.rs"]

@@ -1,6 +1,7 @@
 //! Runs as programs make them: the same bits as the command line, controllers and efforts, the equations of motion, and every wrong input.
 
 mod bad_input;
+mod between_ticks;
 mod control;
 mod dynamics;
 mod forces_at_jumps;

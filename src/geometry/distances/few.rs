@@ -5,11 +5,11 @@
 //! ```
 //!
 //! The hull of a mesh has thousands of vertices within a centimetre of another. A gap is linear in a small turn, so a place that is the deepest after
-//! none of the turns touches only after others. The nearest place is always there, and every place is one of all: no pair is held apart too early. What
-//! is left out may overlap before the others stop it, by about the height of the surface between two of them; a step that ends so is made again with
-//! the overlapping place.
+//! none of the turns touches only after others. The nearest place is always there, and every place is one of all: no pair is held apart too early. A
+//! place that is left out may overlap before the others stop it, by about the height of the surface between two of them. A step that ends so is made
+//! again with the overlapping place.
 //!
-//! Of two shapes only what is near the support planes is looked at: in it are flat places, and the places to which round bodies roll in a step.
+//! The search looks at the parts of both shapes near the support planes: flat places are there, and the places to which round bodies roll in a step.
 
 use crate::distances::axes::Found;
 use crate::distances::manifold::places_in_slabs;

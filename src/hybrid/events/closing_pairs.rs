@@ -74,20 +74,8 @@ impl Eventful {
                 resolution,
                 changing: speeds.changing_of(of, end - since),
             };
-            let roughly = self.is_known_roughly(pair);
-            // What opens by more than a stretch that is searched can close by is as open as pairs that were so before.
-            let mut gap = GapInside {
-                eventful: self,
-                since,
-                roughly,
-                watched,
-                pair,
-                open: resolution,
-                seen_open: None,
-                before: f64::INFINITY,
-                end,
-                at_end: None,
-            };
+            // A gap of more than can close in a stretch that is searched is as open as that of a pair that was open before.
+            let mut gap = GapInside::new(self, [since, end], (watched, pair), resolution);
             let mut until = first.map_or(end, |known| known.high);
             let mut cover = Cover::from(since);
             // The pair at which the step ends was open until its bracket, which is shorter than the resolution.

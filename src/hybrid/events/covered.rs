@@ -31,23 +31,31 @@ const ASKED: usize = 48;
 pub(super) struct GapInside<'e> {
     pub eventful: &'e mut Eventful,
     /// Start of the step (s).
-    pub since: f64,
+    since: f64,
     /// Whether the dense output is used as interpolated.
-    pub roughly: bool,
+    roughly: bool,
     /// Its number among the watched functions, and among the pairs.
-    pub watched: usize,
-    pub pair: usize,
+    watched: usize,
+    pair: usize,
     /// A gap of more than this is open as interpolated, however it began (m).
-    pub open: f64,
+    open: f64,
     /// The instant at which it was looked at last, if it is open as interpolated there (s), and the gap at the look before (m).
-    pub seen_open: Option<f64>,
-    pub before: f64,
+    seen_open: Option<f64>,
+    before: f64,
     /// The end of the step (s), and the gap there once it was asked for (m).
-    pub end: f64,
+    end: f64,
     pub at_end: Option<f64>,
 }
 
-impl GapInside<'_> {
+impl<'e> GapInside<'e> {
+    /// The gap of a pair, by its number among the watched functions and among the pairs, in a step between two times (s). A gap of more than `open` is
+    /// open as interpolated (m).
+    pub fn new(eventful: &'e mut Eventful, [since, end]: [f64; 2], (watched, pair): (usize, usize), open: f64) -> Self {
+        let roughly = eventful.is_known_roughly(pair);
+        let (seen_open, before, at_end) = (None, f64::INFINITY, None);
+        GapInside { eventful, since, roughly, watched, pair, open, seen_open, before, end, at_end }
+    }
+
     /// An instant of the step, as accurate as the pair needs it there.
     fn inside(&self, time: f64) -> Inside {
         Inside { time, roughly: self.roughly || self.seen_open == Some(time) }
@@ -213,25 +221,13 @@ impl Eventful {
             }
             let looked_at = self.trial.covers.iter().find(|(known, _)| *known == watched).map(|(_, cover)| *cover);
             let cover = looked_at.unwrap_or_else(|| Cover { until: end, least: self.trial.reserves.at_end(pair) });
-            let roughly = self.is_known_roughly(pair);
             // A step of first order may have left as much.
             let (allowed, most) = (self.model.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
             // A pair that waits is far apart: its bound holds at the ends and halfway.
             let asked = if looked_at.is_some() { ASKED } else { 2 };
             for part in 0..=asked {
                 let time = since + (cover.until.min(end) - since) * part as f64 / asked as f64;
-                let mut inside = GapInside {
-                    eventful: self,
-                    since,
-                    roughly,
-                    watched,
-                    pair,
-                    open: f64::INFINITY,
-                    seen_open: None,
-                    before: f64::INFINITY,
-                    end,
-                    at_end: None,
-                };
+                let mut inside = GapInside::new(self, [since, end], (watched, pair), f64::INFINITY);
                 let (gap, speed) = (inside.gap(time), inside.speed(time));
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);
                 let lasts = looked_at.is_some() || gap >= cover.least - allowed;

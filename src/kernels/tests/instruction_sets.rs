@@ -13,13 +13,6 @@ use models::Model;
 #[path = "../../../tests/shared/models/mod.rs"]
 mod models;
 
-/// Every joint kind twice in a row, and mixtures.
-fn every_model() -> Vec<Model> {
-    let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
-    all.extend([models::double_pendulum(), models::spatial_pendulum(), models::floating_tree()]);
-    all
-}
-
 /// Poses and velocities after one step with the vectors of a processor, iterated as `rule` says.
 fn end(model: &Model, stages: usize, step: f64, isa: Isa, rule: StopRule) -> Vec<BodyState> {
     let mechanism = &model.mechanism;
@@ -41,7 +34,7 @@ fn every_instruction_set_makes_the_same_step_to_rounding() {
     if !has_wide {
         println!("skipped: AVX2 with more than four lanes; test with --features every-processor");
     }
-    for model in every_model() {
+    for model in models::every_model() {
         for stages in [2, 3, 4, 5, 7, 9, 12, 16] {
             let [portable, narrow, wide] =
                 [Isa::Portable, Isa::Avx2, Isa::Avx512].map(|isa| end(&model, stages, 0.02, isa, StopRule::ROUNDING));
@@ -60,7 +53,7 @@ fn steps_that_begin_in_single_precision_have_the_same_bits_with_avx2_and_avx_512
         println!("skipped: AVX2 with more than four lanes is not compiled; test with --features every-processor");
         return;
     }
-    for model in every_model() {
+    for model in models::every_model() {
         for increment in [1e-3, 1e-7] {
             let rule = StopRule { increment, rough: true, ..StopRule::ROUNDING };
             let [narrow, wide] = [Isa::Avx2, Isa::Avx512].map(|isa| end(&model, 9, 0.05, isa, rule));

@@ -8,15 +8,14 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 
-/// A time is a tick if it is off by less than this part of the period.
-const AT_TICK: f64 = 1e-9;
+/// A tick that is off by less than this part of the period is rounded.
+const ROUNDING: f64 = 1e-9;
 
 /// A line for each period whose motors begin between ticks at this time (s).
 pub(crate) fn between_ticks(mechanism: &Mechanism, begin: f64) -> Vec<String> {
     let mut periods: Vec<(f64, Vec<&str>)> = Vec::new();
     for motor in &mechanism.nonsmooth.motors {
-        let ticks = begin / motor.period;
-        if motor.period > 0.0 && (ticks - ticks.round()).abs() > AT_TICK {
+        if motor.period > 0.0 && begin - (motor.next_instant(begin) - motor.period) > ROUNDING * motor.period {
             let joint = mechanism.joint_of_freedom(motor.coordinate.freedom);
             match periods.iter_mut().find(|(period, _)| *period == motor.period) {
                 Some((_, joints)) => joints.push(joint),

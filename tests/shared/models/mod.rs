@@ -209,6 +209,14 @@ pub fn chain(n: usize) -> Model {
 pub const JOINT_KINDS: [JointKind; 5] =
     [JointKind::Revolute, JointKind::Prismatic, JointKind::Planar, JointKind::Spherical, JointKind::Floating];
 
+/// Every joint kind twice in a row, mixtures, branches and bodies that never turn. The literal scheme needs Σ to be invertible, so there is no
+/// heavy top.
+pub fn every_model() -> Vec<Model> {
+    let mut all: Vec<Model> = JOINT_KINDS.into_iter().map(one_joint).collect();
+    all.extend([double_pendulum(), spatial_pendulum(), floating_tree()]);
+    all
+}
+
 /// A chain of two bodies with the same kind of joint twice, on frames that are aligned with nothing, in a generic state.
 pub fn one_joint(kind: JointKind) -> Model {
     let first = Joint::new(

@@ -159,7 +159,8 @@ pub(crate) fn has_row(motor: &Motor) -> bool {
 }
 
 impl Contacts {
-    /// Finds all candidates for a step of this length (s), in a state that places the bodies; whose speeds are these. Sleeping bodies have no candidates among each other or with the world.
+    /// Finds all candidates for a step of this length (s), in a state that places the bodies, which are at most so fast. Sleeping bodies have no
+    /// candidates among each other or with the world.
     pub fn find(
         &mut self,
         scene: Scene,

@@ -65,14 +65,7 @@ impl Crowd {
             state.displace(scene.whole, &moved);
             self.resting.keep(scene.whole, &before, state);
             place_bodies(scene.whole, state, &mut self.bodies);
-            self.next.find(
-                scene,
-                &self.resting.asleep,
-                state,
-                (&self.bodies, &self.speeds),
-                step,
-                &mut self.clearances,
-            );
+            self.find_next(scene, state, step);
             self.trees.place(scene.whole, &self.bodies);
             self.next.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
             left = self.next.deepest();

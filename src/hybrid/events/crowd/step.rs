@@ -211,14 +211,7 @@ impl Crowd {
             made.unsolved += found.unsolved;
             self.place_middle(start, &displacement, step, whole);
             place_bodies(whole, state, &mut self.bodies);
-            self.next.find(
-                scene,
-                &self.resting.asleep,
-                state,
-                (&self.bodies, &self.speeds),
-                step,
-                &mut self.clearances,
-            );
+            self.find_next(scene, state, step);
             if self.is_interrupted() {
                 return None;
             }
@@ -360,13 +353,8 @@ impl Crowd {
         }
         self.woken = false;
         place_bodies(scene.whole, start, &mut self.bodies);
-        self.speeds.begin(&self.bodies);
-        let mut found = Contacts::default();
-        found.find(scene, &self.resting.asleep, start, (&self.bodies, &self.speeds), step, &mut self.clearances);
         self.trees.place(scene.whole, &self.bodies);
-        found.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
-        found.warm(&self.now, step, longer, &self.trees);
-        self.now = found;
+        self.look_anew(scene, start, step, longer);
         self.energies.place(scene.whole, start, &self.bodies, &self.trees);
         Some(())
     }
@@ -379,13 +367,26 @@ impl Crowd {
         self.end = Some((state.clone(), step));
         // Candidates for slower bodies are not enough.
         if grown {
-            self.speeds.begin(&self.bodies);
-            let mut found = Contacts::default();
-            found.find(scene, &self.resting.asleep, state, (&self.bodies, &self.speeds), step, &mut self.clearances);
-            found.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
-            found.warm(&self.now, step, 1.0, &self.trees);
-            self.now = found;
+            self.look_anew(scene, state, step, 1.0);
         }
+    }
+
+    /// Finds the candidates of a step that begins in a state with these bodies and trees, at their speeds; forces are known from the last candidates,
+    /// for a step that was shorter by a factor.
+    fn look_anew(&mut self, scene: Scene, state: &State, step: f64, longer: f64) {
+        self.speeds.begin(&self.bodies);
+        let Crowd { now, bodies, speeds, resting, clearances, trees, .. } = self;
+        let mut found = Contacts::default();
+        found.find(scene, &resting.asleep, state, (bodies, speeds), step, clearances);
+        found.fill_rows(scene, &resting.asleep, trees, bodies, 0);
+        found.warm(now, step, longer, trees);
+        *now = found;
+    }
+
+    /// Finds the candidates at the end of a step, where the bodies are placed.
+    pub(super) fn find_next(&mut self, scene: Scene, state: &State, step: f64) {
+        let Crowd { next, bodies, speeds, resting, clearances, .. } = self;
+        next.find(scene, &resting.asleep, state, (bodies, speeds), step, clearances);
     }
 
     /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.

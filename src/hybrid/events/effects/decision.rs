@@ -1,5 +1,5 @@
-//! What a decision of elements at rest is about, and what it finds ([`crate::events::effects::deciding`]): the mechanism at an event, the elements that
-//! the event has found at the end of their efforts, the contacts that touch, and the accelerations under the law.
+//! The input and the result of a decision of elements at rest ([`crate::events::effects::deciding`]): the mechanism at an event, the elements that the
+//! event has found at the end of their efforts, the contacts that touch, and the accelerations under the law.
 
 use crate::events::finding::watched::Watched;
 use crate::instant::dynamics::response::Response;

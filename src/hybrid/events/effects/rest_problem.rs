@@ -97,7 +97,8 @@ impl AtRest {
         let rows = Rows::of(scene.response, state, &blocks);
         let of_contact = |contact: usize| &candidates[contact].contact.joint;
         let offset = second_rates(scene.whole, scene.elements, &bodies, state, &free, &blocks, of_contact);
-        RestProblem { bodies, blocks, free, rows, offset }
+        let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        RestProblem { bodies, blocks, free, largest, rows, offset }
     }
 }
 
@@ -108,6 +109,8 @@ pub(super) struct RestProblem {
     pub blocks: Vec<Block>,
     /// a_free, one entry a degree of freedom.
     free: Vec<f64>,
+    /// The largest of them.
+    largest: f64,
     rows: Rows,
     /// b, one entry a row.
     pub offset: Vec<f64>,
@@ -187,10 +190,9 @@ impl RestProblem {
     /// Whether the acceleration of a row is more than this part of the terms that it is the sum of.
     pub fn accelerates(&self, found: &Answer, row: usize, part: f64) -> bool {
         // Each acceleration is a difference of others.
-        let largest = self.free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let terms: f64 =
             (0..self.offset.len()).map(|column| (self.rows.square[(row, column)] * found.forces[column]).abs()).sum();
-        found.rates[row].abs() > part * (terms + self.offset[row].abs()) + DIFFERENCE * (1.0 + largest)
+        found.rates[row].abs() > part * (terms + self.offset[row].abs()) + DIFFERENCE * (1.0 + self.largest)
     }
 
     /// The accelerations under these forces; one entry a degree of freedom.

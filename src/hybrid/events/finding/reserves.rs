@@ -9,8 +9,7 @@
 //! D and M (m) are the travel of bodies and the most that any gap can have fallen by ([`crate::events::finding::travel`]); V is the bound of the
 //! speed of the pair in the step [m/s], h its length (s). A pair whose reserve lasts to the end of a step cannot close in it, and is not looked at.
 //! Bodies that stand beside each other are asked seldom, however short the steps are and however many pairs there are: a step takes a time in
-//! proportion to the bodies. Reserves last until a mode ends, and those of bodies that the
-//! next mode does not touch longer.
+//! proportion to the bodies. Reserves last until a mode ends. Bodies that the next mode does not touch keep theirs.
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (a heap of times before which no pair can collide).
 
@@ -261,7 +260,7 @@ mod tests {
         step(&mut reserves, 0.0, 1e-3);
         reserves.note(0, 1.0);
         reserves.note(1, 0.5);
-        // What was looked at last still counts, and what waits in the queue waits on; a pair of which nothing is known is asked on.
+        // Pair 1 keeps its reserve and its place in the queue. Pair 2 has no reserve yet and is still asked.
         reserves.forget(|pair| pair > 0);
         step(&mut reserves, 1e-3, 2e-3);
         assert_eq!(reserves.asked(), [0, 2]);
