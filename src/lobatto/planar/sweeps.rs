@@ -217,7 +217,8 @@ impl<V: Lanes> PlanarStages<V> {
             Some(applied) if FORCED => {
                 let push = Push {
                     effort: applied.efforts[freedom] * V::splat(sign) * sweep.forces,
-                    inertia: V::splat(if MOMENTUM { 0.0 } else { self.step * applied.resistance[freedom] }),
+                    inertia: applied.shares
+                        * V::splat(if MOMENTUM { 0.0 } else { self.step * applied.resistance[freedom] }),
                 };
                 Some(match applied.rotor(freedom) {
                     None => push,

@@ -9,9 +9,9 @@ use crate::stages::coefficients::row_stage;
 use crate::stages::force_motion::Place;
 use crate::stages::rotors::Rotors;
 use crate::tableau::butcher::Tableau;
+use crate::tableau::dampers::damper_shares;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
-use nalgebra::DMatrix;
 /// The forces on a mechanism at the stages of a step.
 #[derive(Clone)]
 pub struct Applied<V> {
@@ -19,8 +19,10 @@ pub struct Applied<V> {
     pub efforts: Vec<V>,
     /// Force (N) and torque about the anchor [N m] on each body, in world axes, of all that does not act in joints.
     pub wrenches: Vec<(Vector<V>, Vector<V>)>,
-    /// `κ c` of the dampers along each degree of freedom; times h it is their addition to its inertia.
+    /// `c` of the dampers along each degree of freedom; times h and κ of the rows it is their addition to its inertia.
     pub resistance: Vec<f64>,
+    /// κ of each row ([`crate::tableau::dampers`]).
+    pub(crate) shares: V,
     /// Energy that the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
     pub(crate) plan: AppliedPlan,
@@ -72,15 +74,17 @@ impl<V: Lanes> Applied<V> {
         };
         let row_stage = |lane: usize| row_stage(lane, active);
         let end_weight = |lane: usize| if lane + 1 == active { tableau.weights[active] } else { 0.0 };
-        let share = damper_share(tableau);
+        let share = |lane: usize| damper_shares(tableau)[row_stage(lane)];
+        let shares = V::from_slice(&(0..active).map(share).collect::<Vec<f64>>());
         let mut resistance = vec![0.0; mechanism.velocity_count];
         for damper in &mechanism.forces.joint_dampers {
-            resistance[damper.freedom] += share * damper.coefficient;
+            resistance[damper.freedom] += damper.coefficient;
         }
         Some(Box::new(Applied {
             efforts: vec![V::zero(); mechanism.velocity_count],
             wrenches: vec![(Vector::zero(), Vector::zero()); mechanism.bodies.len()],
             resistance,
+            shares,
             exchange: Exchange::default(),
             plan: AppliedPlan::new(mechanism),
             time: 0.0,
@@ -123,26 +127,5 @@ impl<V: Lanes> Applied<V> {
     #[inline(always)]
     pub(crate) fn driven_work(&self, displacement: &[V], active: usize) -> f64 {
         self.plan.driven.iter().map(|&(freedom, effort)| effort * at_end(displacement[freedom], active)).sum()
-    }
-}
-
-/// κ: the largest `|μ|² / Re μ` of the eigenvalues μ of `Â Ā B`, which all have positive real parts.
-fn damper_share(tableau: &Tableau) -> f64 {
-    let n = tableau.stages - 1;
-    let velocity = DMatrix::from_row_slice(n, n, &tableau.velocity[..n * n]);
-    let eigenvalues = (DMatrix::from_row_slice(n, n, &tableau.a_hat) * velocity).complex_eigenvalues();
-    eigenvalues.iter().map(|value| value.norm_sqr() / value.re).fold(0.0, f64::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::damper_share;
-    use crate::tableau::butcher::Tableau;
-
-    #[test]
-    fn share_of_a_damper_in_the_inertia_is_exact_for_two_stages_and_falls_with_their_number() {
-        let shares: Vec<f64> = (2..=16).map(|stages| damper_share(Tableau::of(stages).unwrap())).collect();
-        assert!((shares[0] - 0.5).abs() < 1e-15 && (shares[1] - 1.0 / 3.0).abs() < 1e-14, "{shares:?}");
-        assert!(shares.windows(2).all(|pair| 0.0 < pair[1] && pair[1] < pair[0]), "{shares:?}");
     }
 }

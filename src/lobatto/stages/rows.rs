@@ -252,7 +252,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
     #[inline(always)]
     fn push(&self, freedom: usize) -> Option<Push<V>> {
         let applied = if FORCED { self.applied? } else { return None };
-        let inertia = V::splat(self.step * applied.resistance[freedom]);
+        let inertia = applied.shares * V::splat(self.step * applied.resistance[freedom]);
         let push = Push { effort: applied.efforts[freedom] * self.sweep.forces, inertia };
         Some(match applied.rotor(freedom) {
             None => push,
