@@ -33,6 +33,9 @@ const FALLS: f64 = 0.8;
 const STALE: usize = 3;
 /// For slips the search ends in this way only in steps below this (s).
 const SHORT: f64 = 1e-6;
+/// The effort of a motor has a kink at its bound, and no jump. So its root is near enough if the impulse that is missed is at most this part of the
+/// tolerance (over 1 m) of the impulse that the motor can give in the step.
+const MISSED: f64 = 1e-3;
 /// For slips it also ends if the bracket is narrower than this part of the step.
 const NARROW: f64 = 1e-2;
 
@@ -216,6 +219,14 @@ impl Eventful {
         all.map(|index| self.trial.watched[index]).collect()
     }
 
+    /// Whether a step of this length (s) ends near enough behind the bound of a motor, whose effort beyond it and the time since make this product
+    /// [N s or N m s].
+    fn is_near_enough(&self, watched: usize, product: f64, length: f64) -> bool {
+        let (Watched::Motor(motor, _) | Watched::Excess(motor)) = self.trial.watched[watched] else { return false };
+        let part = MISSED * self.model.recipe.tolerance().unwrap_or(0.0);
+        0.5 * product.abs() <= part * self.model.elements.motors[motor].max_effort * length
+    }
+
     /// Makes the step again with the length at which a function is zero; false if the function has no zero there, but jumps, or the step does not
     /// show it.
     fn end_at(
@@ -304,6 +315,9 @@ impl Eventful {
                 break;
             }
             let change = -value / slope;
+            if value < 0.0 && self.is_near_enough(bracket.watched, value * change, full) {
+                break;
+            }
             // Lengths of steps are known better than times late in a run.
             if change.abs() <= 0.5 * f64::EPSILON * full {
                 break;

@@ -72,6 +72,10 @@ pub const KINK: f64 = 100.0;
 /// After this number of halvings of a step of a tree under gravity that does not converge, the exact Newton method is tried.
 const PATIENCE: usize = 3;
 
+/// Once the extrapolated guess has failed where the plain one has led to the solution, the plain one comes first for this number of steps, because the
+/// reason seldom ends at once: guesses beside hard dampers are far off in what the dampers have stopped.
+const PLAINLY: usize = 10;
+
 /// The decision on an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decision {
@@ -158,7 +162,7 @@ pub struct Memory {
     pub broken_off: usize,
     /// Observed change of the energy by rounding alone (J).
     pub rounding: f64,
-    /// Whether an attempt at the present step was thrown away.
+    /// Whether an attempt at the present step was thrown away, and the next one was not as long.
     pub rejected: bool,
     /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
     pub wary: usize,
@@ -166,6 +170,8 @@ pub struct Memory {
     settling: Option<f64>,
     /// How often the present step, which does not converge, was halved.
     pub halvings: usize,
+    /// For how many more steps the plain guess comes first.
+    plainly: usize,
 }
 
 /// The largest E with which samples inside a step are within the tolerance (m), where it was measured.
@@ -289,6 +295,11 @@ impl Control {
         self.memory.step = if rate.is_finite() { (length / rate.max(1e-3)).min(1.0) } else { 1e-3 };
     }
 
+    /// The guess of the first attempt at a step.
+    fn first_guess(&self, stepper: &Stepper) -> Guess {
+        if self.memory.plainly > 0 { Guess::Plain } else { stepper.first_guess() }
+    }
+
     /// One step of the length that this controller chooses.
     pub(crate) fn advance(
         &mut self,
@@ -304,7 +315,8 @@ impl Control {
         } else if let Some(settling) = stepper.settling_at_start(mechanism, state, self.memory.step, self.tolerance) {
             self.settle(self.memory.step, settling);
         }
-        let mut guess = stepper.first_guess();
+        let mut guess = self.first_guess(stepper);
+        let mut misled = false;
         let longest = self.memory.step.min(until - state.time);
         let resolved = mechanism.resolved_step(state.time, longest, until);
         let mut until = if resolved < longest { state.time + resolved } else { until };
@@ -344,6 +356,7 @@ impl Control {
             match decision {
                 Decision::Accept => {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
+                    self.memory.plainly = if misled { PLAINLY } else { self.memory.plainly.saturating_sub(1) };
                     if let Attempt::Converged { legendre, .. } = attempt {
                         self.look_inside(stepper, mechanism, legendre);
                     }
@@ -355,8 +368,10 @@ impl Control {
                 }
                 Decision::Retry { guess: next, why } => {
                     outcome.cost.reject(why);
-                    self.memory.rejected = true;
-                    guess = if next == Guess::Past { stepper.first_guess() } else { next };
+                    // The plain guess is tried with the same length.
+                    self.memory.rejected |= next != Guess::Plain;
+                    misled = next == Guess::Plain;
+                    guess = if next == Guess::Past { self.first_guess(stepper) } else { next };
                     let given_up = matches!(attempt, Attempt::Failed { .. })
                         && next != Guess::Plain
                         && length <= self.given_up_below;
