@@ -167,7 +167,15 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
             }
             place += 1;
         }
-        faces.push(outline(&triangles, &members, normal)?);
+        let face = match outline(&triangles, &members, normal) {
+            // Slivers leave a hole in it, or hang on it by a corner: the triangle is a face alone, and its neighbours begin others.
+            Err(_) if members.len() > 1 => {
+                members[1..].iter().for_each(|&member| face_of[member] = usize::MAX);
+                outline(&triangles, &members[..1], normal)?
+            }
+            found => found?,
+        };
+        faces.push(face);
     }
     let polytope = Polytope::of_faces(vertices, faces);
     match polytope.edges.iter().all(|edge| edge.faces.is_some()) {

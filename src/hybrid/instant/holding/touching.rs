@@ -154,7 +154,22 @@ impl Touching {
             let gap = rope.gap(bodies);
             return if gap < within { vec![(self.contact(pair, rope.place.clone()), gap)] } else { Vec::new() };
         }
-        let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
+        self.with_gaps(pair, geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within))
+    }
+
+    /// The same, but of two hulls with many vertices a few contacts, the nearest or deepest among them.
+    pub fn a_few_near(&self, pair: usize, bodies: &[BodyState], within: f64) -> Vec<(Contact, f64)> {
+        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        if !geometry.is_dense() {
+            return self.near(pair, bodies, within);
+        }
+        let before = &mut Before::default();
+        let (places, _) = geometry.touches_soon(&pose(of[0], bodies), &pose(of[1], bodies), within, before);
+        self.with_gaps(pair, places)
+    }
+
+    /// Contacts of a pair at these places, each with its gap (m).
+    fn with_gaps(&self, pair: usize, places: Vec<TouchPlace>) -> Vec<(Contact, f64)> {
         let contacts = places.into_iter().map(|place| (place.gap, place));
         contacts.map(|(gap, place)| (self.contact(pair, place), gap)).collect()
     }

@@ -6,7 +6,8 @@
 //!
 //! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` (as in [`crate::instant::holding::blocks`]), and limits of joints; repeated
 //! with the new gaps until every overlap is rounding. Hundreds of vertices may be near, and a few of them push: rows are taken into the problem one
-//! by one, the most violated first, until all are satisfied (a cutting-plane method).
+//! by one, the most violated first, until all are satisfied (a cutting-plane method). Of two hulls with many vertices only a few places are asked for, the
+//! deepest among them: where they are deep inside each other, each vertex of one is near each face of the other.
 //!
 //! Source: J. E. Kelley, The cutting-plane method for solving convex programs, Journal of the SIAM 8 (1960).
 
@@ -62,7 +63,7 @@ pub(crate) fn move_apart(
         if touching.distance_within(pair, &bodies, near) > near {
             continue;
         }
-        for (contact, gap) in touching.near(pair, &bodies, near) {
+        for (contact, gap) in touching.a_few_near(pair, &bodies, near) {
             rows.extend(rows_of_contact(mechanism, &bodies, &contact.joint, false));
             gaps.push(gap);
         }
