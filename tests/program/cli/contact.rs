@@ -326,6 +326,33 @@ fn a_contact_pair_that_changes_nothing_is_a_warning_with_its_line_and_the_reason
 }
 
 #[test]
+fn a_robot_without_collision_shapes_above_a_floor_is_a_warning() {
+    let folder = folder("no_shapes");
+    let link = |shape: &str| {
+        format!(
+            "<link name=\"rod\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" \
+             iyz=\"0\"/></inertial>{shape}</link>"
+        )
+    };
+    let warnings = |shape: &str, more: &[&str]| -> Vec<String> {
+        std::fs::write(folder.join("rod.urdf"), format!("<robot name=\"rod\">{}</robot>", link(shape)))
+            .expect("written");
+        let arguments = ["simulate", "rod.urdf", "--base", "floating", "--duration", "0.01", "--no-log", "--json"];
+        let output = run(&folder, &[&arguments[..], more].concat());
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let all = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
+        all.filter(|warning| warning.contains("nothing touches")).map(str::to_string).collect()
+    };
+    let ball = "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
+    let said = warnings("", &["--floor=-1"]);
+    assert!(
+        said.len() == 1 && said[0].contains("no link of robot \"rod\"") && said[0].contains("\"floor\""),
+        "{said:?}"
+    );
+    assert_eq!(warnings(ball, &["--floor=-1"]).len() + warnings("", &[]).len(), 0);
+}
+
+#[test]
 fn a_log_has_the_forces_of_what_stands_from_its_first_sample_on_and_curves_name_every_pair() {
     let folder = folder("standing");
     let robot = |name: &str| format!("{}/robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));

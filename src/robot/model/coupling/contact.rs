@@ -79,6 +79,7 @@ impl Model {
         self.mechanism.nonsmooth.pairs = pairs;
         self.mechanism.nonsmooth.reevings = reevings;
         self.warnings.extend(of_rules);
+        self.warnings.extend(self.nothing_to_touch(settings));
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
         self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes, ropes };
         Ok(())
@@ -105,6 +106,25 @@ impl Model {
         number(&mut pairs);
         self.mechanism.nonsmooth.pairs = pairs.into();
         self.contact.left_out.retain(|left| !out_of_reach(left));
+    }
+
+    /// A warning if there are obstacles, and no link has a collision shape that could touch them.
+    fn nothing_to_touch(&self, settings: &ContactSettings) -> Option<Warning> {
+        let robot = self.robots.first()?;
+        let obstacle = settings.obstacles.first().filter(|_| settings.touches_others(self.robots.len()))?;
+        let mut links = self.robots.iter().flat_map(|placed| &placed.robot.links);
+        if links.any(|link| !link.collisions.is_empty()) {
+            return None;
+        }
+        let whose = match self.robots.len() {
+            1 => format!("robot {:?}", robot.robot.name),
+            _ => "any robot".to_string(),
+        };
+        let message = format!(
+            "no link of {whose} has a collision shape, so nothing touches {:?}: add <collision> elements to the links",
+            obstacle.name
+        );
+        Some(Warning::odd(self.path(), None, None, message))
     }
 
     /// Adds the colliders of a robot's links, and how each touches.
