@@ -2,6 +2,7 @@
 
 use super::scenes::{Numbers, at, cuboid, floor, pair};
 use crate::distances::mesh::Mesh;
+use crate::shapes::convex::Convex;
 use crate::{FeatureId, Pieces, decompose};
 use catena_mechanism::description::contact::{Shape, Surface};
 use catena_mechanism::description::joint::Pose;
@@ -128,4 +129,46 @@ fn a_ball_over_a_flat_valley_is_near_both_sides_before_it_touches_the_second() {
         assert!(gaps[0].abs() <= 1e-15, "{:e}", gaps[0]);
         assert!((gaps[1] - 0.1 * right * cosine).abs() <= 1e-15, "{:e}", gaps[1]);
     }
+}
+
+#[test]
+fn a_ball_over_a_mesh_has_the_places_and_the_distance_of_the_general_search() {
+    let mut numbers = Numbers::new(5);
+    let identity = Pose::identity();
+    let heights: Vec<f64> = (0..400).map(|_| 0.08 * numbers.next()).collect();
+    let hills = |x: f64, y: f64| heights[((x * 10.0 + 10.0).round() * 20.0 + (y * 10.0 + 10.0).round()) as usize % 400];
+    let bowl = |x: f64, y: f64| 0.4 * (x * x + y * y);
+    let (mut kinds, mut several) = ([0; 3], 0);
+    for (round, radius) in [0.02, 0.06, 0.15].into_iter().cycle().take(1200).enumerate() {
+        let shape = if round % 2 == 0 { floor(12, 0.1, hills) } else { floor(12, 0.1, bowl) };
+        let Shape::Mesh(surface) = &shape else { continue };
+        let mesh = Mesh::new(surface, &identity).expect("a mesh");
+        let ball = Convex::new(&Shape::Sphere { radius }, &identity).expect("possible").expect("convex");
+        // Beside the mesh, too, and below it.
+        let centre = Vector3::new(0.7 * numbers.next(), 0.7 * numbers.next(), 0.12 + 0.2 * numbers.next());
+        let turned = *numbers.pose(1.0).rotation.matrix();
+        let near = [0.3 * radius, 1e-3, 1e-9, 2.0 * radius][round / 3 % 4];
+        let (found, places) = (mesh.nearest(&ball, &turned, &centre), mesh.manifold(&ball, &turned, &centre, near));
+        let (wanted, all) = mesh.in_general(&ball, (&turned, &centre), near);
+        let (found, wanted) = (found.expect("a distance"), wanted.expect("a distance"));
+        let apart = (found.distance() - wanted.distance()).abs();
+        assert!(apart <= 1e-15 && found.certificate() <= 1e-14, "round {round}: {apart:e}, {:e}", found.certificate());
+        let names = |places: &[crate::features::both::Candidate]| -> Vec<FeatureId> {
+            places.iter().map(|place| place.features[0]).collect()
+        };
+        assert_eq!(names(&places), names(&all), "round {round}: {centre:?}");
+        for (place, wanted) in places.iter().zip(&all) {
+            let off = (place.normal - wanted.normal).norm() + (place.points[0] - wanted.points[0]).norm();
+            assert!(off <= 1e-14, "round {round}: {off:e}");
+        }
+        several += usize::from(places.len() > 1);
+        for name in names(&places) {
+            kinds[match name {
+                FeatureId::Face(_) => 0,
+                FeatureId::Edge(_) => 1,
+                _ => 2,
+            }] += 1;
+        }
+    }
+    assert!(kinds.iter().all(|&count| count > 20) && several > 100, "{kinds:?} {several}");
 }
