@@ -333,19 +333,20 @@ impl Mesh {
         found
     }
 
-    /// The largest height over a plane, with this normal and through `foot`, of all triangles that may be nearer to a convex core than `within` (m).
-    pub fn highest(
+    /// Whether no triangle that may be nearer to a convex core than `within` (m) rises over a plane, with this normal and through `foot`, by more than
+    /// `most` (m).
+    pub fn is_below(
         &self,
         b: &Convex,
         (rotation, translation): (&Matrix3<f64>, &Vector3<f64>),
         [normal, foot]: [&Vector3<f64>; 2],
-        within: f64,
-    ) -> f64 {
+        [within, most]: [f64; 2],
+    ) -> bool {
         let centre = rotation * b.centre + translation;
         let Parts { vertices, triangles, tree, .. } = &*self.parts;
         let region = about(&centre, b.size + within);
-        let corners = tree.intersect_aabb(&region).flat_map(|number| triangles[number as usize].corners);
-        corners.map(|corner| normal.dot(&(vertices[corner] - foot))).fold(f64::NEG_INFINITY, f64::max)
+        let mut corners = tree.intersect_aabb(&region).flat_map(|number| triangles[number as usize].corners);
+        corners.all(|corner| normal.dot(&(vertices[corner] - foot)) <= most)
     }
 
     /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.

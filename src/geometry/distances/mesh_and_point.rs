@@ -48,7 +48,7 @@ impl<'b> Ball<'b> {
     /// The point and a feature of a triangle.
     fn meets(&self, triangle: &Triangle, feature: FeatureId, on: Part) -> Option<Candidate> {
         let both = Both { a: &triangle.shape, b: self.convex, rotation: self.rotation, translation: self.translation };
-        let guess = Guess { normal: both.centres(), point: self.centre, at_point: false };
+        let guess = Guess { normal: triangle.normal, point: self.centre, at_point: false };
         let (normal, points) = meet(&on, &Part::Point(self.centre), &guess)?;
         let separation = both.separation(&normal);
         Some(Candidate { normal, points, features: [feature, FeatureId::Vertex(0)], separation })

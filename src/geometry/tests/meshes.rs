@@ -1,10 +1,10 @@
 //! Meshes: the same as a half space where they are flat, and no ghost edges.
 
-use super::scenes::{Numbers, at, cuboid, floor, pair};
+use super::scenes::{Numbers, at, at_origin, cuboid, floor, pair};
 use crate::distances::mesh::Mesh;
 use crate::shapes::convex::Convex;
-use crate::{FeatureId, Pieces, decompose};
-use catena_mechanism::description::contact::{Shape, Surface};
+use crate::{FeatureId, PairGeometry, Pieces, decompose};
+use catena_mechanism::description::contact::{Collider, Shape, Surface};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
@@ -171,4 +171,32 @@ fn a_ball_over_a_mesh_has_the_places_and_the_distance_of_the_general_search() {
         }
     }
     assert!(kinds.iter().all(|&count| count > 20) && several > 100, "{kinds:?} {several}");
+}
+
+#[test]
+fn a_ball_comes_no_nearer_to_a_mesh_than_the_speed_at_its_closing_reach_allows() {
+    let mut numbers = Numbers::new(8);
+    let mesh = at_origin(floor(12, 0.1, |x, y| 0.3 * (x * x - y * x)));
+    for offset in [0.0, 0.2] {
+        let ball = Collider::still("ball", None, at(0.0, 0.0, offset), Shape::Sphere { radius: 0.05 });
+        for exchanged in [false, true] {
+            let (a, b) = if exchanged { (&ball, &mesh) } else { (&mesh, &ball) };
+            let pair = PairGeometry::new(a, b).expect("shapes that are possible");
+            let [own, of_mesh] = if exchanged { [0, 1] } else { [1, 0] };
+            let reach = pair.closing_reach();
+            // Differences of lengths of 0.25 m.
+            assert!((reach[own] - offset).abs() < 1e-15 && reach[of_mesh] == pair.reach()[of_mesh], "{reach:?}");
+            let gap = |pose: &Pose| match exchanged {
+                true => pair.distance(pose, &Pose::identity()).distance,
+                false => pair.distance(&Pose::identity(), pose).distance,
+            };
+            for _ in 0..200 {
+                let (start, turn) = (numbers.pose(0.3), numbers.vector() * 0.1);
+                let moved = Rotation3::new(turn) * start.rotation;
+                let end = Pose::from_parts(start.translation, moved);
+                let closed = (gap(&start) - gap(&end)).abs();
+                assert!(closed <= turn.norm() * reach[own] + 1e-14, "{offset}: {closed:e}");
+            }
+        }
+    }
 }
