@@ -206,6 +206,7 @@ mod tests {
             target: Target::constant(1.0),
             max_effort: 100.0,
             period,
+            held: None,
         })
     }
 
