@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             target: Target::constant(0.3),
             max_effort: 200.0,
             period: 0.0,
+            held: None,
         })
         .collect();
     let start = State::zero(&model.mechanism);

@@ -22,14 +22,14 @@ _LONG = 1e6
 class State:
     """A simulation between two steps, as a value: ``s = sim.state``, ``sim.state = s``.
 
-    ``time``, ``q``, ``v``, ``efforts`` and ``targets`` may be read. A simulation that takes it goes on bit for bit, because it holds all that the
-    steps remember, too: modes of joints and contacts, impacts, anchors of friction. Only a pickled state has no such memory: a simulation begins
-    anew from its numbers.
+    ``time``, ``q``, ``v``, ``efforts``, ``targets`` and ``held`` (what sampled motors hold until their next ticks, an entry a motor of
+    ``model.motor_names``) may be read. A simulation that takes it goes on bit for bit, because it holds all that the steps remember, too: modes of
+    joints and contacts, impacts, anchors of friction. Only a pickled state has no such memory: a simulation begins anew from its numbers.
     """
 
-    def __init__(self, model, time, q, v, efforts, targets, kept):
+    def __init__(self, model, time, q, v, efforts, targets, held, kept):
         self.model, self.time, self.q, self.v = model, time, q, v
-        self.efforts, self.targets, self._kept = efforts, targets, kept
+        self.efforts, self.targets, self.held, self._kept = efforts, targets, held, kept
 
     def __call__(self):
         """Itself, so that ``sim.state()`` is ``sim.state``."""
@@ -37,15 +37,15 @@ class State:
 
     def __reduce__(self):
         numbers = np.asarray(self.q), np.asarray(self.v)
-        return _state, (self.model, self.time, *numbers, self.efforts, self.targets)
+        return _state, (self.model, self.time, *numbers, self.efforts, self.targets, self.held)
 
     def __repr__(self):
         return f"<catena.State of {self.model.name!r} at t = {self.time:.9g} s>"
 
 
-def _state(model, time, q, v, efforts, targets):
+def _state(model, time, q, v, efforts, targets, held=None):
     q, v = NamedArray(q, model._inner.q_places()), NamedArray(v, model._inner.v_places())
-    return State(model, time, q, v, efforts, targets, None)
+    return State(model, time, q, v, efforts, targets, held, None)
 
 
 class Sim:
@@ -76,6 +76,8 @@ class Sim:
         self._controller = None
         self._efforts = None
         self._targets = {}
+        # Time, q and v where sampled motors are known to hold efforts, and these.
+        self._held = None
         self._run = None
         self._start = q, v = model.start()
         self._q = NamedArray(q.copy(), model._inner.q_places())
@@ -134,7 +136,7 @@ class Sim:
         run = self._here()
         q, v = self._q.alike(), self._v.alike()
         efforts = None if self._efforts is None else self._efforts.copy()
-        return State(self.model, self._time, q, v, efforts, dict(self._targets), run.state())
+        return State(self.model, self._time, q, v, efforts, dict(self._targets), run.held_efforts(), run.state())
 
     @state.setter
     def state(self, state):
@@ -146,6 +148,7 @@ class Sim:
         if state._kept is None:
             self._q[:], self._v[:] = state.q, state.v
             self._time, self._efforts, self._targets = state.time, efforts, dict(state.targets)
+            self._know_held(state.held)
             self._moved = True
             return
         if self._run is None:
@@ -264,6 +267,7 @@ class Sim:
             error.result = Result(self.model, run.finish())
             raise
         self._look(run)
+        self._know_held(run.held_efforts())
         result = Result(self.model, run.finish())
         if keys:
             tolerance, stages, step, _ = self._how
@@ -310,7 +314,7 @@ class Sim:
         """The run that is stepped, where q, v and time say."""
         if self._is_here():
             return self._run
-        if self._run is None:
+        if self._run is None or self._known_held() is not None:
             self._run = self._begin(_LONG, None, None, False, self._controller, False)
         else:
             self._run.place(self._time, self._q, self._v)
@@ -319,6 +323,18 @@ class Sim:
         self._look(self._run)
         self._moved = False
         return self._run
+
+    def _know_held(self, held):
+        """Sampled motors hold these efforts where it is now."""
+        known = held is not None and any(effort is not None for effort in held)
+        self._held = (self._time, np.array(self._q), np.array(self._v), held) if known else None
+
+    def _known_held(self):
+        """The efforts that sampled motors hold, if it is still where they are known."""
+        if self._held is None:
+            return None
+        time, q, v, held = self._held
+        return held if time == self._time and np.array_equal(q, self._q) and np.array_equal(v, self._v) else None
 
     def _apply(self, run):
         if self._efforts is not None:
@@ -330,8 +346,9 @@ class Sim:
         tolerance, stages, step, estimate = self._how
         log = None if log is None else os.fspath(log)
         numbers = [np.ascontiguousarray(self._q), np.ascontiguousarray(self._v)]
+        held = self._run.held_efforts() if self._is_here() else self._known_held()
         run = _catena.Run(
-            self.model._inner, *numbers, self._time, duration, tolerance, stages, step, rate, self._keep, log, record, figures, estimate
+            self.model._inner, *numbers, self._time, held, duration, tolerance, stages, step, rate, self._keep, log, record, figures, estimate
         )
         if controller is not None:
             run.set_controller(controller[1], controller[0])

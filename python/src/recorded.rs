@@ -44,8 +44,10 @@ pub type Contacts<'py> = (Vec<usize>, Vec<String>, Rows<'py>, Vec<bool>);
 type KeptContact = (usize, usize, Vec<f64>, bool);
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 type Given<'py> = PyReadonlyArray1<'py, f64>;
-type Parts<'py> = (Numbers<'py>, Numbers<'py>, Numbers<'py>, Vec<KeptContact>, String, String, Option<String>);
-type GivenParts<'py> = (Given<'py>, Given<'py>, Given<'py>, Vec<KeptContact>, String, String, Option<String>);
+/// The efforts that sampled motors hold at samples.
+type Held = Vec<Option<f64>>;
+type Parts<'py> = (Numbers<'py>, Numbers<'py>, Numbers<'py>, Vec<KeptContact>, Held, String, String, Option<String>);
+type GivenParts<'py> = (Given<'py>, Given<'py>, Given<'py>, Vec<KeptContact>, Held, String, String, Option<String>);
 
 fn vector(x: f64, y: f64, z: f64) -> Vector3<f64> {
     Vector3::new(x, y, z)
@@ -137,15 +139,17 @@ impl Recorded {
         let mechanism = self.mechanism();
         let mut carried = Reactions::new(mechanism);
         let mut all = Vec::with_capacity(6 * self.recording.times.len());
-        for state in self.states() {
-            let motors = mechanism.nonsmooth.motors.iter();
+        for (sample, state) in self.states().enumerate() {
+            let motors = mechanism.nonsmooth.motors.iter().enumerate();
+            let held = self.recording.held_at(sample);
             let effort = |at: catena::mechanism::description::closure::Coordinate| {
                 (state.position[at.position], state.velocity[at.freedom])
             };
             let efforts: Vec<f64> = motors
-                .map(|motor| {
+                .map(|(index, motor)| {
                     let (position, velocity) = effort(motor.coordinate);
-                    motor.effort(state.time, position, velocity)
+                    let held = held.get(index).copied().flatten();
+                    held.unwrap_or_else(|| motor.effort(state.time, position, velocity))
                 })
                 .collect();
             carried.drive(&efforts);
@@ -176,7 +180,8 @@ impl Recorded {
         &self.text
     }
 
-    /// The pickled parts besides the model: times, positions and velocities of the state, contacts, report, text, and who decided on efforts.
+    /// The pickled parts besides the model: times, positions and velocities of the state, contacts, efforts that motors hold, report, text, and who decided on
+    /// efforts.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
         let Recorded { recording, report, text, controlled, .. } = self;
         let [times, positions, velocities] =
@@ -187,17 +192,19 @@ impl Recorded {
             let numbers = vectors.iter().flat_map(|vector| vector.iter().copied()).chain([point.gap]).collect();
             (sample, point.pair, numbers, point.sticks)
         });
-        Ok((times, positions, velocities, kept.collect(), report.clone(), text.clone(), controlled.clone()))
+        let (kept, held) = (kept.collect(), recording.held.clone());
+        Ok((times, positions, velocities, kept, held, report.clone(), text.clone(), controlled.clone()))
     }
 
     /// A run from its pickled parts.
     #[staticmethod]
     fn of_parts(py: Python<'_>, model: &crate::model::Model, parts: GivenParts<'_>) -> PyResult<Self> {
-        let (times, positions, velocities, kept, report, text, controlled) = parts;
+        let (times, positions, velocities, kept, held, report, text, controlled) = parts;
         let mut recording = Recording::default();
         recording.times = numbers(&times);
         recording.positions = numbers(&positions);
         recording.velocities = numbers(&velocities);
+        recording.held = held;
         for (sample, pair, numbers_of, sticks) in kept {
             let [x, y, z, nx, ny, nz, fx, fy, fz, gap] = <[f64; 10]>::try_from(numbers_of)
                 .map_err(|numbers| input(py, format!("a contact of {} numbers, not 10", numbers.len())))?;

@@ -29,7 +29,7 @@ type Written<'py> = PyReadwriteArray1<'py, f64>;
 #[pymethods]
 impl Run {
     #[new]
-    #[pyo3(signature = (model, q, v, begin, duration, tolerance, stages, step, rate, keep, log, record, figures, estimate))]
+    #[pyo3(signature = (model, q, v, begin, held, duration, tolerance, stages, step, rate, keep, log, record, figures, estimate))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn new(
         py: Python<'_>,
@@ -37,6 +37,7 @@ impl Run {
         q: Given<'_>,
         v: Given<'_>,
         begin: f64,
+        held: Option<Vec<Option<f64>>>,
         duration: Option<f64>,
         tolerance: Option<f64>,
         stages: Option<usize>,
@@ -54,6 +55,9 @@ impl Run {
             (Some(tolerance), None, None) => simulation = simulation.tolerance(tolerance),
             (None, Some(stages), Some(step)) => simulation = simulation.fixed(stages, step),
             _ => return Err(input(py, "give a tolerance, or stages and step")),
+        }
+        if let Some(held) = held {
+            simulation = simulation.hold_efforts(&held).map_err(|error| refuse(py, error))?;
         }
         if let Some(duration) = duration {
             simulation = simulation.duration(duration);
@@ -130,6 +134,11 @@ impl Run {
     fn set_state(&self, py: Python<'_>, state: &State) -> PyResult<()> {
         let state = state.inner.lock().unwrap_or_else(PoisonError::into_inner);
         self.with(py, |simulation| simulation.set_state(&state))
+    }
+
+    /// The efforts that sampled motors hold until their next ticks, an entry a motor.
+    fn held_efforts(&self, py: Python<'_>) -> PyResult<Vec<Option<f64>>> {
+        self.with(py, |simulation| Ok(simulation.held_efforts()))
     }
 
     /// Gives the motor of a joint a target.

@@ -154,3 +154,44 @@ def test_a_failed_run_gives_what_it_has_and_names_controller_and_time(double_pen
 def test_what_is_shown_is_short(sim):
     for one in (sim.model, sim, sim.state, catena.Sim(sim.model).run(0.01), catena.rollout(sim.model, [sim.model.start()[0]], duration=0.01)):
         assert len(repr(one)) < 100 and "\n" not in repr(one)
+
+
+def test_efforts_of_sampled_motors_last_until_the_next_tick_in_runs_and_pickled_states(robots, tmp_path):
+    scene = tmp_path / "sampled.toml"
+    motor = 'kind = "position"\ntarget = 1.0\nkp = 8.0\nkd = 0.5\nperiod = 0.05'
+    urdf = (robots / "pendulum.urdf").as_posix()
+    scene.write_text(f'[scene]\ngravity = [0, 0, 0]\n\n[[robot]]\nurdf = "{urdf}"\n\n[[motor]]\njoint = "hinge"\n{motor}\n')
+    model = catena.load(scene)
+    new = lambda: catena.Sim(model, tolerance=1e-9)
+
+    def told(result):
+        return sum("between its ticks" in line for line in result.warnings)
+
+    def at_end(sim):
+        return np.array([sim.q[0], sim.v[0]])
+
+    whole = new()
+    assert not told(whole.run(0.7))
+    parts = new()
+    parts.run(0.33)
+    assert not told(parts.run(0.37))
+    steps = new()
+    steps.run(0.12)
+    steps.step(0.21)
+    state = pickle.loads(pickle.dumps(steps.state))
+    assert state.held == steps.state.held and len(state.held) == 1
+    steps.run(0.37)
+    pickled = new()
+    pickled.state = state
+    assert not told(pickled.run(0.37))
+    stepped = new()
+    stepped.state = state
+    stepped.step(0.37)
+    for sim in (parts, steps, pickled, stepped):
+        # Constant accelerations between ticks, which steps of any length follow to rounding.
+        assert np.abs(at_end(sim) - at_end(whole)).max() < 1e-13
+    # From other coordinates nothing is known.
+    moved = new()
+    moved.state = state
+    moved.q[0] += 0.1
+    assert told(moved.run(0.37)) == 1

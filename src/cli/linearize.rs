@@ -98,14 +98,14 @@ fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
         Some(At::Rest) | None => f64::INFINITY,
     };
     let instant = LogInstant { log: log.clone(), time };
-    let (state, _) = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?;
+    let state = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?.state;
     let model = Model::of_loaded(recorded.loaded, log.clone(), recorded.arguments.input.world.world());
     // Motors may have their targets from the start of the run.
     let start = match model.description().at_start.is_empty() {
         true => state.clone(),
         false => {
             let instant = LogInstant { log: log.clone(), time: 0.0 };
-            start_of(&instant, model.description()).map_err(Failure::input)?.0
+            start_of(&instant, model.description()).map_err(Failure::input)?.state
         }
     };
     Ok(model.linear_of_run(&start, &state, &[], args.at == Some(At::Rest))?)

@@ -131,14 +131,23 @@ pub fn state_in_log(log: &Path, time: Option<f64>, model: &Model) -> anyhow::Res
     if time.is_nan() {
         return Err(anyhow!("the time in {} is no number: give seconds after the start of its run", log.display()));
     }
-    start_of(&LogInstant { log: log.into(), time }, model).map(|(state, _)| state)
+    start_of(&LogInstant { log: log.into(), time }, model).map(|start| start.state)
 }
 
-/// The state in which a run of a model goes on from an instant of a log, and whether the log has a sample right there.
+/// Where a run goes on from a log.
+pub struct LoggedStart {
+    pub state: State,
+    /// The efforts of motors there, by the names of their joints; empty if the log has none.
+    pub motors: HashMap<String, f64>,
+    /// Whether the log has a sample right at the instant that is asked for.
+    pub is_there: bool,
+}
+
+/// The start of a run of a model that goes on from an instant of a log.
 ///
 /// # Errors
 /// A log that cannot be read, and one without a joint that moves in the model.
-pub fn start_of(from: &LogInstant, model: &Model) -> anyhow::Result<(State, bool)> {
+pub fn start_of(from: &LogInstant, model: &Model) -> anyhow::Result<LoggedStart> {
     let (frame, time) = nearest(&from.log, from.time, true)?;
     let joints = coordinates_of(model, &frame);
     if let Some(missing) = model.moving_joints().find(|name| !joints.contains_key(name)) {
@@ -146,6 +155,7 @@ pub fn start_of(from: &LogInstant, model: &Model) -> anyhow::Result<(State, bool
         return Err(anyhow!("{}: it has no joint {missing:?}: {why}", from.log.display()));
     }
     let state = state_of(&from.log, model, &frame, time)?;
+    let motors = frame.motors.names.into_iter().zip(frame.motors.efforts).collect();
     // Times of a log are whole nanoseconds.
-    Ok((state, from.time.is_infinite() || (time - from.time).abs() <= 1e-9))
+    Ok(LoggedStart { state, motors, is_there: from.time.is_infinite() || (time - from.time).abs() <= 1e-9 })
 }

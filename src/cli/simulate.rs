@@ -6,7 +6,7 @@
 use crate::cli::arguments::input::InputArgs;
 use crate::cli::arguments::log_options::LogArgs;
 use crate::cli::arguments::numbers::{Assignment, Coordinates, numbers, pairs, positive, rate};
-use crate::cli::logged_state::{LogInstant, start_of};
+use crate::cli::logged_state::{LogInstant, LoggedStart, start_of};
 use crate::cli::origin;
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::sensitivity::{By, RunSettings, as_text, deviations, differentiate, end_as_json};
@@ -144,7 +144,8 @@ impl Setup {
         let state = match &arguments.from {
             None => loaded.initial_state(&positions, &velocities, arguments.base_velocity)?,
             Some(from) => {
-                let (state, is_there) = start_of(from, &loaded.model)?;
+                let LoggedStart { state, motors, is_there } = start_of(from, &loaded.model)?;
+                loaded.hold(&motors, state.time);
                 if !is_there {
                     let message =
                         format!("the log has no sample at {} s; the run starts at {} s", from.time, state.time);

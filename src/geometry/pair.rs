@@ -13,7 +13,7 @@ use crate::features::feature::{FeatureId, part};
 use crate::features::place::{Bearer, TouchPlace, place};
 use crate::features::rims::{Joined, Meeting};
 use crate::prepared_shape::{First, PreparedShape};
-use crate::shapes::convex::{Convex, Core};
+use crate::shapes::convex::Convex;
 use crate::shapes::error::GeometryError;
 use crate::shapes::extents::{Extents, Lengths};
 use catena_mechanism::description::contact::Collider;
@@ -93,6 +93,17 @@ impl PairGeometry {
         self.reach
     }
 
+    /// The same of the points whose speeds bound the rate of the distance (m): a ball over a mesh turns about its centre without coming nearer. In general a
+    /// radius counts, too, as it does where surfaces slide.
+    pub fn closing_reach(&self) -> [f64; 2] {
+        let mut reach = self.reach;
+        if matches!(self.first, First::Mesh(_)) && self.second.is_ball() {
+            let ball = &mut reach[usize::from(!self.exchanged)];
+            *ball = (*ball - self.second.radius).max(0.0);
+        }
+        reach
+    }
+
     /// Lower bound of the translations (m) along which the shapes overlap from start to end while one of them passes through the other: the sum of
     /// their least widths. A mesh is a shell of width zero; the width of a half space is infinite.
     pub fn breadth(&self) -> f64 {
@@ -106,13 +117,12 @@ impl PairGeometry {
 
     /// Whether the shapes have one pair of features at most, wherever they are: two balls, and a ball over a half space.
     pub fn has_one_place(&self) -> bool {
-        let is_ball = |convex: &Convex| matches!(&convex.core, Core::Polytope(core) if core.vertices.len() == 1);
         let first = match &self.first {
             First::HalfSpace(_) => true,
-            First::Convex(convex) => is_ball(convex),
+            First::Convex(convex) => convex.is_ball(),
             First::Hollow(_) | First::Mesh(_) => false,
         };
-        first && is_ball(&self.second)
+        first && self.second.is_ball()
     }
 
     /// Whether two convex shapes have many vertices: GJK alone is much less work than the exact distance.

@@ -77,7 +77,7 @@ pub fn friction(mechanism: &mut Mechanism, body: usize, effort: f64) {
 
 pub fn motor(mechanism: &mut Mechanism, body: usize, law: MotorLaw, target: Target, max_effort: f64, period: f64) {
     let coordinate = coordinate(mechanism, body);
-    mechanism.nonsmooth.motors.push(Motor { coordinate, law, target, max_effort, period });
+    mechanism.nonsmooth.motors.push(Motor { coordinate, law, target, max_effort, period, held: None });
 }
 
 /// A state at rest.

@@ -167,6 +167,7 @@ fn shaking(steps: StepChoice, duration: f64) -> Finished {
             target: Target::constant(0.0),
             max_effort: 20.0,
             period: 1e-3,
+            held: None,
         });
     }
     let start = model.initial_state(&[], &[], None).expect("a start");

@@ -116,6 +116,7 @@ fn motion(number: usize) -> Motion {
                 target: Target::constant(rest),
                 max_effort: f64::INFINITY,
                 period: 0.0,
+                held: None,
             });
         }
         start.position[index] = numbers.next(-1.0, 1.0);

@@ -132,7 +132,7 @@ fn a_step_between_events_allocates_nothing_though_limits_friction_motors_and_a_h
         .extend([(held, 1e6), (driven, 1e-3)].map(|(coordinate, effort)| DryFriction { coordinate, effort }));
     let target = Target::table(&[(0.0, start[driven.position]), (10.0, 1.0)], Interpolation::Linear).unwrap();
     let law = MotorLaw::Position { kp: 5.0, kd: 1.0 };
-    nonsmooth.motors.push(Motor { coordinate: driven, law, target, max_effort: 1e3, period: 0.0 });
+    nonsmooth.motors.push(Motor { coordinate: driven, law, target, max_effort: 1e3, period: 0.0, held: None });
     let mut state = model.state.clone();
     state.velocity.fill(0.0);
     state.velocity[driven.freedom] = 0.3;

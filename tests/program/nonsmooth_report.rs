@@ -27,6 +27,7 @@ fn finished(model: &Model) -> Finished {
     events.iter().for_each(|event| counts.count(event.kind));
     let exchange = Exchange { dissipated: 1.0, work: 2.0, friction: 0.5, impacts: 0.25 };
     Finished {
+        held: Vec::new(),
         state: model.zero_state(),
         summary: Summary { events: counts, exchange, ..Summary::default() },
         method: MethodDescription::fixed("by hand", 2, 2, 0.1),

@@ -10,7 +10,8 @@
 //! | convex | behind | between n₁ and n₂ |
 //! | border | none | on the open side |
 //!
-//! A vertex can be touched if one of its edges can. Triangles are found by parry's tree of boxes; each is asked as a polytope.
+//! A vertex can be touched if one of its edges can. Triangles are found by parry's tree of boxes; each is asked as a polytope, and of balls in closed form
+//! ([`crate::distances::mesh_and_point`]).
 //! A point on a common edge belongs to the triangle of the lower number.
 //!
 //! The surface is a shell whose outside is where the normals point. A convex shape that is wholly behind it counts as apart from it, so
@@ -19,6 +20,7 @@
 use crate::distances::doubles::without_doubles;
 use crate::distances::inner::without_inner;
 use crate::distances::manifold::manifold;
+use crate::distances::mesh_and_point::Ball;
 use crate::distances::nearest::nearest;
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::{FeatureId, Part, inside};
@@ -39,7 +41,7 @@ use std::sync::Arc;
 /// Flat, relative to the size of the triangles.
 const FLAT: f64 = 1e-9;
 /// Normals that lean over a neighbour by less than this angle (rad) belong to the border.
-const ALONG: f64 = 1e-9;
+pub(super) const ALONG: f64 = 1e-9;
 
 /// A surface of triangles in the frame of its body.
 #[derive(Clone)]
@@ -51,18 +53,24 @@ struct Parts {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<Triangle>,
     edges: Vec<MeshEdge>,
-    /// Numbers of the edges at each vertex.
+    /// Numbers of the edges at each vertex, and whether one of them can be touched.
     around: Vec<Vec<usize>>,
+    open: Vec<bool>,
     tree: Bvh,
     reach: f64,
 }
 
-struct Triangle {
-    corners: [usize; 3],
-    normal: Vector3<f64>,
-    shape: Convex,
-    /// Numbers of the edges of the mesh, in the order of the polytope's edges.
-    edges: [usize; 3],
+/// A triangle with its sides in the order of the polytope's edges.
+pub(super) struct Triangle {
+    pub corners: [usize; 3],
+    pub normal: Vector3<f64>,
+    pub shape: Convex,
+    /// Numbers of the sides among the edges of the mesh.
+    pub edges: [usize; 3],
+    /// Which corners are their ends.
+    pub ends: [[usize; 2]; 3],
+    /// The unit vectors in the plane of the triangle from the sides inward.
+    pub inward: [Vector3<f64>; 3],
 }
 
 struct MeshEdge {
@@ -103,8 +111,21 @@ impl Mesh {
                 let ends = [corners[side], corners[(side + 1) % 3]];
                 beside.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_default().push(triangles.len());
             }
-            let shape = Convex::round(Polytope::triangle([a, b, c], normal), 0.0);
-            triangles.push(Triangle { corners, normal, shape, edges: [0; 3] });
+            let polytope = Polytope::triangle([a, b, c], normal);
+            let ends = [0, 1, 2].map(|side: usize| polytope.edges[side].ends);
+            let inward = ends.map(|[from, to]| {
+                let (from, along) = (polytope.vertices[from], polytope.vertices[to] - polytope.vertices[from]);
+                let (across, middle) = (normal.cross(&along).normalize(), (a + b + c) / 3.0);
+                across * across.dot(&(middle - from)).signum()
+            });
+            triangles.push(Triangle {
+                corners,
+                normal,
+                shape: Convex::round(polytope, 0.0),
+                edges: [0; 3],
+                ends,
+                inward,
+            });
         }
         if triangles.is_empty() {
             return Err(GeometryError::EmptyMesh);
@@ -128,7 +149,28 @@ impl Mesh {
         let boxes: Vec<Aabb> = triangles.iter().map(|triangle| bounds(&triangle.shape)).collect();
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         let reach = vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max);
-        Ok(Mesh { parts: Arc::new(Parts { vertices, triangles, edges, around, tree, reach }) })
+        let open = around.iter().map(|edges_at| edges_at.iter().any(|&edge| edges[edge].open)).collect();
+        Ok(Mesh { parts: Arc::new(Parts { vertices, triangles, edges, around, open, tree, reach }) })
+    }
+
+    /// A triangle by its number.
+    pub(super) fn triangle(&self, number: usize) -> &Triangle {
+        &self.parts.triangles[number]
+    }
+
+    /// The corners of a triangle (m).
+    pub(super) fn corners_of(&self, triangle: &Triangle) -> [Vector3<f64>; 3] {
+        triangle.corners.map(|corner| self.parts.vertices[corner])
+    }
+
+    /// Whether an edge can be touched.
+    pub(super) fn is_open_edge(&self, edge: usize) -> bool {
+        self.parts.edges[edge].open
+    }
+
+    /// Whether a vertex can be touched.
+    pub(super) fn is_open_vertex(&self, vertex: usize) -> bool {
+        self.parts.open[vertex]
     }
 
     /// Distance of its farthest vertex from the origin of the body (m).
@@ -200,6 +242,17 @@ impl Mesh {
 
     /// The nearest points of the surface and a convex core whose frame has this rotation and translation (m) in the frame of the mesh.
     pub fn nearest(&self, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Option<Candidate> {
+        self.nearest_of(b, rotation, translation, Ball::of(b, rotation, translation))
+    }
+
+    /// The same, of a ball in closed form if it is known to be one.
+    fn nearest_of(
+        &self,
+        b: &Convex,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+        ball: Option<Ball>,
+    ) -> Option<Candidate> {
         if !translation.iter().chain(rotation).all(|entry| entry.abs() < 1e150) {
             return None;
         }
@@ -211,13 +264,14 @@ impl Mesh {
             let region = about(&centre, b.size + margin);
             let mut all: Vec<u32> = self.parts.tree.intersect_aabb(&region).collect();
             all.sort_unstable();
-            for number in &all {
-                if best
-                    .is_some_and(|found| self.gap_over(*number as usize, b, rotation, translation) > found.distance())
-                {
-                    continue;
-                }
-                let candidate = self.ask(*number as usize, b, rotation, translation);
+            for number in all.iter().map(|&number| number as usize) {
+                let candidate = match (&ball, best) {
+                    (Some(ball), _) => {
+                        self.ask_ball(number, ball, best.map_or(f64::INFINITY, |found| found.distance()))
+                    }
+                    (None, Some(found)) if self.gap_over(number, b, rotation, translation) > found.distance() => None,
+                    (None, _) => self.ask(number, b, rotation, translation),
+                };
                 let Some(candidate) = candidate else { continue };
                 if best.is_none_or(|found| candidate.distance() < found.distance()) {
                     best = Some(candidate);
@@ -239,11 +293,26 @@ impl Mesh {
         translation: &Vector3<f64>,
         near: f64,
     ) -> Vec<Candidate> {
+        self.manifold_of(b, (rotation, translation), near, Ball::of(b, rotation, translation))
+    }
+
+    /// The same, of a ball in closed form if it is known to be one.
+    fn manifold_of(
+        &self,
+        b: &Convex,
+        (rotation, translation): (&Matrix3<f64>, &Vector3<f64>),
+        near: f64,
+        ball: Option<Ball>,
+    ) -> Vec<Candidate> {
         let centre = rotation * b.centre + translation;
         let region = about(&centre, b.size + near.max(0.0));
         let mut all: Vec<u32> = self.parts.tree.intersect_aabb(&region).collect();
         all.sort_unstable();
         let mut found = Vec::new();
+        if let Some(ball) = ball {
+            all.iter().for_each(|&number| self.add_places_of_ball(number as usize, &ball, near, &mut found));
+            return self.distinct(found, b);
+        }
         for number in all {
             if self.gap_over(number as usize, b, rotation, translation) - b.radius >= near {
                 continue;
@@ -253,25 +322,31 @@ impl Mesh {
             let named = manifold(&both, near).into_iter().map(|candidate| self.named(number as usize, candidate));
             found.extend(named.filter(|candidate| self.may_touch(candidate)));
         }
+        self.distinct(found, b)
+    }
+
+    /// Places without those that others decide about, faces first.
+    fn distinct(&self, mut found: Vec<Candidate>, b: &Convex) -> Vec<Candidate> {
         found.sort_by_key(|candidate| !matches!(candidate.features[0], FeatureId::Face(_)));
         without_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
         without_inner(&mut found, 1e-12 * b.size);
         found
     }
 
-    /// The largest height over a plane, with this normal and through `foot`, of all triangles that may be nearer to a convex core than `within` (m).
-    pub fn highest(
+    /// Whether no triangle that may be nearer to a convex core than `within` (m) rises over a plane, with this normal and through `foot`, by more than
+    /// `most` (m).
+    pub fn is_below(
         &self,
         b: &Convex,
         (rotation, translation): (&Matrix3<f64>, &Vector3<f64>),
         [normal, foot]: [&Vector3<f64>; 2],
-        within: f64,
-    ) -> f64 {
+        [within, most]: [f64; 2],
+    ) -> bool {
         let centre = rotation * b.centre + translation;
         let Parts { vertices, triangles, tree, .. } = &*self.parts;
         let region = about(&centre, b.size + within);
-        let corners = tree.intersect_aabb(&region).flat_map(|number| triangles[number as usize].corners);
-        corners.map(|corner| normal.dot(&(vertices[corner] - foot))).fold(f64::NEG_INFINITY, f64::max)
+        let mut corners = tree.intersect_aabb(&region).flat_map(|number| triangles[number as usize].corners);
+        corners.all(|corner| normal.dot(&(vertices[corner] - foot)) <= most)
     }
 
     /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.
@@ -292,7 +367,7 @@ impl Mesh {
     }
 
     /// A candidate of one triangle with the name that its feature has in the whole mesh.
-    fn named(&self, number: usize, candidate: Candidate) -> Candidate {
+    pub(super) fn named(&self, number: usize, candidate: Candidate) -> Candidate {
         let triangle = &self.parts.triangles[number];
         let name = match candidate.features[0] {
             FeatureId::Edge(edge) => FeatureId::Edge(triangle.edges[edge as usize] as u32),
@@ -315,7 +390,7 @@ impl Mesh {
     }
 
     /// Whether the surface can be touched there with that normal.
-    fn may_touch(&self, candidate: &Candidate) -> bool {
+    pub(super) fn may_touch(&self, candidate: &Candidate) -> bool {
         let normal = &candidate.normal;
         match candidate.features[0] {
             FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].normal) > 0.0,
@@ -334,6 +409,17 @@ impl Mesh {
             }
             _ => false,
         }
+    }
+
+    /// What the general search finds of any shape, for tests: the nearest points, and all places.
+    #[cfg(test)]
+    pub fn in_general(
+        &self,
+        b: &Convex,
+        at: (&Matrix3<f64>, &Vector3<f64>),
+        near: f64,
+    ) -> (Option<Candidate>, Vec<Candidate>) {
+        (self.nearest_of(b, at.0, at.1, None), self.manifold_of(b, at, near, None))
     }
 
     /// Which edges can be touched, for tests.

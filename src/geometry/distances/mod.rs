@@ -11,6 +11,7 @@ pub(crate) mod hollow;
 pub(crate) mod inner;
 pub(crate) mod manifold;
 pub(crate) mod mesh;
+mod mesh_and_point;
 pub(crate) mod near_pairs;
 pub(crate) mod nearest;
 pub(crate) mod otherwise;

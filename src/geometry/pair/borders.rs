@@ -107,10 +107,9 @@ impl PairGeometry {
             First::Mesh(mesh) => {
                 // Off its faces the tangent plane does not lie on it.
                 let FeatureId::Face(_) = side(true, place) else { return None };
-                let is_flat = |within: f64| {
-                    let highest = mesh.highest(&self.second, (&rotation, &translation), [&normal, &point], within);
-                    highest <= self.extents.within(FLAT)
-                };
+                let most = self.extents.within(FLAT);
+                let at = (&rotation, &translation);
+                let is_flat = |within: f64| mesh.is_below(&self.second, at, [&normal, &point], [within, most]);
                 let far = within.min(self.second.size);
                 [far, NEARBY * far].into_iter().find(|&within| is_flat(within))?
             }
@@ -122,6 +121,20 @@ impl PairGeometry {
         let plane = [&normal, &(point + normal * self.second.radius)];
         let own = side(false, place);
         Some(of_first.min(height_of_moved(&self.second, own, &of(false), plane, &rotation, &translation)))
+    }
+
+    /// The least gap of a ball and a mesh, up to `within` (m), without these places; `None` for other shapes.
+    pub fn ball_beside(&self, closed: &[PlaceId], a: &Pose, b: &Pose, within: f64) -> Option<f64> {
+        let First::Mesh(mesh) = &self.first else { return None };
+        if !self.second.is_ball() {
+            return None;
+        }
+        let (_, (rotation, translation)) = self.relative(a, b);
+        let is_closed =
+            |name: FeatureId| closed.iter().any(|place| name == if self.exchanged { place.b } else { place.a });
+        let places = mesh.manifold(&self.second, &rotation, &translation, within).into_iter();
+        let open = places.filter(|place| !is_closed(place.features[0]));
+        Some(open.map(|place| place.distance() - self.second.radius).fold(within, f64::min))
     }
 
     /// The least height over a half space of the vertices that are not part of `closed` places (m); `None` unless one shape is a half space and the

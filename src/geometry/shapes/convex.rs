@@ -165,6 +165,11 @@ impl Convex {
         }
     }
 
+    /// Whether its core is a point.
+    pub fn is_ball(&self) -> bool {
+        matches!(&self.core, Core::Polytope(polytope) if polytope.vertices.len() == 1)
+    }
+
     /// Whether it has many vertices.
     pub fn is_dense(&self) -> bool {
         matches!(&self.core, Core::Polytope(polytope) if polytope.vertices.len() > DENSE)

@@ -1,9 +1,10 @@
 //! Meshes: the same as a half space where they are flat, and no ghost edges.
 
-use super::scenes::{Numbers, at, cuboid, floor, pair};
+use super::scenes::{Numbers, at, at_origin, cuboid, floor, pair};
 use crate::distances::mesh::Mesh;
-use crate::{FeatureId, Pieces, decompose};
-use catena_mechanism::description::contact::{Shape, Surface};
+use crate::shapes::convex::Convex;
+use crate::{FeatureId, PairGeometry, Pieces, decompose};
+use catena_mechanism::description::contact::{Collider, Shape, Surface};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
@@ -127,5 +128,75 @@ fn a_ball_over_a_flat_valley_is_near_both_sides_before_it_touches_the_second() {
         // (z + 0.05 x) cos - r, to some roundings of lengths of 0.4 m.
         assert!(gaps[0].abs() <= 1e-15, "{:e}", gaps[0]);
         assert!((gaps[1] - 0.1 * right * cosine).abs() <= 1e-15, "{:e}", gaps[1]);
+    }
+}
+
+#[test]
+fn a_ball_over_a_mesh_has_the_places_and_the_distance_of_the_general_search() {
+    let mut numbers = Numbers::new(5);
+    let identity = Pose::identity();
+    let heights: Vec<f64> = (0..400).map(|_| 0.08 * numbers.next()).collect();
+    let hills = |x: f64, y: f64| heights[((x * 10.0 + 10.0).round() * 20.0 + (y * 10.0 + 10.0).round()) as usize % 400];
+    let bowl = |x: f64, y: f64| 0.4 * (x * x + y * y);
+    let (mut kinds, mut several) = ([0; 3], 0);
+    for (round, radius) in [0.02, 0.06, 0.15].into_iter().cycle().take(1200).enumerate() {
+        let shape = if round % 2 == 0 { floor(12, 0.1, hills) } else { floor(12, 0.1, bowl) };
+        let Shape::Mesh(surface) = &shape else { continue };
+        let mesh = Mesh::new(surface, &identity).expect("a mesh");
+        let ball = Convex::new(&Shape::Sphere { radius }, &identity).expect("possible").expect("convex");
+        // Beside the mesh, too, and below it.
+        let centre = Vector3::new(0.7 * numbers.next(), 0.7 * numbers.next(), 0.12 + 0.2 * numbers.next());
+        let turned = *numbers.pose(1.0).rotation.matrix();
+        let near = [0.3 * radius, 1e-3, 1e-9, 2.0 * radius][round / 3 % 4];
+        let (found, places) = (mesh.nearest(&ball, &turned, &centre), mesh.manifold(&ball, &turned, &centre, near));
+        let (wanted, all) = mesh.in_general(&ball, (&turned, &centre), near);
+        let (found, wanted) = (found.expect("a distance"), wanted.expect("a distance"));
+        let apart = (found.distance() - wanted.distance()).abs();
+        assert!(apart <= 1e-15 && found.certificate() <= 1e-14, "round {round}: {apart:e}, {:e}", found.certificate());
+        let names = |places: &[crate::features::both::Candidate]| -> Vec<FeatureId> {
+            places.iter().map(|place| place.features[0]).collect()
+        };
+        assert_eq!(names(&places), names(&all), "round {round}: {centre:?}");
+        for (place, wanted) in places.iter().zip(&all) {
+            let off = (place.normal - wanted.normal).norm() + (place.points[0] - wanted.points[0]).norm();
+            assert!(off <= 1e-14, "round {round}: {off:e}");
+        }
+        several += usize::from(places.len() > 1);
+        for name in names(&places) {
+            kinds[match name {
+                FeatureId::Face(_) => 0,
+                FeatureId::Edge(_) => 1,
+                _ => 2,
+            }] += 1;
+        }
+    }
+    assert!(kinds.iter().all(|&count| count > 20) && several > 100, "{kinds:?} {several}");
+}
+
+#[test]
+fn a_ball_comes_no_nearer_to_a_mesh_than_the_speed_at_its_closing_reach_allows() {
+    let mut numbers = Numbers::new(8);
+    let mesh = at_origin(floor(12, 0.1, |x, y| 0.3 * (x * x - y * x)));
+    for offset in [0.0, 0.2] {
+        let ball = Collider::still("ball", None, at(0.0, 0.0, offset), Shape::Sphere { radius: 0.05 });
+        for exchanged in [false, true] {
+            let (a, b) = if exchanged { (&ball, &mesh) } else { (&mesh, &ball) };
+            let pair = PairGeometry::new(a, b).expect("shapes that are possible");
+            let [own, of_mesh] = if exchanged { [0, 1] } else { [1, 0] };
+            let reach = pair.closing_reach();
+            // Differences of lengths of 0.25 m.
+            assert!((reach[own] - offset).abs() < 1e-15 && reach[of_mesh] == pair.reach()[of_mesh], "{reach:?}");
+            let gap = |pose: &Pose| match exchanged {
+                true => pair.distance(pose, &Pose::identity()).distance,
+                false => pair.distance(&Pose::identity(), pose).distance,
+            };
+            for _ in 0..200 {
+                let (start, turn) = (numbers.pose(0.3), numbers.vector() * 0.1);
+                let moved = Rotation3::new(turn) * start.rotation;
+                let end = Pose::from_parts(start.translation, moved);
+                let closed = (gap(&start) - gap(&end)).abs();
+                assert!(closed <= turn.norm() * reach[own] + 1e-14, "{offset}: {closed:e}");
+            }
+        }
     }
 }

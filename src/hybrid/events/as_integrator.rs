@@ -68,6 +68,7 @@ impl Integrator for Eventful {
             self.begin(mechanism, inputs, state)?;
             self.is_blocked(state.time)?;
         }
+        self.previous.motors.clone_from(&self.mode.motors);
         // A step over events that could not be made has left a crowd.
         if self.model.over_events.is_some() && !self.progress.in_crowd {
             self.begin_in_crowd(state);
@@ -223,6 +224,14 @@ impl Integrator for Eventful {
         if !self.report_crowd(out) {
             self.report_contacts(state, out);
         }
+    }
+
+    fn held_efforts(&self, inside: bool, out: &mut Vec<Option<f64>>) {
+        let modes = if inside { &self.previous.motors } else { &self.mode.motors };
+        out.extend(modes.iter().map(|mode| match *mode {
+            MotorMode::Given(effort) => Some(effort),
+            MotorMode::Unbounded | MotorMode::Saturated(_) => None,
+        }));
     }
 
     fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {

@@ -231,7 +231,10 @@ impl Eventful {
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         for index in 0..self.model.elements.motors.len() {
-            self.mode.motors[index] = self.motor_mode(index, state);
+            // A sampled motor holds its effort until its next tick, however steps are made.
+            if !self.model.elements.motors[index].is_between_ticks(state.time) {
+                self.mode.motors[index] = self.motor_mode(index, state);
+            }
         }
         let events = self.tally.events.len();
         self.pass_anew(inputs, state);

@@ -241,12 +241,12 @@ impl Eventful {
         true
     }
 
-    /// The mode of a motor in a state, independent of the modes before.
+    /// The mode of a motor in a state, independent of the modes before: a sampled one works out its effort, unless it holds one from the run before.
     pub fn motor_mode(&self, index: usize, state: &State) -> MotorMode {
         let motor = &self.model.elements.motors[index];
         let effort = unbounded(&self.model.elements, index, state.time, state.time, state);
         if motor.period > 0.0 {
-            MotorMode::Given(motor.bounded(effort))
+            MotorMode::Given(motor.held_at(state.time).unwrap_or_else(|| motor.bounded(effort)))
         } else if effort.abs() >= motor.max_effort {
             MotorMode::Saturated(if effort > 0.0 { 1 } else { -1 })
         } else {

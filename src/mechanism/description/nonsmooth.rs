@@ -50,7 +50,21 @@ pub struct Motor {
     pub max_effort: f64,
     /// Time between two computations of its effort (s), which is held in between; zero: at every instant.
     pub period: f64,
+    /// What it holds where a run goes on between two of its ticks.
+    pub held: Option<HeldEffort>,
 }
+
+/// The effort that a sampled motor holds from a tick before the start of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldEffort {
+    /// The start of the run (s).
+    pub since: f64,
+    /// N m or N.
+    pub effort: f64,
+}
+
+/// An instant that is off a tick by less than this part of the period is the tick.
+const ON_TICK: f64 = 1e-9;
 
 impl MotorLaw {
     /// Stiffness `kp` and damping `kd` of its effort.
@@ -85,9 +99,21 @@ impl Motor {
         }
     }
 
-    /// Its effort at an instant [N m or N], were it worked out there.
+    /// Its effort at an instant [N m or N]: what it holds from the run before, or else what is worked out there.
     pub fn effort(&self, time: f64, position: f64, rate: f64) -> f64 {
-        self.bounded(self.unbounded(time, time, position, rate))
+        self.held_at(time).unwrap_or_else(|| self.bounded(self.unbounded(time, time, position, rate)))
+    }
+
+    /// The effort that it holds from the run before at an instant of this one [N m or N]: until the first tick.
+    pub fn held_at(&self, time: f64) -> Option<f64> {
+        let held = self.held.filter(|held| self.period > 0.0 && time >= held.since)?;
+        let rest = self.next_instant(held.since) - time;
+        (rest > ON_TICK * self.period).then(|| self.bounded(held.effort))
+    }
+
+    /// Whether it is sampled, and this is no instant of a tick (s).
+    pub fn is_between_ticks(&self, time: f64) -> bool {
+        self.period > 0.0 && time - (self.next_instant(time) - self.period) > ON_TICK * self.period
     }
 
     /// An effort within its bound [N m or N].
@@ -98,7 +124,7 @@ impl Motor {
     /// The next instant after `time` at which its effort may change its law: a tick, or a given instant of its target (s).
     pub fn next_instant(&self, time: f64) -> f64 {
         let tick = if self.period > 0.0 {
-            (time / self.period + 1e-9).floor().mul_add(self.period, self.period)
+            (time / self.period + ON_TICK).floor().mul_add(self.period, self.period)
         } else {
             f64::INFINITY
         };

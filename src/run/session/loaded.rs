@@ -3,15 +3,18 @@
 use crate::instant::start::assembly::assemble_counted;
 use crate::instant::start::gimbal_lock::leave_gimbal_lock;
 use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::ground::words::{decimals, short};
 use crate::mechanism::motion::energy::violation;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Model, ModelError, Start};
-use crate::output::report::{Numbers, joint_reports};
+use crate::output::report::{Numbers, joint_name, joint_reports};
 use crate::scene::{SimulationSettings, Warning};
+use crate::session::between_ticks::hold;
 use crate::session::error::Error;
 use crate::session::held_start::motors_from;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A loaded model, its start, and the run settings of its file.
@@ -69,6 +72,14 @@ impl Loaded {
         self.model.leave_out_overlaps(&state);
         let assembled = self.settled(state, &Start::default())?;
         Ok(self.begun(assembled))
+    }
+
+    /// Lets sampled motors hold, from the start of a run on (s), what a log says, by the names of their joints.
+    pub fn hold(&mut self, efforts: &HashMap<String, f64>, since: f64) {
+        let motors = &self.model.mechanism.nonsmooth.motors;
+        let of = |motor: &Motor| efforts.get(joint_name(&self.model, motor.coordinate.body)).copied();
+        let efforts: Vec<Option<f64>> = motors.iter().map(of).collect();
+        hold(&mut self.model.mechanism.nonsmooth.motors, &efforts, since);
     }
 
     /// Takes what a start says into the model.

@@ -8,6 +8,7 @@ use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
 use crate::output::report::{pair_count, pair_name};
 use crate::scene::{Parameter, Scene, Touching, Warning};
+use crate::session::between_ticks::hold;
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
 use crate::session::held_start::Hold;
@@ -339,6 +340,12 @@ impl Model {
         let mut shared = Shared::clone(&self.shared);
         shared.loaded.model.mechanism.nonsmooth.motors = motors;
         Model { shared: Arc::new(shared) }
+    }
+
+    /// The same model with motors that hold these efforts from the start of a run on (s), if it is between their ticks.
+    pub(crate) fn holding(&self, efforts: &[Option<f64>], since: f64) -> Self {
+        let mut motors = self.description().mechanism.nonsmooth.motors.clone();
+        if hold(&mut motors, efforts, since) { self.driven_by(motors) } else { self.clone() }
     }
 
     /// The same model with more warnings, if there are any.

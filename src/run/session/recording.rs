@@ -27,6 +27,8 @@ pub struct Recording {
     accuracies: Vec<(usize, AccuracySoFar)>,
     /// Contacts, each with the index of its sample.
     contacts: Vec<(usize, Vec<ContactPoint>)>,
+    /// The efforts that sampled motors hold at samples, an entry a motor, sample after sample; nothing without such motors.
+    pub held: Vec<Option<f64>>,
 }
 
 impl Recording {
@@ -37,6 +39,12 @@ impl Recording {
             number * width..(number + 1) * width
         };
         (&self.positions[part(&self.positions)], &self.velocities[part(&self.velocities)])
+    }
+
+    /// The efforts that sampled motors hold at a sample: an entry a motor, or nothing.
+    pub fn held_at(&self, number: usize) -> &[Option<f64>] {
+        let motors = self.held.len() / self.times.len();
+        &self.held[number * motors..(number + 1) * motors]
     }
 
     /// The end of the step that contains a sample.
@@ -85,6 +93,10 @@ impl Recording {
                 observer.contacts(points);
             }
             if number < self.times.len() {
+                let held = self.held_at(number);
+                if !held.is_empty() {
+                    observer.held_efforts(held);
+                }
                 let (position, velocity) = self.sample(number);
                 observer.sample(&Sample {
                     time: self.times[number],
@@ -133,6 +145,10 @@ impl Observer for Recording {
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.contacts.push((self.times.len(), points.to_vec()));
     }
+
+    fn held_efforts(&mut self, efforts: &[Option<f64>]) {
+        self.held.extend_from_slice(efforts);
+    }
 }
 
 /// A recording that other code can read during the run.
@@ -173,6 +189,10 @@ impl Observer for SharedRecording {
 
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.with(|recording| recording.contacts(points));
+    }
+
+    fn held_efforts(&mut self, efforts: &[Option<f64>]) {
+        self.with(|recording| recording.held_efforts(efforts));
     }
 }
 

@@ -87,6 +87,8 @@ pub struct Finish {
     pub model: Model,
     /// The end.
     pub state: State,
+    /// The efforts that sampled motors hold there, an entry a motor.
+    pub held: Vec<Option<f64>>,
     /// Observers.
     pub others: Vec<Box<dyn Observer>>,
 }
@@ -269,13 +271,13 @@ impl Running {
         let Running { simulation, model, watch, begun, origin, output, checked, .. } = self;
         let finished = simulation.finish();
         let Watch { recorder, speeds, others, .. } = watch;
-        let state = finished.state.clone();
+        let (state, held) = (finished.state.clone(), finished.held.clone());
         let loaded = under_efforts(&model, efforts);
         let (checked, speeds, output) = (checked.as_ref(), speeds.as_ref(), output.as_deref());
         let ended = Ended { finished, ended, checked, speeds, recorder, output };
         let input = model.path().display().to_string();
         let Closed { report, ended, told } = begun.close(&loaded, input, &origin, ended);
-        (Finish { report, told, model, state, others }, ended)
+        (Finish { report, told, model, state, held, others }, ended)
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Simulation {
     positions: Vec<(String, Vec<f64>)>,
     velocities: Vec<(String, Vec<f64>)>,
     begin: f64,
+    /// The efforts that sampled motors hold at the start, an entry a motor, or nothing.
+    held: Vec<Option<f64>>,
     kept: Vec<Rule>,
     log: Option<(PathBuf, LogOptions)>,
     observers: Vec<Box<dyn Observer>>,
@@ -96,6 +98,7 @@ impl Simulation {
             positions: Vec::new(),
             velocities: Vec::new(),
             begin: 0.0,
+            held: Vec::new(),
             kept: Vec::new(),
             log: None,
             observers: Vec::new(),
@@ -215,6 +218,24 @@ impl Simulation {
         self.begin = time;
         self.started = OnceCell::new();
         self
+    }
+
+    /// Sets what sampled motors hold at the start, if that is between their ticks, until the next ones [N m or N]: an entry a motor, in the order of
+    /// [`Model::motor_names`]. [`State::held_efforts`](crate::session::State::held_efforts) and [`Simulation::held_efforts`] of the run before give them.
+    /// A motor without an entry works out its effort at the start.
+    ///
+    /// # Errors
+    /// A wrong number of entries, and efforts that are not finite.
+    pub fn hold_efforts(mut self, efforts: &[Option<f64>]) -> Result<Self, Error> {
+        let wanted = self.model.description().mechanism.nonsmooth.motors.len();
+        if efforts.len() != wanted {
+            return Err(Error::Count { what: "held efforts, one a motor", given: efforts.len(), wanted });
+        }
+        if let Some(&value) = efforts.iter().flatten().find(|effort| !effort.is_finite()) {
+            return Err(Error::Option { option: "a held effort", value, wanted: "give a finite number" });
+        }
+        self.held = efforts.to_vec();
+        Ok(self)
     }
 
     /// Writes the run to an MCAP file, from its first step on. An existing log is replaced only by a complete one.

@@ -4,7 +4,7 @@ use crate::mechanism::motion::state::State as Motion;
 use crate::session::model::Model;
 use crate::simulation::Checkpoint;
 
-/// A run between two steps, as a value: time, positions, velocities, efforts, targets of motors, and all that the steps remember (modes of joints and
+/// A run between two steps, as a value: time, positions, velocities, efforts, targets of motors, efforts that sampled motors hold, and all that the steps remember (modes of joints and
 /// contacts, impacts, anchors of friction, guesses and lengths of steps). A run goes on from it bit for bit.
 #[derive(Clone)]
 pub struct State {
@@ -23,6 +23,12 @@ impl State {
     /// q and v ([`Coordinates`](crate::session::Coordinates)).
     pub fn coordinates(&self) -> (Vec<f64>, Vec<f64>) {
         self.model.flat(self.motion())
+    }
+
+    /// The efforts that sampled motors hold until their next ticks [N m or N]: an entry a motor, in the order of [`Model::motor_names`], `None` of those that
+    /// are not sampled. [`Simulation::hold_efforts`](crate::session::Simulation::hold_efforts) takes them.
+    pub fn held_efforts(&self) -> &[Option<f64>] {
+        self.kept.held_efforts()
     }
 
     fn motion(&self) -> &Motion {

@@ -65,6 +65,10 @@ impl Observer for Watch {
         self.all().for_each(|observer| observer.contacts(points));
     }
 
+    fn held_efforts(&mut self, efforts: &[Option<f64>]) {
+        self.all().for_each(|observer| observer.held_efforts(efforts));
+    }
+
     fn skips_samples(&self) -> bool {
         !self.looks()
     }

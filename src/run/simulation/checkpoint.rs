@@ -20,6 +20,7 @@ use crate::simulation::run::Simulation;
 pub struct Checkpoint {
     state: State,
     efforts: Vec<f64>,
+    held: Vec<Option<f64>>,
     integrators: Kept,
 }
 
@@ -39,6 +40,11 @@ impl Checkpoint {
     pub fn efforts(&self) -> &[f64] {
         &self.efforts
     }
+
+    /// The efforts that sampled motors hold there until their next ticks [N m or N]: an entry a motor.
+    pub fn held_efforts(&self) -> &[Option<f64>] {
+        &self.held
+    }
 }
 
 impl Simulation<'_> {
@@ -48,7 +54,8 @@ impl Simulation<'_> {
             Integrators::Whole(run) => Kept::Whole(run.alone()?.clone()),
             Integrators::Islands { islands, .. } => Kept::Islands(islands.keep()?),
         };
-        Some(Checkpoint { state: self.state.clone(), efforts: self.efforts.clone(), integrators })
+        let held = self.held_efforts();
+        Some(Checkpoint { state: self.state.clone(), efforts: self.efforts.clone(), held, integrators })
     }
 
     /// Goes on from a copy of this run, or of another one of the same mechanism and settings; `false` if it is of another kind: the run is unchanged

@@ -30,6 +30,8 @@ pub struct Finished {
     pub joints: Vec<JointStatus>,
     /// The closed contacts at the end, in the order of their pairs.
     pub contacts: Vec<ContactPoint>,
+    /// [`Simulation::held_efforts`] at the end.
+    pub held: Vec<Option<f64>>,
     /// [`Simulation::accuracies`] at the end.
     pub accuracy: Vec<Result<Accuracy, UnknownAccuracy>>,
     /// [`Simulation::end`].
@@ -111,6 +113,24 @@ impl Simulation<'_> {
         points
     }
 
+    /// The efforts that sampled motors hold from the present state on [N m or N]: an entry a motor, `None` of those that are not sampled, and before the
+    /// first step where they are still to be worked out.
+    pub fn held_efforts(&self) -> Vec<Option<f64>> {
+        let motors = &self.mechanism.nonsmooth.motors;
+        let mut held = Vec::with_capacity(motors.len());
+        match &self.integrators {
+            Integrators::Whole(integrator) => {
+                integrator.held_efforts(false, &mut held);
+                held.resize(motors.len(), None);
+            }
+            Integrators::Islands { islands, .. } => {
+                held.resize(motors.len(), None);
+                islands.held_efforts(motors, &mut held);
+            }
+        }
+        held.iter().zip(motors).map(|(held, motor)| held.or_else(|| motor.held_at(self.state.time))).collect()
+    }
+
     /// Ends the run and returns its results. Observers are free again.
     pub fn finish(mut self) -> Finished {
         let accuracy = self.accuracies();
@@ -120,13 +140,13 @@ impl Simulation<'_> {
             Integrators::Islands { islands, .. } => islands.figures().collect(),
         };
         let islands = if islands.len() > 1 { islands } else { Vec::new() };
-        let (joints, contacts) = (self.joint_statuses(), self.contacts());
+        let (joints, contacts, held) = (self.joint_statuses(), self.contacts(), self.held_efforts());
         let events = match self.progress {
             None => Vec::new(),
             Some(Progress::Whole(course)) => course.events().to_vec(),
             Some(Progress::Islands(whole)) => whole.events,
         };
         let (end, parts) = (self.end, self.parts);
-        Finished { state: self.state, summary, method, islands, events, joints, contacts, accuracy, end, parts }
+        Finished { state: self.state, summary, method, islands, events, joints, contacts, held, accuracy, end, parts }
     }
 }

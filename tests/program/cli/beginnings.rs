@@ -97,6 +97,42 @@ fn a_run_goes_on_from_an_instant_of_a_log_as_the_run_of_the_log_did() {
 }
 
 #[test]
+fn a_run_that_goes_on_from_a_log_between_ticks_of_a_motor_holds_the_effort_of_the_log() {
+    let folder = folder("from_log_between_ticks");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
+    let motor = "[[motor]]\njoint = \"hinge\"\nkind = \"position\"\ntarget = 1.0\nkp = 8.0\nkd = 0.5\nperiod = 0.05\n";
+    let scene = format!("[scene]\ngravity = [0, 0, 0]\n\n[[robot]]\nurdf = \"pendulum.urdf\"\n\n{motor}");
+    std::fs::write(folder.join("scene.toml"), scene).expect("written");
+    let made = |arguments: &[&str]| {
+        json(&run(&folder, &[&["simulate", "scene.toml", "--tolerance=1e-9", "--json"][..], arguments].concat()))
+    };
+    let of = |report: &Value, what: &str| report["joints"]["hinge"][what].as_f64().expect("a number");
+    let told = |report: &Value| {
+        let warnings = report["warnings"].as_array().cloned().unwrap_or_default();
+        warnings.iter().filter(|line| line.as_str().is_some_and(|line| line.contains("between its ticks"))).count()
+    };
+    let whole = made(&["--duration=0.7", "-o", "whole.mcap"]);
+    made(&["--duration=0.33", "-o", "part.mcap"]);
+    // 22/60 s is a sample of the whole; times of a log are whole nanoseconds, in which the pendulum moves by less than 1e-8 rad.
+    for (from, rest, most) in [("part.mcap@end", "0.37", 1e-13), ("whole.mcap@0.366666667", "0.333333333", 3e-8)] {
+        let on = made(&["--from", from, "--duration", rest, "-o", "rest.mcap"]);
+        for what in ["position", "velocity"] {
+            let apart = (of(&on, what) - of(&whole, what)).abs();
+            assert!(apart < most, "{from}: {what} differs by {apart:e}");
+        }
+        assert_eq!(told(&on), 0, "{from}");
+    }
+    // It goes on from there, too.
+    let on = ["--from", "rest.mcap@0.55", "--duration", "0.001", "--no-log"];
+    assert_eq!(told(&made(&on)), 0);
+    // A log without motors does not know it.
+    made(&["--duration=0.33", "-o", "bare.mcap", "--topics", "/joint_states"]);
+    let anew = made(&["--from", "bare.mcap@end", "--duration", "0.37", "--no-log"]);
+    assert_eq!(told(&anew), 1);
+    assert!((of(&anew, "position") - of(&whole, "position")).abs() > 1e-4);
+}
+
+#[test]
 fn warnings_are_errors_if_they_are_asked_to_be() {
     let folder = folder("strict");
     std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");

@@ -43,6 +43,7 @@ fn driven_arm() -> Model {
         target: Target::constant(TARGET),
         max_effort: f64::INFINITY,
         period,
+        held: None,
     };
     let speed = |index, speed| SpeedLimit { coordinate: coordinate(index), speed };
     model.mechanism.nonsmooth = Nonsmooth {

@@ -47,7 +47,7 @@ fn friction(mechanism: &mut Mechanism, coordinate: Coordinate, effort: f64) {
 }
 
 fn motor(mechanism: &mut Mechanism, coordinate: Coordinate, law: MotorLaw, target: Target, max_effort: f64) {
-    mechanism.nonsmooth.motors.push(Motor { coordinate, law, target, max_effort, period: 0.0 });
+    mechanism.nonsmooth.motors.push(Motor { coordinate, law, target, max_effort, period: 0.0, held: None });
 }
 
 /// A run in fixed steps: its end, its events, its iterations.

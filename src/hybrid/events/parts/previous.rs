@@ -4,7 +4,7 @@
 //! are the efforts given from outside in it.
 
 use crate::events::forces::reporting::Reporting;
-use crate::events::modes::mode::Mode;
+use crate::events::modes::mode::{Mode, MotorMode};
 use crate::events::modes::narrowed::Felt;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::ground::shared::Shared;
@@ -18,6 +18,8 @@ pub(crate) struct PreviousStep {
     pub left: Option<State>,
     /// Its mode, where there are pairs that may touch.
     pub stepped_in: Option<Mode>,
+    /// The modes of motors in it.
+    pub motors: Vec<MotorMode>,
     /// Efforts in it that follow the state.
     pub felt: Felt,
     /// The efforts from outside in it.
@@ -32,6 +34,7 @@ impl PreviousStep {
         PreviousStep {
             left: None,
             stepped_in: None,
+            motors: Vec::new(),
             felt: Felt::default(),
             outside: Vec::new(),
             reporting: RefCell::new(Shared::new(Reporting::new(mechanism))),

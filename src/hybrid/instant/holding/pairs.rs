@@ -198,7 +198,7 @@ impl Pairs {
         Pair {
             bodies,
             surfaces: [a.surface, b.surface],
-            parts: rope.as_ref().map_or_else(|| vec![(bodies, reach)], Rope::parts),
+            parts: rope.as_ref().map_or_else(|| vec![(bodies, geometry.closing_reach())], Rope::parts),
             reach,
             rope,
             extents: geometry.extents(),

@@ -251,6 +251,9 @@ impl Touching {
             match geometry.beyond(&contact.features, &features, [&normal, &point], [&a, &b], far) {
                 Some(height) => least = least.min(height),
                 None => {
+                    if let Some(least) = geometry.ball_beside(&features, &a, &b, within) {
+                        return least;
+                    }
                     let others = self.near(pair, bodies, within).into_iter();
                     // If a rim touches at one point alone, the opposite point is next: the cylinder tilts in a plane.
                     let points = closed.iter().filter(|contact| contact.flat_end().is_some());

@@ -76,6 +76,7 @@ impl Builder<'_> {
             target: motor.target.clone(),
             max_effort: motor.max_effort.or(of_urdf).unwrap_or(f64::INFINITY),
             period: motor.period,
+            held: None,
         })
     }
 }

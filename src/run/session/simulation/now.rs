@@ -81,6 +81,16 @@ impl Simulation {
         self.look(|state| self.model.link_at(link, state))?
     }
 
+    /// The efforts that sampled motors hold until their next ticks [N m or N]: an entry a motor, in the order of
+    /// [`Model::motor_names`](crate::session::Model::motor_names), `None` of those that are not sampled or not known yet.
+    pub fn held_efforts(&self) -> Vec<Option<f64>> {
+        match (&self.running, &self.ended) {
+            (Some(running), _) => running.simulation.held_efforts(),
+            (_, Some(over)) => over.held.clone(),
+            _ => self.held.clone(),
+        }
+    }
+
     /// The present energy (J).
     ///
     /// # Errors

@@ -87,7 +87,9 @@ impl Simulation {
         // Motors that hold their joints where a run starts are other ones from another start.
         let held = motors_from(self.model.description(), &started.state);
         let motors = &self.model.description().mechanism.nonsmooth.motors;
-        let known = started.warnings.is_empty() && held.is_none_or(|held| held == *motors);
+        // So are those that hold efforts.
+        let holds = !std::mem::take(&mut self.held).is_empty();
+        let known = !holds && started.warnings.is_empty() && held.is_none_or(|held| held == *motors);
         let placed = known && self.running.as_mut().is_some_and(|running| running.place(&started.state));
         self.efforts = None;
         if !placed {
@@ -104,6 +106,7 @@ impl Simulation {
 
     fn start_anew(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<(), Error> {
         self.begin = time;
+        self.held.clear();
         (self.positions, self.velocities) = self.listed(q, v);
         self.started = OnceCell::new();
         self.started().map(drop)

@@ -172,7 +172,7 @@ impl Simulation {
         if let Some(motors) = motors_from(self.model.description(), &state) {
             self.model = self.model.driven_by(motors);
         }
-        let model = self.model.warned(warnings);
+        let model = self.model.warned(warnings).holding(&self.held, state.time);
         #[cfg(feature = "log")]
         if let Some((path, options)) = &self.log {
             check_place(path)?;

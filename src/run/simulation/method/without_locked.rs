@@ -118,6 +118,13 @@ impl Integrator for WithoutLocked {
         self.locked.gather(mechanism, state, &mut asked);
         self.inside.contacts(self.locked.mechanism(), &asked, out);
     }
+
+    fn held_efforts(&self, inside: bool, out: &mut Vec<Option<f64>>) {
+        let mut own = Vec::new();
+        self.inside.held_efforts(inside, &mut own);
+        let moves = (0..self.whole.nonsmooth.motors.len()).map(|motor| self.motor(motor));
+        out.extend(moves.map(|motor| motor.and_then(|motor| own.get(motor).copied().flatten())));
+    }
 }
 
 impl StepMaker for WithoutLocked {

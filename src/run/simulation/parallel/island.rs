@@ -1,5 +1,6 @@
 //! One island of a run: its own loop, and its samples and events until the other islands have reached the same time.
 
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::Energy;
@@ -48,8 +49,9 @@ pub(crate) struct Shown {
     pub(crate) steps: VecDeque<StepEnd>,
     pub(crate) events: VecDeque<Event>,
     pub(crate) told: VecDeque<AccuracySoFar>,
-    /// The contacts of the next sample.
+    /// The contacts of the next sample, and the efforts that motors hold there.
     contacts: Vec<ContactPoint>,
+    held: Vec<Option<f64>>,
 }
 
 /// A sample of one island.
@@ -58,6 +60,8 @@ pub(crate) struct Kept {
     pub(crate) position: Vec<f64>,
     pub(crate) velocity: Vec<f64>,
     pub(crate) contacts: Vec<ContactPoint>,
+    /// An entry a motor of the island, or nothing.
+    pub(crate) held: Vec<Option<f64>>,
 }
 
 impl Kept {
@@ -72,8 +76,8 @@ impl Kept {
 impl Observer for Shown {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         let (position, velocity) = (sample.position.to_vec(), sample.velocity.to_vec());
-        let contacts = std::mem::take(&mut self.contacts);
-        self.samples.push_back(Kept { time: sample.time, position, velocity, contacts });
+        let (contacts, held) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.held));
+        self.samples.push_back(Kept { time: sample.time, position, velocity, contacts, held });
         Ok(())
     }
 
@@ -92,6 +96,11 @@ impl Observer for Shown {
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.contacts.clear();
         self.contacts.extend_from_slice(points);
+    }
+
+    fn held_efforts(&mut self, efforts: &[Option<f64>]) {
+        self.held.clear();
+        self.held.extend_from_slice(efforts);
     }
 }
 
@@ -168,6 +177,17 @@ impl IslandRun<'_> {
         let sample = self.shown.samples.front().filter(|sample| sample.time < step.time);
         let later = sample.map_or(step, |kept| Knot::of_sample(mechanism, &kept.state()));
         Knot { exchange: self.last.towards(&step, time).exchange, ..earlier.towards(&later, time) }
+    }
+}
+
+/// Puts the efforts of the motors of an island among those of the whole, which has its motors in the same order.
+pub(crate) fn put_held(island: &Island, own: &[Option<f64>], motors: &[Motor], whole: &mut [Option<f64>]) {
+    let mut rest = motors.iter().zip(whole);
+    for (motor, effort) in island.mechanism.nonsmooth.motors.iter().zip(own) {
+        let body = island.body_of_whole(motor.coordinate.body);
+        if let Some((_, held)) = rest.find(|(motor, _)| motor.coordinate.body == body) {
+            *held = *effort;
+        }
     }
 }
 

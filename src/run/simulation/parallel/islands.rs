@@ -13,6 +13,7 @@
 //! and number. So every result is bit-identical, whatever the windows and the number of threads.
 
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::energy_with_forces;
@@ -23,7 +24,7 @@ use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
-use crate::simulation::parallel::island::{IslandRun, first_error, frontier};
+use crate::simulation::parallel::island::{IslandRun, first_error, frontier, put_held};
 use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
 use crate::simulation::parallel::threads::{Threads, spread};
@@ -193,6 +194,16 @@ impl<'a> Islands<'a> {
         }
         // Stable: several points of a pair stay in their order.
         out.sort_by_key(|point| point.pair);
+    }
+
+    /// Puts the efforts that sampled motors hold from the present state on among those of the whole, an entry a motor.
+    pub(crate) fn held_efforts(&self, motors: &[Motor], whole: &mut [Option<f64>]) {
+        let mut own = Vec::new();
+        for IslandRun { island, awake, .. } in &self.parts {
+            own.clear();
+            awake.iter().for_each(|run| run.held_efforts(false, &mut own));
+            put_held(island, &own, motors, whole);
+        }
     }
 
     /// Calls a function with each island that moves, and its state.

@@ -10,8 +10,8 @@ use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
-use crate::simulation::parallel::island::{IslandRun, frontier};
-use crate::simulation::steps::course::{RunError, RunOptions};
+use crate::simulation::parallel::island::{IslandRun, frontier, put_held};
+use crate::simulation::steps::course::{RunError, RunOptions, held_at};
 use crate::simulation::steps::observer::{Observer, Sample, StepEnd, show};
 use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, pushes};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
@@ -45,6 +45,8 @@ pub(crate) struct MergedRun {
     pub(crate) events: Vec<Event>,
     /// The contacts of the last sample.
     contacts: Vec<ContactPoint>,
+    /// The efforts that sampled motors hold at the last sample, if there are such motors.
+    held: Option<Vec<Option<f64>>>,
 }
 
 impl MergedRun {
@@ -76,6 +78,7 @@ impl MergedRun {
             rested: 0,
             events: Vec::new(),
             contacts: Vec::new(),
+            held: held_at(mechanism, state),
         }
     }
 
@@ -106,6 +109,9 @@ impl MergedRun {
                 let Some(sample) = part.shown.samples.pop_front() else { continue };
                 let island = &part.island;
                 self.contacts.extend_from_slice(&sample.contacts);
+                if let Some(held) = &mut self.held {
+                    put_held(island, &sample.held, &mechanism.nonsmooth.motors, held);
+                }
                 island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
                 island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
                 (part.last_sample, part.at_sample) = (Some(sample), None);
@@ -252,6 +258,9 @@ impl MergedRun {
             // Stable: several points of a pair stay in their order.
             self.contacts.sort_by_key(|point| point.pair);
             observers.iter_mut().for_each(|observer| observer.contacts(&self.contacts));
+        }
+        if let Some(held) = &self.held {
+            observers.iter_mut().for_each(|observer| observer.held_efforts(held));
         }
         let State { position, velocity, .. } = &self.state;
         show(observers, &Sample { time, position, velocity, step: &step }).map_err(RunError::Observer)

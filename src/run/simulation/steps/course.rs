@@ -3,6 +3,7 @@
 use crate::instant::exerting::exerted::Exerted;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::ground::words::short;
 use crate::mechanism::motion::contact_point::{ContactFigures, ContactPoint};
 use crate::mechanism::motion::event::Event;
@@ -112,6 +113,8 @@ pub(crate) struct Course {
     /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
+    /// The efforts that sampled motors hold at a sample, if there are such motors.
+    held: Option<Vec<Option<f64>>>,
     /// Figures of the forces at the end of the last step, and the number of first-order steps until then. They count once what is closed
     /// there has lasted: where an event at the same instant opens it again, or a step of first order follows, which has impulses of its own, no such
     /// force has acted.
@@ -138,6 +141,7 @@ impl Course {
             told: None,
             sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
             contacts: Vec::new(),
+            held: held_at(mechanism, state),
             not_lasted: (ContactFigures::default(), 0),
         }
     }
@@ -169,6 +173,9 @@ impl Course {
         if let Some(start) = self.sampled_state.as_ref().filter(|_| any_looks_at_contacts(observers)) {
             let contacts = Exerted::contacts(mechanism, start);
             observers.iter_mut().for_each(|observer| observer.contacts(&contacts));
+        }
+        if let Some(held) = &self.held {
+            observers.iter_mut().for_each(|observer| observer.held_efforts(held));
         }
         self.show(self.start, observers)
     }
@@ -255,6 +262,12 @@ impl Course {
                     integrator.dense(mechanism, time, &mut self.position, &mut self.velocity);
                 }
                 self.see_contacts(mechanism, integrator, time, observers);
+                if let Some(held) = &mut self.held {
+                    held.clear();
+                    integrator.held_efforts(time < state.time, held);
+                    held.resize(mechanism.nonsmooth.motors.len(), None);
+                    observers.iter_mut().for_each(|observer| observer.held_efforts(held));
+                }
                 self.show(time, observers)?;
                 self.sampled += 1;
                 if time == self.end {
@@ -344,6 +357,17 @@ impl Course {
         let Course { position, velocity, .. } = self;
         show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last }).map_err(RunError::Observer)
     }
+}
+
+/// The efforts that sampled motors hold from the start of a run on [N m or N], an entry a motor; `None` without such motors.
+pub(crate) fn held_at(mechanism: &Mechanism, start: &State) -> Option<Vec<Option<f64>>> {
+    let motors = &mechanism.nonsmooth.motors;
+    let of = |motor: &Motor| {
+        let at = motor.coordinate;
+        let effort = || motor.effort(start.time, start.position[at.position], start.velocity[at.freedom]);
+        (motor.period > 0.0).then(effort)
+    };
+    motors.iter().any(|motor| motor.period > 0.0).then(|| motors.iter().map(of).collect())
 }
 
 #[cfg(test)]

@@ -154,4 +154,8 @@ impl Integrator for EstimatedRun<'_> {
     fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
         self.run.contacts(mechanism, state, out);
     }
+
+    fn held_efforts(&self, inside: bool, out: &mut Vec<Option<f64>>) {
+        self.run.held_efforts(inside, out);
+    }
 }

@@ -39,6 +39,7 @@ fn build(place: usize) -> Result<Case, MechanismError> {
             target: Target::constant(target),
             max_effort: f64::INFINITY,
             period: 0.0,
+            held: None,
         });
     }
     let start = State::zero(&mechanism);

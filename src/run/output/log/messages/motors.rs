@@ -1,8 +1,8 @@
 //! The messages of `/motors`: the effort of every motor at every sample, and then the efforts `NAME/gravity_compensation` that hold weights.
 //!
-//! The effort of a continuous motor follows from the sample. A sampled motor holds its effort between ticks. That effort follows from the state at
-//! the last tick, which is a sample only by chance. The state is taken from the cubic polynomial with the positions `q₀, q₁` and rates `v₀, v₁` of
-//! the samples before and after the tick, `h` apart:
+//! The effort of a continuous motor follows from the sample. A sampled motor holds its effort between ticks, which the steps of a run know. Where they
+//! do not tell it, it follows from the state at the last tick, which is a sample only by chance. The state is taken from the cubic polynomial with the
+//! positions `q₀, q₁` and rates `v₀, v₁` of the samples before and after the tick, `h` apart:
 //!
 //! ```text
 //!     q(x) = q₀ + x (h v₀ + x (3Δ − 2 h v₀ − h v₁ + x (h v₀ + h v₁ − 2Δ))),   Δ = q₁ − q₀,   x = (t − t₀)/h
@@ -89,17 +89,21 @@ impl MotorMessages {
         }))
     }
 
-    /// Works out the efforts at some samples; samples come in order of time.
-    pub(crate) fn work_out(&mut self, times: &[f64], positions: &[f64], velocities: &[f64]) {
+    /// Works out the efforts at some samples; samples come in order of time. `held` are those that sampled motors are known to hold there, an entry a motor,
+    /// or nothing.
+    pub(crate) fn work_out(&mut self, times: &[f64], positions: &[f64], velocities: &[f64], held: &[Option<f64>]) {
         self.efforts.clear();
         self.holding.iter_mut().for_each(|holding| holding.efforts.clear());
         let samples =
             positions.chunks(positions.len() / times.len()).zip(velocities.chunks(velocities.len() / times.len()));
-        for (&time, (position, velocity)) in times.iter().zip(samples) {
-            for logged in &mut self.motors {
+        let count = self.motors.len();
+        for (sample, (&time, (position, velocity))) in times.iter().zip(samples).enumerate() {
+            let held = held.get(sample * count..(sample + 1) * count).unwrap_or_default();
+            for (index, logged) in self.motors.iter_mut().enumerate() {
                 let coordinate = logged.motor.coordinate;
                 let seen = Seen { time, position: position[coordinate.position], rate: velocity[coordinate.freedom] };
-                self.efforts.push(logged.effort(seen));
+                let worked_out = logged.effort(seen);
+                self.efforts.push(held.get(index).copied().flatten().unwrap_or(worked_out));
             }
             if let Some(holding) = self.holding.as_mut().filter(|_| self.channel.is_some()) {
                 holding.add(position, velocity);
@@ -202,6 +206,7 @@ mod tests {
             target: Target::constant(1.0),
             max_effort: 100.0,
             period,
+            held: None,
         })
     }
 

@@ -96,7 +96,7 @@ impl SampleEncoder {
             let positions = &piece.positions[first * self.position_count..][..times.len() * self.position_count];
             let velocities = &piece.velocities[first * self.velocity_count..][..times.len() * self.velocity_count];
             if let Some(motors) = &mut self.motors {
-                motors.work_out(times, positions, velocities);
+                motors.work_out(times, positions, velocities, piece.held_at(first));
                 self.instants.drive(motors.efforts());
             }
             self.instants.clock(times);
@@ -232,6 +232,7 @@ mod tests {
             target: Target::constant(1.0),
             max_effort: 1.0,
             period: 0.015,
+            held: None,
         }];
         let all = [
             driven,

@@ -18,6 +18,8 @@ pub(crate) struct Piece {
     pub times: Vec<f64>,
     pub positions: Vec<f64>,
     pub velocities: Vec<f64>,
+    /// The efforts that sampled motors hold at the samples, an entry a motor; nothing where the run does not tell them.
+    pub held: Vec<Option<f64>>,
     /// The items before the sample of this number, or after the last.
     pub between: Vec<(usize, Between)>,
     /// How many events are among that.
@@ -44,6 +46,12 @@ impl Piece {
         self.times.push(time);
         self.positions.extend_from_slice(position);
         self.velocities.extend_from_slice(velocity);
+    }
+
+    /// The efforts that motors hold at the samples from this one on; nothing where they are not known.
+    pub(crate) fn held_at(&self, first: usize) -> &[Option<f64>] {
+        let motors = self.held.len().checked_div(self.times.len()).unwrap_or(0);
+        &self.held[first * motors..]
     }
 
     /// Adds an item before the next sample.
@@ -78,6 +86,7 @@ impl Piece {
         self.times.clear();
         self.positions.clear();
         self.velocities.clear();
+        self.held.clear();
         self.between.clear();
         self.events = 0;
     }

@@ -41,6 +41,8 @@ pub struct Recorder {
     accuracy: AccuracyLines,
     /// The contacts of the next sample, where shapes may touch.
     contacts: Option<Vec<ContactPoint>>,
+    /// The efforts that sampled motors hold at the next sample, where they are known.
+    held: Vec<Option<f64>>,
     derivatives: Option<Arc<Derivatives>>,
 }
 
@@ -126,7 +128,17 @@ impl Recorder {
     fn new(sink: Sink, order: Order, model: &Model, options: &LogOptions) -> Self {
         let (before, accuracy) = (Vec::new(), AccuracyLines::default());
         let (start, derivatives) = (options.start, options.derivatives.clone());
-        Recorder { sink, order, start, before, begun: false, accuracy, contacts: may_touch(model), derivatives }
+        Recorder {
+            sink,
+            order,
+            start,
+            before,
+            begun: false,
+            accuracy,
+            contacts: may_touch(model),
+            held: Vec::new(),
+            derivatives,
+        }
     }
 
     /// Once `interrupted` says that the run is interrupted, it waits no longer for an output that is no file and is not read.
@@ -245,6 +257,7 @@ impl Observer for Recorder {
         let contacts = self.contacts.as_mut().map(std::mem::take);
         let add = |piece: &mut Piece| {
             self.order.add(sample, piece);
+            piece.held.append(&mut self.held);
             if let Some(contacts) = contacts {
                 piece.push_between(Between::Contacts(nanoseconds(sample.time), contacts));
             }
@@ -274,6 +287,11 @@ impl Observer for Recorder {
 
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.contacts = self.contacts.take().map(|_| points.to_vec());
+    }
+
+    fn held_efforts(&mut self, efforts: &[Option<f64>]) {
+        self.held.clear();
+        self.held.extend_from_slice(efforts);
     }
 }
 
