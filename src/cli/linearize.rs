@@ -2,7 +2,7 @@
 
 use crate::cli::arguments::input::InputArgs;
 use crate::cli::arguments::numbers::{Assignment, Coordinates, pairs, positive};
-use crate::cli::logged_state::{LogInstant, start_of};
+use crate::cli::logged_state::{LogInstant, LoggedStart, start_of};
 use crate::cli::recorded::Recorded;
 use crate::cli::tables::table::{Table, number};
 use crate::cli::terminal::printing::{Failure, print, print_json};
@@ -98,17 +98,13 @@ fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
         Some(At::Rest) | None => f64::INFINITY,
     };
     let instant = LogInstant { log: log.clone(), time };
-    let state = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?.state;
-    let model = Model::of_loaded(recorded.loaded, log.clone(), recorded.arguments.input.world.world());
-    // Motors may have their targets from the start of the run.
-    let start = match model.description().at_start.is_empty() {
-        true => state.clone(),
-        false => {
-            let instant = LogInstant { log: log.clone(), time: 0.0 };
-            start_of(&instant, model.description()).map_err(Failure::input)?.state
-        }
-    };
-    Ok(model.linear_of_run(&start, &state, &[], args.at == Some(At::Rest))?)
+    let LoggedStart { state, held, .. } = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?;
+    let mut loaded = recorded.loaded;
+    // Motors that hold their joints where a run starts do so where the run of the log has started.
+    loaded.hold_at(&held, log);
+    loaded.model.at_start.clear();
+    let model = Model::of_loaded(loaded, log.clone(), recorded.arguments.input.world.world());
+    Ok(model.linear_of_run(&state, &state, &[], args.at == Some(At::Rest))?)
 }
 
 fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {

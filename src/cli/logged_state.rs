@@ -7,6 +7,7 @@ use catena::output::log::START;
 use catena::output::log::reading::frames::{Frame, Visitor, visit};
 use catena::output::log::seconds;
 use catena::output::page::BARE;
+use catena::session::{HELD, HeldTargets};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,8 @@ struct Nearest {
     from_start: bool,
     /// Nanoseconds.
     start: u64,
+    /// Where motors hold their joints from the start on.
+    held: HeldTargets,
     found: Option<Frame>,
 }
 
@@ -73,16 +76,17 @@ impl Visitor for Nearest {
     fn metadata(&mut self, name: &str, entries: &BTreeMap<String, String>) {
         if name == "simulation" {
             self.start = entries.get(START).and_then(|start| start.parse().ok()).unwrap_or(0);
+            self.held = entries.get(HELD).and_then(|held| serde_json::from_str(held).ok()).unwrap_or_default();
         }
     }
 }
 
-fn nearest(log: &Path, time: f64, from_start: bool) -> anyhow::Result<(Frame, f64)> {
-    let mut nearest = Nearest { time, from_start, start: 0, found: None };
+fn nearest(log: &Path, time: f64, from_start: bool) -> anyhow::Result<(Frame, f64, HeldTargets)> {
+    let mut nearest = Nearest { time, from_start, start: 0, held: HeldTargets::new(), found: None };
     visit(log, &mut nearest)?;
     let frame = nearest.found.take().ok_or_else(|| anyhow!("{}: there are no samples in it", log.display()))?;
     let time = nearest.time_of(&frame);
-    Ok((frame, time))
+    Ok((frame, time, nearest.held))
 }
 
 /// The frame nearest to a time of the log (s), and its time.
@@ -90,7 +94,7 @@ fn nearest(log: &Path, time: f64, from_start: bool) -> anyhow::Result<(Frame, f6
 /// # Errors
 /// A log that cannot be read or has no samples.
 pub fn nearest_frame(log: &Path, time: f64) -> anyhow::Result<(Frame, f64)> {
-    nearest(log, time, false)
+    nearest(log, time, false).map(|(frame, time, _)| (frame, time))
 }
 
 /// Positions and velocities of joints as reports give them, by name.
@@ -139,6 +143,8 @@ pub struct LoggedStart {
     pub state: State,
     /// The efforts of motors there, by the names of their joints; empty if the log has none.
     pub motors: HashMap<String, f64>,
+    /// Where motors hold their joints that hold them where the run of the log starts.
+    pub held: HeldTargets,
     /// Whether the log has a sample right at the instant that is asked for.
     pub is_there: bool,
 }
@@ -148,7 +154,7 @@ pub struct LoggedStart {
 /// # Errors
 /// A log that cannot be read, and one without a joint that moves in the model.
 pub fn start_of(from: &LogInstant, model: &Model) -> anyhow::Result<LoggedStart> {
-    let (frame, time) = nearest(&from.log, from.time, true)?;
+    let (frame, time, held) = nearest(&from.log, from.time, true)?;
     let joints = coordinates_of(model, &frame);
     if let Some(missing) = model.moving_joints().find(|name| !joints.contains_key(name)) {
         let why = if frame.has_joints() { "it is a log of another model" } else { BARE };
@@ -157,5 +163,5 @@ pub fn start_of(from: &LogInstant, model: &Model) -> anyhow::Result<LoggedStart>
     let state = state_of(&from.log, model, &frame, time)?;
     let motors = frame.motors.names.into_iter().zip(frame.motors.efforts).collect();
     // Times of a log are whole nanoseconds.
-    Ok(LoggedStart { state, motors, is_there: from.time.is_infinite() || (time - from.time).abs() <= 1e-9 })
+    Ok(LoggedStart { state, motors, held, is_there: from.time.is_infinite() || (time - from.time).abs() <= 1e-9 })
 }

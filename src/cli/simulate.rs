@@ -144,14 +144,16 @@ impl Setup {
         let state = match &arguments.from {
             None => loaded.initial_state(&positions, &velocities, arguments.base_velocity)?,
             Some(from) => {
-                let LoggedStart { state, motors, is_there } = start_of(from, &loaded.model)?;
+                let LoggedStart { state, motors, held, is_there } = start_of(from, &loaded.model)?;
                 loaded.hold(&motors, state.time);
                 if !is_there {
                     let message =
                         format!("the log has no sample at {} s; the run starts at {} s", from.time, state.time);
                     loaded.model.warnings.push(Warning::odd(&from.log, None, None, message));
                 }
-                loaded.settled_from(state)?
+                let state = loaded.settled_from(state)?;
+                loaded.hold_at(&held, &from.log);
+                state
             }
         };
         arguments.input.refuse_warnings(&loaded.model)?;

@@ -4,6 +4,7 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::{Model, PlacedRobot};
 use crate::output::report::{ERROR_AT_START, FromLog};
+use crate::session::held_start::held_targets;
 use crate::simulation::{StepChoice, Summary};
 use std::collections::BTreeMap;
 
@@ -15,6 +16,9 @@ pub(crate) const WENT_ON: &str = "it went on where another run had ended";
 
 /// The same of a run that a program made step by step.
 pub(crate) const STEPPED: &str = "a program has stepped it";
+
+/// The log entry about motors that hold their joints where the run starts ([`HeldTargets`](crate::session::HeldTargets), as JSON).
+pub const HELD: &str = "held";
 
 /// Who made a run, and how.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,7 +69,9 @@ pub fn description(
         ("arguments", arguments.to_string()),
     ];
     let driven = origin.driven.iter().map(|by| (DRIVEN, by.clone()));
-    entries.into_iter().chain(driven).map(|(name, value)| (name.to_string(), value)).collect()
+    let held = held_targets(model);
+    let held = (!held.is_empty()).then(|| (HELD, serde_json::json!(held).to_string()));
+    entries.into_iter().chain(driven).chain(held).map(|(name, value)| (name.to_string(), value)).collect()
 }
 
 /// A pose as `--base-pose` takes it.

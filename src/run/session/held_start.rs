@@ -13,8 +13,10 @@ use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use crate::mechanism::description::target::Target;
 use crate::mechanism::motion::state::State;
 use crate::model::Model;
+use crate::output::report::joint_name;
 use crate::scene::{JointReference, Scene, SceneMotor};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// The natural frequency of motors that hold a robot without given gains (rad/s): 10 Hz. A joint that carries a weight at a distance l gives way by
 /// g/(l ω²), 2.5 mm at 1 m.
@@ -81,6 +83,41 @@ pub(crate) fn motors_from(model: &Model, start: &State) -> Option<Vec<Motor>> {
         }
     }
     Some(motors)
+}
+
+/// Where motors hold their joints that hold them where a run starts: by the names of joints the target (rad or m), kp and kd.
+pub type HeldTargets = BTreeMap<String, [f64; 3]>;
+
+/// The same of a model that runs. Logs have them, so that a run that goes on from a log holds the joints where that run has held them.
+pub(crate) fn held_targets(model: &Model) -> HeldTargets {
+    let motors = &model.mechanism.nonsmooth.motors;
+    let held = model.at_start.iter().filter_map(|held| motors.get(held.motor));
+    let numbers = |motor: &Motor| match motor.law {
+        MotorLaw::Position { kp, kd } => Some([motor.target.value(0.0), kp, kd]),
+        MotorLaw::Velocity { .. } | MotorLaw::Effort => None,
+    };
+    let named = held.filter_map(|motor| Some((joint_name(model, motor.coordinate.body).to_string(), numbers(motor)?)));
+    named.collect()
+}
+
+/// Lets the motors of a model that hold their joints where a run starts hold them at these targets, with these gains where none are given. Returns the
+/// joints for which no target is known.
+pub(crate) fn hold_at(model: &mut Model, targets: &HeldTargets) -> Vec<String> {
+    let mut unknown = Vec::new();
+    for held in &model.at_start {
+        let Some(motor) = model.mechanism.nonsmooth.motors.get(held.motor) else { continue };
+        let (joint, mut motor) = (joint_name(model, motor.coordinate.body).to_string(), motor.clone());
+        let Some(&[target, kp, kd]) = targets.get(&joint) else {
+            unknown.push(joint);
+            continue;
+        };
+        motor.target = Target::constant(target);
+        if held.frequency.is_some() {
+            motor.law = MotorLaw::Position { kp, kd };
+        }
+        model.mechanism.nonsmooth.motors[held.motor] = motor;
+    }
+    unknown
 }
 
 /// The mechanism of a run from this state.

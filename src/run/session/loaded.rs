@@ -13,8 +13,9 @@ use crate::output::report::{Numbers, joint_name, joint_reports};
 use crate::scene::{SimulationSettings, Warning};
 use crate::session::between_ticks::hold;
 use crate::session::error::Error;
-use crate::session::held_start::motors_from;
+use crate::session::held_start::{HeldTargets, hold_at, motors_from};
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A loaded model, its start, and the run settings of its file.
@@ -80,6 +81,19 @@ impl Loaded {
         let of = |motor: &Motor| efforts.get(joint_name(&self.model, motor.coordinate.body)).copied();
         let efforts: Vec<Option<f64>> = motors.iter().map(of).collect();
         hold(&mut self.model.mechanism.nonsmooth.motors, &efforts, since);
+    }
+
+    /// Lets motors that hold their joints where a run starts hold them where the run of a log has done so. A warning names the first joint of which the
+    /// log does not say where that is.
+    pub fn hold_at(&mut self, targets: &HeldTargets, log: &Path) {
+        let unknown = hold_at(&mut self.model, targets);
+        if let Some(first) = unknown.first() {
+            let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
+            let message = format!(
+                "it does not say where the motor of joint {first:?}{more} holds the joint: it is held where this run begins"
+            );
+            self.model.warnings.push(Warning::odd(log, None, None, message));
+        }
     }
 
     /// Takes what a start says into the model.

@@ -54,8 +54,10 @@ pub use batch::Batch;
 pub use control::Moment;
 pub use coordinates::{Coordinates, JointPlace};
 #[doc(hidden)]
-pub use description::{DRIVEN, Origin};
+pub use description::{DRIVEN, HELD, Origin};
 pub use error::{ControllerFailure, Error};
+#[doc(hidden)]
+pub use held_start::HeldTargets;
 pub use held_start::Hold;
 #[cfg(feature = "scene")]
 pub use held_start::mechanism_from;

@@ -133,6 +133,35 @@ fn a_run_that_goes_on_from_a_log_between_ticks_of_a_motor_holds_the_effort_of_th
 }
 
 #[test]
+fn a_run_that_goes_on_from_a_log_holds_joints_where_the_first_run_began() {
+    let folder = folder("from_log_held");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
+    let given = "[[motor]]\njoint = \"hinge\"\nkind = \"position\"\ntarget = \"start\"\nkp = 8.0\nkd = 0.5\n";
+    let robot = "[[robot]]\nurdf = \"pendulum.urdf\"\npositions = { hinge = 0.5 }\nvelocities = { hinge = 1.0 }\n";
+    // Gains that are given, and gains of `--hold`, which follow from the inertia at the start.
+    for (name, motor, hold) in [("given", given, None), ("tuned", "", Some("--hold"))] {
+        std::fs::write(folder.join("scene.toml"), format!("{robot}\n{motor}")).expect("written");
+        let made = |arguments: &[&str]| {
+            let all = ["simulate", "scene.toml", "--tolerance=1e-10", "--rate=100", "--json"].into_iter();
+            let all: Vec<&str> = all.chain(hold).chain(arguments.iter().copied()).collect();
+            json(&run(&folder, &all))
+        };
+        let of = |report: &Value, what: &str| report["joints"]["hinge"][what].as_f64().expect("a number");
+        let whole = made(&["--duration=0.5", "-o", "whole.mcap"]);
+        made(&["--from=whole.mcap@0.1", "--duration=0.2", "-o", "part.mcap"]);
+        // The second from a log that went on itself.
+        for (from, rest) in [("whole.mcap@0.1", "0.4"), ("part.mcap@0.1", "0.3")] {
+            let on = made(&["--from", from, "--duration", rest, "--no-log"]);
+            for what in ["position", "velocity"] {
+                let apart = (of(&on, what) - of(&whole, what)).abs();
+                // Tolerances of 1e-10 m at a radius of at most 1 m, and rates of some 60 rad/s.
+                assert!(apart < 1e-8, "{name}, {from}: {what} differs by {apart:e}");
+            }
+        }
+    }
+}
+
+#[test]
 fn warnings_are_errors_if_they_are_asked_to_be() {
     let folder = folder("strict");
     std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
