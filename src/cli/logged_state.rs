@@ -141,7 +141,7 @@ pub fn state_in_log(log: &Path, time: Option<f64>, model: &Model) -> anyhow::Res
 /// Where a run goes on from a log.
 pub struct LoggedStart {
     pub state: State,
-    /// The efforts of motors there, by the names of their joints; empty if the log has none.
+    /// The efforts of motors there, by the names of their joints; empty for a log without motors.
     pub motors: HashMap<String, f64>,
     /// Where motors hold their joints that hold them where the run of the log starts.
     pub held: HeldTargets,

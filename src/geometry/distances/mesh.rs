@@ -20,7 +20,7 @@
 use crate::distances::doubles::without_doubles;
 use crate::distances::inner::without_inner;
 use crate::distances::manifold::manifold;
-use crate::distances::mesh_and_point::Ball;
+use crate::distances::mesh_and_point::{ALONG, Ball, Facet};
 use crate::distances::nearest::nearest;
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::{FeatureId, Part, inside};
@@ -28,7 +28,6 @@ use crate::shapes::convex::{Convex, Core};
 use crate::shapes::error::GeometryError;
 use crate::shapes::extents::Lengths;
 use crate::shapes::hull::check_surface;
-use crate::shapes::polytope::Polytope;
 use catena_mechanism::description::contact::Surface;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
@@ -40,8 +39,6 @@ use std::sync::Arc;
 
 /// Flat, relative to the size of the triangles.
 const FLAT: f64 = 1e-9;
-/// Normals that lean over a neighbour by less than this angle (rad) belong to the border.
-pub(super) const ALONG: f64 = 1e-9;
 
 /// A surface of triangles in the frame of its body.
 #[derive(Clone)]
@@ -60,17 +57,11 @@ struct Parts {
     reach: f64,
 }
 
-/// A triangle with its sides in the order of the polytope's edges.
-pub(super) struct Triangle {
-    pub corners: [usize; 3],
-    pub normal: Vector3<f64>,
-    pub shape: Convex,
+struct Triangle {
+    corners: [usize; 3],
+    facet: Facet,
     /// Numbers of the sides among the edges of the mesh.
-    pub edges: [usize; 3],
-    /// Which corners are their ends.
-    pub ends: [[usize; 2]; 3],
-    /// The unit vectors in the plane of the triangle from the sides inward.
-    pub inward: [Vector3<f64>; 3],
+    edges: [usize; 3],
 }
 
 struct MeshEdge {
@@ -111,21 +102,7 @@ impl Mesh {
                 let ends = [corners[side], corners[(side + 1) % 3]];
                 beside.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_default().push(triangles.len());
             }
-            let polytope = Polytope::triangle([a, b, c], normal);
-            let ends = [0, 1, 2].map(|side: usize| polytope.edges[side].ends);
-            let inward = ends.map(|[from, to]| {
-                let (from, along) = (polytope.vertices[from], polytope.vertices[to] - polytope.vertices[from]);
-                let (across, middle) = (normal.cross(&along).normalize(), (a + b + c) / 3.0);
-                across * across.dot(&(middle - from)).signum()
-            });
-            triangles.push(Triangle {
-                corners,
-                normal,
-                shape: Convex::round(polytope, 0.0),
-                edges: [0; 3],
-                ends,
-                inward,
-            });
+            triangles.push(Triangle { corners, facet: Facet::new([a, b, c], normal), edges: [0; 3] });
         }
         if triangles.is_empty() {
             return Err(GeometryError::EmptyMesh);
@@ -135,8 +112,8 @@ impl Mesh {
         for (ends, beside) in beside {
             let edge = MeshEdge { ends, open: is_open(&ends, &beside, &triangles, &vertices), beside };
             for &triangle in &edge.beside {
-                let Triangle { corners, shape, edges: own, .. } = &mut triangles[triangle];
-                if let Core::Polytope(polytope) = &mut shape.core {
+                let Triangle { corners, facet, edges: own } = &mut triangles[triangle];
+                if let Core::Polytope(polytope) = &mut facet.shape.core {
                     let same = |local: [usize; 2]| local.map(|end| corners[end]).iter().all(|end| ends.contains(end));
                     let place = polytope.edges.iter().position(|edge| same(edge.ends)).unwrap_or(0);
                     polytope.edges[place].open = edge.open;
@@ -146,31 +123,11 @@ impl Mesh {
             ends.iter().for_each(|&end| around[end].push(edges.len()));
             edges.push(edge);
         }
-        let boxes: Vec<Aabb> = triangles.iter().map(|triangle| bounds(&triangle.shape)).collect();
+        let boxes: Vec<Aabb> = triangles.iter().map(|triangle| bounds(&triangle.facet.shape)).collect();
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         let reach = vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max);
         let open = around.iter().map(|edges_at| edges_at.iter().any(|&edge| edges[edge].open)).collect();
         Ok(Mesh { parts: Arc::new(Parts { vertices, triangles, edges, around, open, tree, reach }) })
-    }
-
-    /// A triangle by its number.
-    pub(super) fn triangle(&self, number: usize) -> &Triangle {
-        &self.parts.triangles[number]
-    }
-
-    /// The corners of a triangle (m).
-    pub(super) fn corners_of(&self, triangle: &Triangle) -> [Vector3<f64>; 3] {
-        triangle.corners.map(|corner| self.parts.vertices[corner])
-    }
-
-    /// Whether an edge can be touched.
-    pub(super) fn is_open_edge(&self, edge: usize) -> bool {
-        self.parts.edges[edge].open
-    }
-
-    /// Whether a vertex can be touched.
-    pub(super) fn is_open_vertex(&self, vertex: usize) -> bool {
-        self.parts.open[vertex]
     }
 
     /// Distance of its farthest vertex from the origin of the body (m).
@@ -183,7 +140,7 @@ impl Mesh {
         let Parts { vertices, triangles, reach, .. } = &*self.parts;
         let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
         let whole = vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
-        let part = triangles.iter().map(|triangle| triangle.shape.size).fold(0.0, f64::max);
+        let part = triangles.iter().map(|triangle| triangle.facet.shape.size).fold(0.0, f64::max);
         Lengths { place: *reach, whole, part }
     }
 
@@ -201,7 +158,7 @@ impl Mesh {
             FeatureId::Vertex(number) => Part::Point(parts.vertices[number as usize]),
             FeatureId::Face(number) => {
                 let triangle = &parts.triangles[number as usize];
-                Part::Plane(parts.vertices[triangle.corners[0]], triangle.normal)
+                Part::Plane(parts.vertices[triangle.corners[0]], triangle.facet.normal)
             }
             _ => Part::Point(parts.vertices[0]),
         }
@@ -211,7 +168,7 @@ impl Mesh {
     pub fn inside(&self, feature: FeatureId, point: &Vector3<f64>) -> f64 {
         match feature {
             FeatureId::Face(number) => {
-                inside(&self.parts.triangles[number as usize].shape.core, FeatureId::Face(0), point)
+                inside(&self.parts.triangles[number as usize].facet.shape.core, FeatureId::Face(0), point)
             }
             FeatureId::Edge(number) => {
                 let [from, to] = self.parts.edges[number as usize].ends.map(|end| self.parts.vertices[end]);
@@ -234,7 +191,7 @@ impl Mesh {
     fn inward(&self, edge: &MeshEdge, triangle: usize) -> Vector3<f64> {
         let triangle = &self.parts.triangles[triangle];
         let from = self.parts.vertices[edge.ends[0]];
-        let across = triangle.normal.cross(&(self.parts.vertices[edge.ends[1]] - from)).normalize();
+        let across = triangle.facet.normal.cross(&(self.parts.vertices[edge.ends[1]] - from)).normalize();
         let third = triangle.corners.iter().find(|corner| !edge.ends.contains(corner));
         let towards = third.map_or(1.0, |&third| across.dot(&(self.parts.vertices[third] - from)).signum());
         across * towards
@@ -267,7 +224,9 @@ impl Mesh {
             for number in all.iter().map(|&number| number as usize) {
                 let candidate = match (&ball, best) {
                     (Some(ball), _) => {
-                        self.ask_ball(number, ball, best.map_or(f64::INFINITY, |found| found.distance()))
+                        let most = best.map_or(f64::INFINITY, |found| found.distance());
+                        let found = ball.nearest(&self.parts.triangles[number].facet, most);
+                        found.map(|candidate| self.named(number, candidate))
                     }
                     (None, Some(found)) if self.gap_over(number, b, rotation, translation) > found.distance() => None,
                     (None, _) => self.ask(number, b, rotation, translation),
@@ -310,7 +269,9 @@ impl Mesh {
         all.sort_unstable();
         let mut found = Vec::new();
         if let Some(ball) = ball {
-            all.iter().for_each(|&number| self.add_places_of_ball(number as usize, &ball, near, &mut found));
+            for number in all.into_iter().map(|number| number as usize) {
+                self.add_places_of_ball(number, &ball, near, &mut found);
+            }
             return self.distinct(found, b);
         }
         for number in all {
@@ -318,14 +279,28 @@ impl Mesh {
                 continue;
             }
             let triangle = &self.parts.triangles[number as usize];
-            let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+            let both = Both { a: &triangle.facet.shape, b, rotation: *rotation, translation: *translation };
             let named = manifold(&both, near).into_iter().map(|candidate| self.named(number as usize, candidate));
             found.extend(named.filter(|candidate| self.may_touch(candidate)));
         }
         self.distinct(found, b)
     }
 
-    /// Places without those that others decide about, faces first.
+    /// Adds the places of a triangle and a ball whose gap is below a bound (m).
+    fn add_places_of_ball(&self, number: usize, ball: &Ball, near: f64, found: &mut Vec<Candidate>) {
+        let Triangle { corners, facet, edges } = &self.parts.triangles[number];
+        let is_open = |feature: FeatureId| match feature {
+            FeatureId::Edge(side) => self.parts.edges[edges[side as usize]].open,
+            FeatureId::Vertex(vertex) => self.parts.open[corners[vertex as usize]],
+            _ => true,
+        };
+        ball.places(facet, near, is_open, |candidate| {
+            let candidate = self.named(number, candidate);
+            found.extend(Some(candidate).filter(|candidate| self.may_touch(candidate)));
+        });
+    }
+
+    /// Places without doubles and without the inner ones, faces first.
     fn distinct(&self, mut found: Vec<Candidate>, b: &Convex) -> Vec<Candidate> {
         found.sort_by_key(|candidate| !matches!(candidate.features[0], FeatureId::Face(_)));
         without_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
@@ -352,22 +327,22 @@ impl Mesh {
     /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.
     fn gap_over(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> f64 {
         let triangle = &self.parts.triangles[number];
-        let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+        let both = Both { a: &triangle.facet.shape, b, rotation: *rotation, translation: *translation };
         let [one, two, three] = triangle.corners.map(|corner| self.parts.vertices[corner]);
-        let sides = [two - one, three - two, one - three].map(|side| side.cross(&triangle.normal).normalize());
-        let normals = [triangle.normal, -triangle.normal].into_iter().chain(sides);
+        let sides = [two - one, three - two, one - three].map(|side| side.cross(&triangle.facet.normal).normalize());
+        let normals = [triangle.facet.normal, -triangle.facet.normal].into_iter().chain(sides);
         normals.map(|normal| both.separation(&normal)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The nearest points of one triangle and a convex core.
     fn ask(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Option<Candidate> {
         let triangle = &self.parts.triangles[number];
-        let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+        let both = Both { a: &triangle.facet.shape, b, rotation: *rotation, translation: *translation };
         nearest(&both).map(|candidate| self.named(number, candidate))
     }
 
     /// A candidate of one triangle with the name that its feature has in the whole mesh.
-    pub(super) fn named(&self, number: usize, candidate: Candidate) -> Candidate {
+    fn named(&self, number: usize, candidate: Candidate) -> Candidate {
         let triangle = &self.parts.triangles[number];
         let name = match candidate.features[0] {
             FeatureId::Edge(edge) => FeatureId::Edge(triangle.edges[edge as usize] as u32),
@@ -381,19 +356,16 @@ impl Mesh {
     /// The name in the whole mesh of the point at a part of an edge of a triangle.
     fn named_point(&self, triangle: &Triangle, edge: usize, part: f64) -> FeatureId {
         let number = triangle.edges[edge];
-        let start = match &triangle.shape.core {
-            Core::Polytope(polytope) => triangle.corners[polytope.edges[edge].ends[0]],
-            Core::Cylinder(_) | Core::Ellipsoid(_) => triangle.corners[0],
-        };
+        let start = triangle.corners[triangle.facet.ends[edge][0]];
         let part = if self.parts.edges[number].ends[0] == start { part } else { 1.0 - part };
         FeatureId::EdgePoint { edge: number as u32, part: part.to_bits() }
     }
 
     /// Whether the surface can be touched there with that normal.
-    pub(super) fn may_touch(&self, candidate: &Candidate) -> bool {
+    fn may_touch(&self, candidate: &Candidate) -> bool {
         let normal = &candidate.normal;
         match candidate.features[0] {
-            FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].normal) > 0.0,
+            FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].facet.normal) > 0.0,
             FeatureId::Edge(number) | FeatureId::EdgePoint { edge: number, .. } => {
                 let edge = &self.parts.edges[number as usize];
                 edge.open && edge.beside.iter().all(|&triangle| self.inward(edge, triangle).dot(normal) <= ALONG)
@@ -451,8 +423,8 @@ fn is_open(ends: &[usize; 2], beside: &[usize], triangles: &[Triangle], vertices
     let [one, other] = beside else { return true };
     let third = triangles[*other].corners.iter().find(|corner| !ends.contains(corner));
     let Some(&third) = third else { return false };
-    let (triangle, size) = (&triangles[*one], triangles[*one].shape.size.max(triangles[*other].shape.size));
-    triangle.normal.dot(&(vertices[third] - vertices[ends[0]])) < -FLAT * size
+    let (triangle, size) = (&triangles[*one], triangles[*one].facet.shape.size.max(triangles[*other].facet.shape.size));
+    triangle.facet.normal.dot(&(vertices[third] - vertices[ends[0]])) < -FLAT * size
 }
 
 /// The box of a triangle.

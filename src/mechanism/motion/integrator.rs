@@ -229,7 +229,7 @@ pub trait Integrator {
     /// that may touch, this does nothing.
     fn contacts(&self, _mechanism: &Mechanism, _state: &State, _out: &mut Vec<ContactPoint>) {}
 
-    /// Adds the efforts that sampled motors hold [N m or N], inside the last step or from its end on: an entry a motor of the mechanism, `None` of those that
-    /// are not sampled. Without motors, and before the first step, this adds nothing that is known.
+    /// Adds the efforts that sampled motors hold [N m or N], inside the last step or from its end on: an entry a motor of the mechanism, `None` for
+    /// continuous ones and before the first step.
     fn held_efforts(&self, _inside: bool, _out: &mut Vec<Option<f64>>) {}
 }

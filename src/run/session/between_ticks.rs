@@ -20,7 +20,7 @@ pub(crate) fn hold(motors: &mut [Motor], efforts: &[Option<f64>], since: f64) ->
     any
 }
 
-/// A line for each period whose motors begin between ticks at this time (s), and hold nothing that is known.
+/// A line for each period whose motors begin between ticks at this time (s), and whose held effort is not known.
 pub(crate) fn between_ticks(mechanism: &Mechanism, begin: f64) -> Vec<String> {
     let mut periods: Vec<(f64, Vec<&str>)> = Vec::new();
     for motor in &mechanism.nonsmooth.motors {

@@ -27,7 +27,7 @@ pub struct Recording {
     accuracies: Vec<(usize, AccuracySoFar)>,
     /// Contacts, each with the index of its sample.
     contacts: Vec<(usize, Vec<ContactPoint>)>,
-    /// The efforts that sampled motors hold at samples, an entry a motor, sample after sample; nothing without such motors.
+    /// The efforts that sampled motors hold at samples, an entry a motor, sample after sample; empty without such motors.
     pub held: Vec<Option<f64>>,
 }
 
@@ -41,7 +41,7 @@ impl Recording {
         (&self.positions[part(&self.positions)], &self.velocities[part(&self.velocities)])
     }
 
-    /// The efforts that sampled motors hold at a sample: an entry a motor, or nothing.
+    /// The efforts that sampled motors hold at a sample: an entry a motor, or empty.
     pub fn held_at(&self, number: usize) -> &[Option<f64>] {
         let motors = self.held.len() / self.times.len();
         &self.held[number * motors..(number + 1) * motors]

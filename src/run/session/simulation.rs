@@ -45,7 +45,7 @@ pub struct Simulation {
     positions: Vec<(String, Vec<f64>)>,
     velocities: Vec<(String, Vec<f64>)>,
     begin: f64,
-    /// The efforts that sampled motors hold at the start, an entry a motor, or nothing.
+    /// The efforts that sampled motors hold at the start, an entry a motor, or empty.
     held: Vec<Option<f64>>,
     kept: Vec<Rule>,
     log: Option<(PathBuf, LogOptions)>,

@@ -25,8 +25,8 @@ impl State {
         self.model.flat(self.motion())
     }
 
-    /// The efforts that sampled motors hold until their next ticks [N m or N]: an entry a motor, in the order of [`Model::motor_names`], `None` of those that
-    /// are not sampled. [`Simulation::hold_efforts`](crate::session::Simulation::hold_efforts) takes them.
+    /// The efforts that sampled motors hold until their next ticks [N m or N]: an entry a motor, in the order of [`Model::motor_names`], `None` for
+    /// continuous ones. [`Simulation::hold_efforts`](crate::session::Simulation::hold_efforts) takes them.
     pub fn held_efforts(&self) -> &[Option<f64>] {
         self.kept.held_efforts()
     }

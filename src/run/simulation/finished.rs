@@ -113,7 +113,7 @@ impl Simulation<'_> {
         points
     }
 
-    /// The efforts that sampled motors hold from the present state on [N m or N]: an entry a motor, `None` of those that are not sampled, and before the
+    /// The efforts that sampled motors hold from the present state on [N m or N]: an entry a motor, `None` for continuous ones, and before the
     /// first step where they are still to be worked out.
     pub fn held_efforts(&self) -> Vec<Option<f64>> {
         let motors = &self.mechanism.nonsmooth.motors;

@@ -82,7 +82,7 @@ impl Simulation {
     }
 
     /// The efforts that sampled motors hold until their next ticks [N m or N]: an entry a motor, in the order of
-    /// [`Model::motor_names`](crate::session::Model::motor_names), `None` of those that are not sampled or not known yet.
+    /// [`Model::motor_names`](crate::session::Model::motor_names), `None` for continuous ones and before it is known.
     pub fn held_efforts(&self) -> Vec<Option<f64>> {
         match (&self.running, &self.ended) {
             (Some(running), _) => running.simulation.held_efforts(),

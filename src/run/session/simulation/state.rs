@@ -87,7 +87,7 @@ impl Simulation {
         // Motors that hold their joints where a run starts are other ones from another start.
         let held = motors_from(self.model.description(), &started.state);
         let motors = &self.model.description().mechanism.nonsmooth.motors;
-        // So are those that hold efforts.
+        // Motors that hold efforts are other ones, too.
         let holds = !std::mem::take(&mut self.held).is_empty();
         let known = !holds && started.warnings.is_empty() && held.is_none_or(|held| held == *motors);
         let placed = known && self.running.as_mut().is_some_and(|running| running.place(&started.state));

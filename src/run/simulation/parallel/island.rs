@@ -60,7 +60,7 @@ pub(crate) struct Kept {
     pub(crate) position: Vec<f64>,
     pub(crate) velocity: Vec<f64>,
     pub(crate) contacts: Vec<ContactPoint>,
-    /// An entry a motor of the island, or nothing.
+    /// An entry a motor of the island, or empty.
     pub(crate) held: Vec<Option<f64>>,
 }
 
@@ -180,7 +180,7 @@ impl IslandRun<'_> {
     }
 }
 
-/// Puts the efforts of the motors of an island among those of the whole, which has its motors in the same order.
+/// Puts the efforts of the motors of an island in their places of the whole, which has its motors in the same order.
 pub(crate) fn put_held(island: &Island, own: &[Option<f64>], motors: &[Motor], whole: &mut [Option<f64>]) {
     let mut rest = motors.iter().zip(whole);
     for (motor, effort) in island.mechanism.nonsmooth.motors.iter().zip(own) {

@@ -196,7 +196,7 @@ impl<'a> Islands<'a> {
         out.sort_by_key(|point| point.pair);
     }
 
-    /// Puts the efforts that sampled motors hold from the present state on among those of the whole, an entry a motor.
+    /// Puts the efforts that sampled motors hold from the present state on in their places of the whole, an entry a motor.
     pub(crate) fn held_efforts(&self, motors: &[Motor], whole: &mut [Option<f64>]) {
         let mut own = Vec::new();
         for IslandRun { island, awake, .. } in &self.parts {

@@ -82,8 +82,8 @@ pub trait Observer: Send {
     /// The closed contacts at the instant of the next sample, in the order of their pairs; only where a mechanism has pairs of shapes that may touch.
     fn contacts(&mut self, _points: &[ContactPoint]) {}
 
-    /// The efforts that sampled motors hold at the instant of the next sample [N m or N]: an entry a motor of the mechanism, `None` of those that are not
-    /// sampled or not known; only where a mechanism has sampled motors. At a tick it is the effort that begins there.
+    /// The efforts that sampled motors hold at the instant of the next sample [N m or N]: an entry a motor of the mechanism, `None` for
+    /// continuous ones and where they are not known; only where a mechanism has sampled motors. At a tick it is the effort that begins there.
     fn held_efforts(&mut self, _efforts: &[Option<f64>]) {}
 
     /// Whether it looks at steps and events alone. Samples and contacts are worked out only if an observer looks at them; those of the start and the

@@ -89,8 +89,8 @@ impl MotorMessages {
         }))
     }
 
-    /// Works out the efforts at some samples; samples come in order of time. `held` are those that sampled motors are known to hold there, an entry a motor,
-    /// or nothing.
+    /// Works out the efforts at some samples; samples come in order of time. `held` has the efforts that sampled motors are known to hold there, an entry
+    /// a motor, or is empty.
     pub(crate) fn work_out(&mut self, times: &[f64], positions: &[f64], velocities: &[f64], held: &[Option<f64>]) {
         self.efforts.clear();
         self.holding.iter_mut().for_each(|holding| holding.efforts.clear());

@@ -18,7 +18,7 @@ pub(crate) struct Piece {
     pub times: Vec<f64>,
     pub positions: Vec<f64>,
     pub velocities: Vec<f64>,
-    /// The efforts that sampled motors hold at the samples, an entry a motor; nothing where the run does not tell them.
+    /// The efforts that sampled motors hold at the samples, an entry a motor; empty where the run does not tell them.
     pub held: Vec<Option<f64>>,
     /// The items before the sample of this number, or after the last.
     pub between: Vec<(usize, Between)>,
@@ -48,7 +48,7 @@ impl Piece {
         self.velocities.extend_from_slice(velocity);
     }
 
-    /// The efforts that motors hold at the samples from this one on; nothing where they are not known.
+    /// The efforts that motors hold at the samples from this one on; empty where they are not known.
     pub(crate) fn held_at(&self, first: usize) -> &[Option<f64>] {
         let motors = self.held.len().checked_div(self.times.len()).unwrap_or(0);
         &self.held[first * motors..]
