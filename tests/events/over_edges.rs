@@ -91,3 +91,30 @@ fn boxes_that_tumble_over_each_other_in_steps_over_events_tell_that_their_end_is
     assert!(told.estimated > off / 3.0, "{off:e} apart, told {:e}", told.estimated);
     assert!(told.holds_until < 0.5, "{}", told.holds_until);
 }
+
+#[test]
+fn a_box_that_comes_down_on_the_edge_of_a_table_and_then_flat_overlaps_by_roundings() {
+    // Edge across edge twice, with the centre of mass over the table: the face that both edges of the box have comes down next.
+    let tilts = [
+        (-0.0804, 0.0643, 0.0624, 0.4252),
+        (-0.069, 0.0437, 0.0811, 0.0641),
+        (-0.09, -0.05, 0.07, 0.3),
+        (-0.06, 0.02, 0.05, 0.6),
+    ];
+    for (x, roll, pitch, friction) in tilts {
+        let text = format!(
+            "[[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.3, 0.2, 0.1] }}\nmass = 1\n\
+             pose = {{ position = [{x}, 0, 1.3], rpy = [{roll}, {pitch}, 0] }}\n[[obstacle]]\nname = \"table\"\n\
+             shape = {{ type = \"box\", size = [1, 1, 1] }}\npose = {{ position = [-0.5, 0, 0.5] }}\n[[obstacle]]\nname = \"floor\"\n\
+             shape = {{ type = \"half_space\" }}\n[contact]\nfriction = {friction}\nrestitution = 0\n"
+        );
+        let file = scratch("box_on_an_edge").join("scene.toml");
+        std::fs::write(&file, text).expect("a scene");
+        for tolerance in [1e-4, 1e-7] {
+            let end = report(&file, &[], &[], Some(0.5), tolerance);
+            // Shapes never overlap by more than roundings of a metre.
+            let overlap = end.contact.max_penetration;
+            assert!(overlap <= 1e-12, "{x} at {tolerance:e}: {overlap:e} m");
+        }
+    }
+}

@@ -12,18 +12,26 @@
 //!
 //! Vertices that other places hold in the plane are left out, because their heights are roundings: vertices that touch themselves, the ends of an
 //! edge with two places on it, and the corners of a face with three. One place on an edge holds neither of its ends, because shapes that lie on each
-//! other may tilt about two corners of their common area.
+//! other may tilt about two corners of their common area. Two edges of a face that lie across the same edge of the other shape hold the face: the
+//! tangent plane has one of them and that edge in it, and so the place of the other.
 
 use crate::features::feature::{FeatureId, Part, part};
 use crate::shapes::convex::{Convex, Core};
 use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
+/// The features of a place: that of the shape at hand, and that of the other one.
+#[derive(Clone, Copy)]
+pub struct Place {
+    pub own: FeatureId,
+    pub other: FeatureId,
+}
+
 /// The least height of a core over the tangent plane of a place, without the touching features (m). The plane has this normal into the core's side
 /// and goes through `foot`, all in the frame of the body; `own` is the core's feature of the place, which is one of the closed ones. Infinite for a
 /// flat feature: the rest of the body is always behind it.
-pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foot]: [&Vector3<f64>; 2]) -> f64 {
-    if matches!(own, FeatureId::Face(_) | FeatureId::Cap(_)) {
+pub fn height(shape: &Convex, own: Place, closed: &[Place], [normal, foot]: [&Vector3<f64>; 2]) -> f64 {
+    if matches!(own.own, FeatureId::Face(_) | FeatureId::Cap(_)) {
         return f64::INFINITY;
     }
     match &shape.core {
@@ -35,13 +43,14 @@ pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foo
         Core::Cylinder(cylinder) => {
             let touches = |end: u32| {
                 let own = [FeatureId::Rim(end), FeatureId::Cap(end), FeatureId::Side];
-                closed.iter().any(|feature| own.contains(feature))
+                closed.iter().any(|place| own.contains(&place.own))
             };
             let across = cylinder.axis.cross(normal).norm();
             let lowest = |end: u32| {
                 let centre = cylinder.rim_centre(end as usize);
                 let mut points = closed
                     .iter()
+                    .map(|place| &place.own)
                     .filter(|feature| matches!(feature, FeatureId::RimPoint { end: own, .. } if *own == end));
                 // If one point touches alone, the cylinder tilts in a plane, and the opposite point is next.
                 match (points.next().map(|&point| part(&shape.core, point)), points.next()) {
@@ -56,8 +65,8 @@ pub fn height(shape: &Convex, own: FeatureId, closed: &[FeatureId], [normal, foo
     }
 }
 
-/// For each vertex whether it is in the tangent plane of a place with this feature while these places are closed.
-fn held_vertices(polytope: &Polytope, own: FeatureId, closed: &[FeatureId]) -> Vec<bool> {
+/// For each vertex whether it is in the tangent plane of a place while these places are closed.
+fn held_vertices(polytope: &Polytope, own: Place, closed: &[Place]) -> Vec<bool> {
     let corners = |feature: &FeatureId| -> &[usize] {
         match *feature {
             FeatureId::Edge(edge) | FeatureId::EdgePoint { edge, .. } => {
@@ -71,18 +80,24 @@ fn held_vertices(polytope: &Polytope, own: FeatureId, closed: &[FeatureId]) -> V
         FeatureId::Vertex(vertex) => of.contains(&(vertex as usize)),
         _ => !corners(feature).is_empty() && corners(feature).iter().all(|corner| of.contains(corner)),
     };
-    let places_on = |of: &[usize]| closed.iter().filter(|feature| is_on(of, feature)).count();
+    let places_on = |of: &[usize]| closed.iter().filter(|place| is_on(of, &place.own)).count();
     let mut held = vec![false; polytope.vertices.len()];
     let mut hold = |of: &[usize]| of.iter().for_each(|&corner| held[corner] = true);
-    for feature in closed {
-        match *feature {
+    for place in closed {
+        match place.own {
             FeatureId::Vertex(vertex) if (vertex as usize) < polytope.vertices.len() => hold(&[vertex as usize]),
-            FeatureId::Edge(_) | FeatureId::EdgePoint { .. } if places_on(corners(feature)) > 1 => {
-                hold(corners(feature));
+            FeatureId::Edge(_) | FeatureId::EdgePoint { .. } if places_on(corners(&place.own)) > 1 => {
+                hold(corners(&place.own));
             }
-            _ if *feature == own => hold(corners(feature)),
+            _ if place.own == own.own => hold(corners(&place.own)),
             _ => {}
         }
+    }
+    if matches!([own.own, own.other], [FeatureId::Edge(_), FeatureId::Edge(_)]) {
+        let across = |place: &Place| place.other == own.other && place.own != own.own;
+        let beside =
+            |of: &[usize]| is_on(of, &own.own) && closed.iter().any(|place| across(place) && is_on(of, &place.own));
+        polytope.faces.iter().filter(|face| beside(&face.corners)).for_each(|face| hold(&face.corners));
     }
     if closed.len() > 2 {
         polytope.faces.iter().filter(|face| places_on(&face.corners) > 2).for_each(|face| hold(&face.corners));
@@ -93,8 +108,8 @@ fn held_vertices(polytope: &Polytope, own: FeatureId, closed: &[FeatureId]) -> V
 /// [`height`] in a frame in which the body has this rotation and translation (m).
 pub fn height_of_moved(
     shape: &Convex,
-    own: FeatureId,
-    closed: &[FeatureId],
+    own: Place,
+    closed: &[Place],
     [normal, foot]: [&Vector3<f64>; 2],
     rotation: &Matrix3<f64>,
     translation: &Vector3<f64>,

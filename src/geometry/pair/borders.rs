@@ -1,6 +1,6 @@
 //! The borders of a place of contact: how far it is inside its features, and how far all other features are from its tangent plane.
 
-use crate::distances::beyond::{height, height_of_moved};
+use crate::distances::beyond::{Place, height, height_of_moved};
 use crate::features::crossing::off_crossing;
 use crate::features::feature::{FeatureId, Part, inside, off_neighbours, off_tilt, part};
 use crate::features::meet::{Guess, meet};
@@ -97,7 +97,10 @@ impl PairGeometry {
         [a, b]: [&Pose; 2],
         within: f64,
     ) -> Option<f64> {
-        let side = |first: bool, place: &PlaceId| if first != self.exchanged { place.a } else { place.b };
+        let side = |first: bool, place: &PlaceId| match first != self.exchanged {
+            true => Place { own: place.a, other: place.b },
+            false => Place { own: place.b, other: place.a },
+        };
         let (first, (rotation, translation)) = self.relative(a, b);
         let normal = first.rotation.inverse() * normal * if self.exchanged { -1.0 } else { 1.0 };
         let point = first.inverse_transform_point(&(*point).into()).coords;
@@ -106,7 +109,7 @@ impl PairGeometry {
             First::HalfSpace(_) | First::Hollow(_) => return None,
             First::Mesh(mesh) => {
                 // Off its faces the tangent plane does not lie on it.
-                let FeatureId::Face(_) = side(true, place) else { return None };
+                let FeatureId::Face(_) = side(true, place).own else { return None };
                 let most = self.extents.within(FLAT);
                 let at = (&rotation, &translation);
                 let is_flat = |within: f64| mesh.is_below(&self.second, at, [&normal, &point], [within, most]);
