@@ -8,7 +8,7 @@ use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::nonsmooth::{MotorLaw, Nonsmooth};
 use catena::mechanism::description::target::Target;
 use catena::mechanism::motion::event::EventKind;
-use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::integrator::{Integrator, Rejected};
 use catena::mechanism::motion::state::State;
 use catena::model::{Model, ModelOptions};
 use catena::reduced::Dop853;
@@ -60,6 +60,30 @@ fn an_arm_held_by_stiff_motors_is_where_springs_and_dampers_would_hold_it() {
     assert!(done.summary.steps < 1000, "{:?}", done.summary);
     // What rings on with a motor a thousand times faster than the steps is nothing in position: 1e-4 rad/s over 1e5/s.
     assert!(done.state.velocity.iter().all(|rate| rate.abs() < 1e-3), "{:?}", done.state.velocity);
+}
+
+#[test]
+fn an_arm_that_motors_drive_to_targets_is_located_at_their_bounds_as_closely_as_wanted_and_steps_grow_again_behind_them()
+ {
+    let mut arm = arm();
+    for (body, target) in [0.2, -0.15, 0.25, -0.2, 0.12, 0.27, -0.2].into_iter().enumerate() {
+        let law = MotorLaw::Position { kp: 1000.0, kd: 50.0 };
+        motor(&mut arm, body, law, Target::constant(target), [200.0, 200.0, 120.0, 120.0, 60.0, 40.0, 20.0][body], 0.0);
+    }
+    let start = State::zero(&arm);
+    let exact = run(&arm, &start, 0.5, StepChoice::Tolerance(1e-10).without_estimate());
+    let coarse = run(&arm, &start, 0.5, StepChoice::Tolerance(1e-4).without_estimate());
+    for (found, &wanted) in coarse.state.position.iter().zip(&exact.state.position) {
+        near(*found, wanted, 1e-4);
+    }
+    let [found, wanted] = [&coarse, &exact].map(|run| run.summary.events.of(EventKind::Unsaturation));
+    assert_eq!((found, wanted), (6, 6));
+    let cost = coarse.summary.cost;
+    // Location to roundings takes seven attempts.
+    assert!(cost.located <= 3 * found, "{cost:?}");
+    // Where the extrapolated guess fails beside hard dampers, the plain one leads to the solution of the same step. If each such step kept the next
+    // one from growing, 106 would be.
+    assert!(cost.rejected.of(Rejected::NotConverged) <= 10, "{cost:?}");
 }
 
 #[test]

@@ -167,15 +167,17 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
             }
             place += 1;
         }
-        let face = match outline(&triangles, &members, normal) {
-            // Slivers leave a hole in it, or hang on it by a corner: the triangle is a face alone, and its neighbours begin others.
-            Err(_) if members.len() > 1 => {
-                members[1..].iter().for_each(|&member| face_of[member] = usize::MAX);
-                outline(&triangles, &members[..1], normal)?
+        match outline(&triangles, &members, normal) {
+            Ok(face) => faces.push(face),
+            // Slivers leave a hole in it, or hang on it by a corner: each triangle is a face of its own.
+            Err(_) if members.iter().all(|&member| areas[member] > 0.0) => {
+                for &member in &members {
+                    face_of[member] = faces.len();
+                    faces.push(outline(&triangles, &[member], doubled(&triangles[member]) / areas[member])?);
+                }
             }
-            found => found?,
-        };
-        faces.push(face);
+            Err(open) => return Err(open),
+        }
     }
     let polytope = Polytope::of_faces(vertices, faces);
     match polytope.edges.iter().all(|edge| edge.faces.is_some()) {
@@ -278,6 +280,22 @@ mod tests {
             let [a, b, c] = [0, 1, 2].map(|place| hull.vertices[corners[place]]);
             assert!((b - a).cross(&(c - a)).dot(normal) > 0.0);
         }
+    }
+
+    #[test]
+    fn a_face_around_a_point_that_is_a_little_higher_is_made_of_triangles() {
+        // A pyramid upside down: around the middle of its base, which is 1e-9 higher, four more points lie in the base.
+        let square = |half: f64| [[-half, -half], [half, -half], [half, half], [-half, half]];
+        let corners = square(1.0).into_iter().chain(square(0.1)).map(|[x, y]| Vector3::new(x, y, 0.0));
+        let vertices: Vec<Vector3<f64>> =
+            corners.chain([Vector3::new(0.0, 0.0, 1e-9), Vector3::new(0.0, 0.0, -1.0)]).collect();
+        let around = |side: u32| {
+            let next = (side + 1) % 4;
+            [[side, next, 4 + next], [side, 4 + next, 4 + side], [4 + side, 4 + next, 8], [next, side, 9]]
+        };
+        let hull = merged(vertices, &(0..4).flat_map(around).collect::<Vec<_>>(), 1.0).expect("a hull");
+        assert_eq!((hull.faces.len(), hull.edges.len()), (16, 24));
+        assert!(hull.faces.iter().all(|face| face.corners.len() == 3));
     }
 
     #[test]

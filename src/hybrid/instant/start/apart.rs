@@ -33,6 +33,8 @@ const NEARER: f64 = 0.11;
 const MOVES: f64 = 100.0;
 /// Gaps of the linear problem above minus this part of the deepest overlap are closed.
 const CLOSED: f64 = 1e-13;
+/// Rows that are taken into the problem of one round: of shapes deep inside each other hundreds push, and the rounds that follow take the others.
+const TAKEN: usize = 48;
 /// Largest change of a freedom in one round (rad, m).
 const REACH: f64 = 0.2;
 
@@ -110,7 +112,8 @@ fn least_pushes(column_of: impl Fn(usize) -> Vec<f64>, gaps: &[f64]) -> Vec<f64>
     let mut columns: Vec<Vec<f64>> = Vec::new();
     loop {
         let violated = (0..gaps.len()).filter(|row| left[*row] < -CLOSED * deepest && !taken.contains(row));
-        let Some(next) = violated.min_by(|&one, &other| left[one].total_cmp(&left[other])) else { return pushes };
+        let next = violated.min_by(|&one, &other| left[one].total_cmp(&left[other]));
+        let Some(next) = next.filter(|_| taken.len() < TAKEN) else { return pushes };
         taken.push(next);
         columns.push(column_of(next));
         let of = |row: usize, column: usize| columns[column][taken[row]];
