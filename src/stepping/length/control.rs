@@ -74,7 +74,7 @@ const PATIENCE: usize = 3;
 
 /// Once the extrapolated guess has failed where the plain one has led to the solution, the plain one comes first for this number of steps, because the
 /// reason seldom ends at once: guesses beside hard dampers are far off in what the dampers have stopped.
-const PLAINLY: usize = 10;
+const PLAINLY: u8 = 10;
 
 /// The decision on an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,7 +171,7 @@ pub struct Memory {
     /// How often the present step, which does not converge, was halved.
     pub halvings: usize,
     /// For how many more steps the plain guess comes first.
-    plainly: usize,
+    plainly: u8,
 }
 
 /// The largest E with which samples inside a step are within the tolerance (m), where it was measured.
