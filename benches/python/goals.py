@@ -81,6 +81,15 @@ def many(task, count):
     return price(lambda: envs.step(actions), 50) / count
 
 
+def driven(count):
+    """The price of a step of one of many arms on one core whose motors get other targets at random in each step [s]."""
+    model = catena.load(ROBOTS / "arm7_held.toml")
+    envs = VectorEnv(Task(model, PERIOD, list(model.motor_names), 0.3, nothing, action="targets"), count, threads=1)
+    envs.reset(seed=0)
+    rng = np.random.default_rng(0)
+    return price(lambda: envs.step(rng.uniform(-0.3, 0.3, (count, len(model.motor_names)))), 10) / count
+
+
 def state_copy(task):
     """The price of a copy of the state of a simulation [s]."""
     sim = catena.Sim(task.model)
@@ -94,13 +103,15 @@ def main():
         ("arm: reset and step of 20 ms", 1e3 * reset_and_step(arm), 0.3, "ms"),
         ("quadruped on a floor: reset and step of 20 ms", 1e3 * reset_and_step(quadruped), 0.5, "ms"),
         ("64 arms: a step of 20 ms of one of them", 1e6 * many(arm, 64), 30.0, "µs"),
+        ("64 arms whose motors get random targets: the same", 1e6 * driven(64), None, "µs"),
         ("arm: copy of the state", 1e6 * state_copy(arm), 20.0, "µs"),
         ("quadruped: copy of the state", 1e6 * state_copy(quadruped), 20.0, "µs"),
     ]
     if len(sys.argv) > 1:
         rows.append(("wheel", Path(sys.argv[1]).stat().st_size / 1e6, 12.0, "MB"))
     for name, value, goal, unit in rows:
-        print(f"{name:48} {value:8.3g} {unit:3} goal {goal:4g} {unit:3} {'reached' if value <= goal else 'SHORT'}")
+        beside = "" if goal is None else f"goal {goal:4g} {unit:3} {'reached' if value <= goal else 'SHORT'}"
+        print(f"{name:52} {value:8.3g} {unit:3} {beside}")
 
 
 if __name__ == "__main__":
