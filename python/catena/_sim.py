@@ -27,9 +27,9 @@ class State:
     joints and contacts, impacts, anchors of friction. Only a pickled state has no such memory: a simulation begins anew from its numbers.
     """
 
-    def __init__(self, model, time, q, v, efforts, targets, held, kept):
+    def __init__(self, model, time, q, v, efforts, targets, held, held_at, kept):
         self.model, self.time, self.q, self.v = model, time, q, v
-        self.efforts, self.targets, self.held, self._kept = efforts, targets, held, kept
+        self.efforts, self.targets, self.held, self._held_at, self._kept = efforts, targets, held, held_at, kept
 
     def __call__(self):
         """Itself, so that ``sim.state()`` is ``sim.state``."""
@@ -37,15 +37,15 @@ class State:
 
     def __reduce__(self):
         numbers = np.asarray(self.q), np.asarray(self.v)
-        return _state, (self.model, self.time, *numbers, self.efforts, self.targets, self.held)
+        return _state, (self.model, self.time, *numbers, self.efforts, self.targets, self.held, self._held_at)
 
     def __repr__(self):
         return f"<catena.State of {self.model.name!r} at t = {self.time:.9g} s>"
 
 
-def _state(model, time, q, v, efforts, targets, held=None):
+def _state(model, time, q, v, efforts, targets, held=None, held_at=None):
     q, v = NamedArray(q, model._inner.q_places()), NamedArray(v, model._inner.v_places())
-    return State(model, time, q, v, efforts, targets, held, None)
+    return State(model, time, q, v, efforts, targets, held, held_at or {}, None)
 
 
 class Sim:
@@ -136,7 +136,7 @@ class Sim:
         run = self._here()
         q, v = self._q.alike(), self._v.alike()
         efforts = None if self._efforts is None else self._efforts.copy()
-        return State(self.model, self._time, q, v, efforts, dict(self._targets), run.held_efforts(), run.state())
+        return State(self.model, self._time, q, v, efforts, dict(self._targets), run.held_efforts(), run.held_targets(), run.state())
 
     @state.setter
     def state(self, state):
@@ -148,7 +148,7 @@ class Sim:
         if state._kept is None:
             self._q[:], self._v[:] = state.q, state.v
             self._time, self._efforts, self._targets = state.time, efforts, dict(state.targets)
-            self._know_held(state.held)
+            self._know_held(state.held, state._held_at)
             self._moved = True
             return
         if self._run is None:
@@ -267,7 +267,7 @@ class Sim:
             error.result = Result(self.model, run.finish())
             raise
         self._look(run)
-        self._know_held(run.held_efforts())
+        self._know_held(run.held_efforts(), run.held_targets())
         result = Result(self.model, run.finish())
         if keys:
             tolerance, stages, step, _ = self._how
@@ -324,13 +324,13 @@ class Sim:
         self._moved = False
         return self._run
 
-    def _know_held(self, held):
-        """Sampled motors hold these efforts where it is now."""
-        known = held is not None and any(effort is not None for effort in held)
-        self._held = (self._time, np.array(self._q), np.array(self._v), held) if known else None
+    def _know_held(self, held, held_at):
+        """Sampled motors hold these efforts where it is now, and motors that hold their joints where a run starts these targets."""
+        known = held is not None and any(effort is not None for effort in held) or held_at
+        self._held = (self._time, np.array(self._q), np.array(self._v), (held, held_at)) if known else None
 
     def _known_held(self):
-        """The efforts that sampled motors hold, if it is still where they are known."""
+        """The efforts and targets that motors hold, if it is still where they are known."""
         if self._held is None:
             return None
         time, q, v, held = self._held
@@ -346,9 +346,9 @@ class Sim:
         tolerance, stages, step, estimate = self._how
         log = None if log is None else os.fspath(log)
         numbers = [np.ascontiguousarray(self._q), np.ascontiguousarray(self._v)]
-        held = self._run.held_efforts() if self._is_here() else self._known_held()
+        held = (self._run.held_efforts(), self._run.held_targets()) if self._is_here() else self._known_held() or (None, {})
         run = _catena.Run(
-            self.model._inner, *numbers, self._time, held, duration, tolerance, stages, step, rate, self._keep, log, record, figures, estimate
+            self.model._inner, *numbers, self._time, *held, duration, tolerance, stages, step, rate, self._keep, log, record, figures, estimate
         )
         if controller is not None:
             run.set_controller(controller[1], controller[0])

@@ -4,7 +4,7 @@ use crate::model::{Model, numbers, seven};
 use crate::recorded::Recorded;
 use crate::refusal::{input, refuse};
 use crate::signals::Watcher;
-use catena::session::{ControllerFailure, Error, Moment, SharedRecording, Simulation};
+use catena::session::{ControllerFailure, Error, HeldTargets, Moment, SharedRecording, Simulation};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, ToPyArray};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -29,7 +29,7 @@ type Written<'py> = PyReadwriteArray1<'py, f64>;
 #[pymethods]
 impl Run {
     #[new]
-    #[pyo3(signature = (model, q, v, begin, held, duration, tolerance, stages, step, rate, keep, log, record, figures, estimate))]
+    #[pyo3(signature = (model, q, v, begin, held, held_at, duration, tolerance, stages, step, rate, keep, log, record, figures, estimate))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn new(
         py: Python<'_>,
@@ -38,6 +38,7 @@ impl Run {
         v: Given<'_>,
         begin: f64,
         held: Option<Vec<Option<f64>>>,
+        held_at: HeldTargets,
         duration: Option<f64>,
         tolerance: Option<f64>,
         stages: Option<usize>,
@@ -49,7 +50,7 @@ impl Run {
         figures: bool,
         estimate: bool,
     ) -> PyResult<Self> {
-        let mut simulation = Simulation::new(&model.inner).begin_at(begin);
+        let mut simulation = Simulation::new(&model.inner).begin_at(begin).hold_targets(held_at);
         match (tolerance, stages, step) {
             (None, None, None) => {}
             (Some(tolerance), None, None) => simulation = simulation.tolerance(tolerance),
@@ -134,6 +135,11 @@ impl Run {
     fn set_state(&self, py: Python<'_>, state: &State) -> PyResult<()> {
         let state = state.inner.lock().unwrap_or_else(PoisonError::into_inner);
         self.with(py, |simulation| simulation.set_state(&state))
+    }
+
+    /// Where motors hold their joints that hold them where the run began: target, kp and kd by joint.
+    fn held_targets(&self, py: Python<'_>) -> PyResult<HeldTargets> {
+        self.with(py, |simulation| Ok(simulation.held_targets()))
     }
 
     /// The efforts that sampled motors hold until their next ticks, an entry a motor.

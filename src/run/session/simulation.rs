@@ -5,6 +5,7 @@ use crate::output::log::LogOptions;
 use crate::session::asked::Asked;
 use crate::session::control::Control;
 use crate::session::error::Error;
+use crate::session::held_start::HeldTargets;
 use crate::session::loaded::Assembled;
 use crate::session::model::Model;
 use crate::session::running::{Finish, Running};
@@ -47,6 +48,8 @@ pub struct Simulation {
     begin: f64,
     /// The efforts that sampled motors hold at the start, an entry a motor, or empty.
     held: Vec<Option<f64>>,
+    /// Where motors hold their joints that hold them where the run of before began.
+    held_at: HeldTargets,
     kept: Vec<Rule>,
     log: Option<(PathBuf, LogOptions)>,
     observers: Vec<Box<dyn Observer>>,
@@ -99,6 +102,7 @@ impl Simulation {
             velocities: Vec::new(),
             begin: 0.0,
             held: Vec::new(),
+            held_at: HeldTargets::new(),
             kept: Vec::new(),
             log: None,
             observers: Vec::new(),
@@ -236,6 +240,14 @@ impl Simulation {
         }
         self.held = efforts.to_vec();
         Ok(self)
+    }
+
+    /// Lets motors that hold their joints where a run starts hold them where the run before has done so: what [`Simulation::held_targets`] of it
+    /// gives. Joints that are not among them are held where this run starts.
+    #[must_use]
+    pub fn hold_targets(mut self, targets: HeldTargets) -> Self {
+        self.held_at = targets;
+        self
     }
 
     /// Writes the run to an MCAP file, from its first step on. An existing log is replaced only by a complete one.

@@ -6,6 +6,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::LinkState;
 use crate::session::error::Error;
+use crate::session::held_start::{HeldTargets, held_targets};
 use crate::session::model::pose_of;
 use crate::session::sensors::Sensed;
 use crate::session::simulation::Simulation;
@@ -89,6 +90,12 @@ impl Simulation {
             (_, Some(over)) => over.held.clone(),
             _ => self.held.clone(),
         }
+    }
+
+    /// Where motors hold their joints that hold them where the run began.
+    pub fn held_targets(&self) -> HeldTargets {
+        let has_begun = self.running.is_some() || self.ended.is_some();
+        if has_begun { held_targets(self.model.description()) } else { self.held_at.clone() }
     }
 
     /// The present energy (J).

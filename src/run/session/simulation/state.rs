@@ -88,7 +88,7 @@ impl Simulation {
         let held = motors_from(self.model.description(), &started.state);
         let motors = &self.model.description().mechanism.nonsmooth.motors;
         // Motors that hold efforts are other ones, too.
-        let holds = !std::mem::take(&mut self.held).is_empty();
+        let holds = !std::mem::take(&mut self.held).is_empty() | !std::mem::take(&mut self.held_at).is_empty();
         let known = !holds && started.warnings.is_empty() && held.is_none_or(|held| held == *motors);
         let placed = known && self.running.as_mut().is_some_and(|running| running.place(&started.state));
         self.efforts = None;
@@ -107,6 +107,7 @@ impl Simulation {
     fn start_anew(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<(), Error> {
         self.begin = time;
         self.held.clear();
+        self.held_at.clear();
         (self.positions, self.velocities) = self.listed(q, v);
         self.started = OnceCell::new();
         self.started().map(drop)
