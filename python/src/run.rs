@@ -137,7 +137,7 @@ impl Run {
         self.with(py, |simulation| simulation.set_state(&state))
     }
 
-    /// Where motors hold their joints that hold them where the run began: target, kp and kd by joint.
+    /// Target, kp and kd by joint of the motors that hold their joints at the start of the run.
     fn held_targets(&self, py: Python<'_>) -> PyResult<HeldTargets> {
         self.with(py, |simulation| Ok(simulation.held_targets()))
     }

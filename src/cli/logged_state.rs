@@ -44,7 +44,7 @@ struct Nearest {
     from_start: bool,
     /// Nanoseconds.
     start: u64,
-    /// Where motors hold their joints from the start on.
+    /// The targets of motors that hold their joints from the start on.
     held: HeldTargets,
     found: Option<Frame>,
 }
@@ -143,7 +143,7 @@ pub struct LoggedStart {
     pub state: State,
     /// The efforts of motors there, by the names of their joints; empty for a log without motors.
     pub motors: HashMap<String, f64>,
-    /// Where motors hold their joints that hold them where the run of the log starts.
+    /// The targets of the motors that hold their joints at the start of the run.
     pub held: HeldTargets,
     /// Whether the log has a sample right at the instant that is asked for.
     pub is_there: bool,

@@ -85,7 +85,7 @@ pub(crate) fn motors_from(model: &Model, start: &State) -> Option<Vec<Motor>> {
     Some(motors)
 }
 
-/// Where motors hold their joints that hold them where a run starts: by the names of joints the target (rad or m), kp and kd.
+/// Motors that hold their joints at the start of a run: by the names of joints the target (rad or m), kp and kd.
 pub type HeldTargets = BTreeMap<String, [f64; 3]>;
 
 /// The same of a model that runs. Logs have them, so that a run that goes on from a log holds the joints where that run has held them.

@@ -48,7 +48,7 @@ pub struct Simulation {
     begin: f64,
     /// The efforts that sampled motors hold at the start, an entry a motor, or empty.
     held: Vec<Option<f64>>,
-    /// Where motors hold their joints that hold them where the run of before began.
+    /// The targets of the motors that hold their joints at the start of the run before.
     held_at: HeldTargets,
     kept: Vec<Rule>,
     log: Option<(PathBuf, LogOptions)>,

@@ -92,7 +92,7 @@ impl Simulation {
         }
     }
 
-    /// Where motors hold their joints that hold them where the run began.
+    /// The targets of the motors that hold their joints at the start of the run.
     pub fn held_targets(&self) -> HeldTargets {
         let has_begun = self.running.is_some() || self.ended.is_some();
         if has_begun { held_targets(self.model.description()) } else { self.held_at.clone() }
