@@ -152,7 +152,7 @@ impl Setup {
                     loaded.model.warnings.push(Warning::odd(&from.log, None, None, message));
                 }
                 let state = loaded.settled_from(state)?;
-                loaded.hold_at(&held, &from.log);
+                loaded.hold_at(&held);
                 state
             }
         };

@@ -100,24 +100,19 @@ pub(crate) fn held_targets(model: &Model) -> HeldTargets {
     named.collect()
 }
 
-/// Lets the motors of a model that hold their joints where a run starts hold them at these targets, with these gains where none are given. Returns the
-/// joints for which no target is known.
-pub(crate) fn hold_at(model: &mut Model, targets: &HeldTargets) -> Vec<String> {
-    let mut unknown = Vec::new();
+/// Lets the motors of a model that hold their joints where a run starts hold them at these targets, with these gains where none are given. Joints
+/// without a target are held where the run starts.
+pub(crate) fn hold_at(model: &mut Model, targets: &HeldTargets) {
     for held in &model.at_start {
         let Some(motor) = model.mechanism.nonsmooth.motors.get(held.motor) else { continue };
-        let (joint, mut motor) = (joint_name(model, motor.coordinate.body).to_string(), motor.clone());
-        let Some(&[target, kp, kd]) = targets.get(&joint) else {
-            unknown.push(joint);
-            continue;
-        };
+        let Some(&[target, kp, kd]) = targets.get(joint_name(model, motor.coordinate.body)) else { continue };
+        let mut motor = motor.clone();
         motor.target = Target::constant(target);
         if held.frequency.is_some() {
             motor.law = MotorLaw::Position { kp, kd };
         }
         model.mechanism.nonsmooth.motors[held.motor] = motor;
     }
-    unknown
 }
 
 /// The mechanism of a run from this state.

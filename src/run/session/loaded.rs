@@ -15,7 +15,6 @@ use crate::session::between_ticks::hold;
 use crate::session::error::Error;
 use crate::session::held_start::{HeldTargets, hold_at, motors_from};
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 /// A loaded model, its start, and the run settings of its file.
@@ -83,17 +82,9 @@ impl Loaded {
         hold(&mut self.model.mechanism.nonsmooth.motors, &efforts, since);
     }
 
-    /// Lets motors that hold their joints where a run starts hold them where the run of a log has done so. A warning names the first joint of which the
-    /// log does not say where that is.
-    pub fn hold_at(&mut self, targets: &HeldTargets, log: &Path) {
-        let unknown = hold_at(&mut self.model, targets);
-        if let Some(first) = unknown.first() {
-            let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
-            let message = format!(
-                "it does not say where the motor of joint {first:?}{more} holds the joint: it is held where this run begins"
-            );
-            self.model.warnings.push(Warning::odd(log, None, None, message));
-        }
+    /// Lets motors that hold their joints where a run starts hold them where the run of a log has done so.
+    pub fn hold_at(&mut self, targets: &HeldTargets) {
+        hold_at(&mut self.model, targets);
     }
 
     /// Takes what a start says into the model.

@@ -56,11 +56,9 @@ pub use coordinates::{Coordinates, JointPlace};
 #[doc(hidden)]
 pub use description::{DRIVEN, HELD, Origin};
 pub use error::{ControllerFailure, Error};
-#[doc(hidden)]
-pub use held_start::HeldTargets;
-pub use held_start::Hold;
 #[cfg(feature = "scene")]
 pub use held_start::mechanism_from;
+pub use held_start::{HeldTargets, Hold};
 pub use linear::{Linear, Mode, Stability};
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};

@@ -149,6 +149,11 @@ fn a_run_that_goes_on_from_a_log_holds_joints_where_the_first_run_began() {
         let of = |report: &Value, what: &str| report["joints"]["hinge"][what].as_f64().expect("a number");
         let whole = made(&["--duration=0.5", "-o", "whole.mcap"]);
         made(&["--from=whole.mcap@0.1", "--duration=0.2", "-o", "part.mcap"]);
+        // A log of a run without such motors has no targets, and no warning is given.
+        std::fs::write(folder.join("limp.toml"), robot).expect("written");
+        run(&folder, &["simulate", "limp.toml", "--duration=0.1", "-o", "limp.mcap"]);
+        let on = made(&["--from=limp.mcap@end", "--duration=0.01", "--no-log"]);
+        assert!(on["warnings"].as_array().is_none_or(Vec::is_empty), "{}", on["warnings"]);
         // The second is from a log that went on itself; times in it are those of the motion.
         for (from, rest) in [("whole.mcap@0.1", "0.4"), ("part.mcap@0.2", "0.3")] {
             let on = made(&["--from", from, "--duration", rest, "--no-log"]);
