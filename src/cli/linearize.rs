@@ -101,10 +101,8 @@ fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
     let LoggedStart { state, held, .. } = start_of(&instant, &recorded.loaded.model).map_err(Failure::input)?;
     let mut loaded = recorded.loaded;
     // Motors that hold their joints where a run starts do so where the run of the log has started.
-    if !held.is_empty() {
-        loaded.hold_at(&held);
-        loaded.model.at_start.clear();
-    }
+    loaded.hold_start(&state, &held);
+    loaded.model.at_start.clear();
     let model = Model::of_loaded(loaded, log.clone(), recorded.arguments.input.world.world());
     Ok(model.linear_of_run(&state, &state, &[], args.at == Some(At::Rest))?)
 }

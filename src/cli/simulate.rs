@@ -151,9 +151,7 @@ impl Setup {
                         format!("the log has no sample at {} s; the run starts at {} s", from.time, state.time);
                     loaded.model.warnings.push(Warning::odd(&from.log, None, None, message));
                 }
-                let state = loaded.settled_from(state)?;
-                loaded.hold_at(&held);
-                state
+                loaded.settled_from(state, &held)?
             }
         };
         arguments.input.refuse_warnings(&loaded.model)?;

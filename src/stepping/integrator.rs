@@ -4,9 +4,10 @@
 //! [`crate::length::reversible`].
 
 use crate::length::companion::Companion;
-use crate::length::control::{Beginning, Control};
+use crate::length::control::Control;
 use crate::length::fixed::FixedSteps;
 use crate::length::reversible::Reversible;
+use crate::length::span::Beginning;
 use crate::length::stepper::Stepper;
 use crate::step_maker::{StepFigures, StepMaker, StepPace};
 use catena_kernels::{precise_step_for, step_for};

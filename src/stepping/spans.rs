@@ -18,7 +18,7 @@
 //! then, and E must leave room for a span that is four times as long: `64 E` is bounded.
 
 use crate::integrator::{Lobatto, MethodError};
-use crate::length::control::Beginning;
+use crate::length::span::Beginning;
 use crate::length::stage_choice::StageChoice;
 use crate::recipe::{Recipe, Steps};
 use crate::step_maker::{PieceSteps, StepFigures, StepMaker, StepPace};

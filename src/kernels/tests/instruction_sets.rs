@@ -29,7 +29,7 @@ fn end(model: &Model, stages: usize, step: f64, isa: Isa, rule: StopRule) -> Vec
 
 #[test]
 fn every_instruction_set_makes_the_same_step_to_rounding() {
-    // With and without fused multiply-add the roundings differ, nothing else; AVX2 and AVX-512 share every operation.
+    // Only roundings differ between steps with and without fused multiply-add; AVX2 and AVX-512 share every operation.
     let has_wide = are_complete_for(Isa::Avx2);
     if !has_wide {
         println!("skipped: AVX2 with more than four lanes; test with --features every-processor");

@@ -66,8 +66,9 @@ impl Hold {
     }
 }
 
-/// The motors of a run from this state, if they differ from the motors of the model.
-pub(crate) fn motors_from(model: &Model, start: &State) -> Option<Vec<Motor>> {
+/// The motors of a run from this state, if they differ from the motors of the model. Those with a known target hold their joints there, with these gains
+/// where none are given: the run before has done so.
+pub(crate) fn motors_from(model: &Model, start: &State, known: &HeldTargets) -> Option<Vec<Motor>> {
     if model.at_start.is_empty() {
         return None;
     }
@@ -76,10 +77,14 @@ pub(crate) fn motors_from(model: &Model, start: &State) -> Option<Vec<Motor>> {
     let masses = tuned.then(|| mass_matrix(&model.mechanism, start));
     for held in &model.at_start {
         let Some(motor) = motors.get_mut(held.motor) else { continue };
-        motor.target = Target::constant(start.position[motor.coordinate.position]);
+        let known = known.get(joint_name(model, motor.coordinate.body));
+        let position = start.position[motor.coordinate.position];
+        motor.target = Target::constant(known.map_or(position, |&[target, ..]| target));
         if let (Some(frequency), Some(masses)) = (held.frequency, &masses) {
             let inertia = masses[(motor.coordinate.freedom, motor.coordinate.freedom)];
-            motor.law = MotorLaw::Position { kp: inertia * frequency * frequency, kd: 2.0 * inertia * frequency };
+            let own = [inertia * frequency * frequency, 2.0 * inertia * frequency];
+            let [kp, kd] = known.map_or(own, |&[_, kp, kd]| [kp, kd]);
+            motor.law = MotorLaw::Position { kp, kd };
         }
     }
     Some(motors)
@@ -100,24 +105,9 @@ pub(crate) fn held_targets(model: &Model) -> HeldTargets {
     named.collect()
 }
 
-/// Lets the motors of a model that hold their joints where a run starts hold them at these targets, with these gains where none are given. Joints
-/// without a target are held where the run starts.
-pub(crate) fn hold_at(model: &mut Model, targets: &HeldTargets) {
-    for held in &model.at_start {
-        let Some(motor) = model.mechanism.nonsmooth.motors.get(held.motor) else { continue };
-        let Some(&[target, kp, kd]) = targets.get(joint_name(model, motor.coordinate.body)) else { continue };
-        let mut motor = motor.clone();
-        motor.target = Target::constant(target);
-        if held.frequency.is_some() {
-            motor.law = MotorLaw::Position { kp, kd };
-        }
-        model.mechanism.nonsmooth.motors[held.motor] = motor;
-    }
-}
-
 /// The mechanism of a run from this state.
 pub fn mechanism_from<'m>(model: &'m Model, start: &State) -> Cow<'m, Mechanism> {
-    match motors_from(model, start) {
+    match motors_from(model, start, &HeldTargets::new()) {
         None => Cow::Borrowed(&model.mechanism),
         Some(motors) => {
             let mut mechanism = model.mechanism.clone();

@@ -13,7 +13,7 @@ use crate::output::report::{Numbers, joint_name, joint_reports};
 use crate::scene::{SimulationSettings, Warning};
 use crate::session::between_ticks::hold;
 use crate::session::error::Error;
-use crate::session::held_start::{HeldTargets, hold_at, motors_from};
+use crate::session::held_start::{HeldTargets, motors_from};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -61,17 +61,18 @@ impl Loaded {
         let (given, wanted) = self.given(0.0, positions, velocities, base_velocity)?;
         self.model.leave_out_overlaps(&given);
         let assembled = self.settled(given, &wanted)?;
-        Ok(self.begun(assembled))
+        Ok(self.begun(assembled, &HeldTargets::new()))
     }
 
-    /// A given state as the start, moved to satisfy limits, loops and mimic relations. Changes become warnings of the model.
+    /// A given state as the start, moved to satisfy limits, loops and mimic relations. Changes become warnings of the model. Motors hold their joints at the
+    /// targets of the run before where they are known.
     ///
     /// # Errors
     /// As of [`Loaded::assembled`].
-    pub fn settled_from(&mut self, state: State) -> Result<State, Error> {
+    pub fn settled_from(&mut self, state: State, known: &HeldTargets) -> Result<State, Error> {
         self.model.leave_out_overlaps(&state);
         let assembled = self.settled(state, &Start::default())?;
-        Ok(self.begun(assembled))
+        Ok(self.begun(assembled, known))
     }
 
     /// Lets sampled motors hold, from the start of a run on (s), what a log says, by the names of their joints.
@@ -82,17 +83,17 @@ impl Loaded {
         hold(&mut self.model.mechanism.nonsmooth.motors, &efforts, since);
     }
 
-    /// Lets motors that hold their joints where a run starts hold them where the run of a log has done so.
-    pub fn hold_at(&mut self, targets: &HeldTargets) {
-        hold_at(&mut self.model, targets);
-    }
-
-    /// Takes what a start says into the model.
-    fn begun(&mut self, Assembled { state, counted, warnings }: Assembled) -> State {
-        self.counted = counted;
-        if let Some(motors) = motors_from(&self.model, &state) {
+    /// Lets motors that hold their joints where a run starts hold them in this state, or at the targets of the run before where they are known.
+    pub fn hold_start(&mut self, start: &State, known: &HeldTargets) {
+        if let Some(motors) = motors_from(&self.model, start, known) {
             self.model.mechanism.nonsmooth.motors = motors;
         }
+    }
+
+    /// Takes the start and the known targets of motors into the model.
+    fn begun(&mut self, Assembled { state, counted, warnings }: Assembled, known: &HeldTargets) -> State {
+        self.counted = counted;
+        self.hold_start(&state, known);
         self.model.warnings.extend(warnings);
         state
     }

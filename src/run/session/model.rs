@@ -11,7 +11,7 @@ use crate::scene::{Parameter, Scene, Touching, Warning};
 use crate::session::between_ticks::hold;
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
-use crate::session::held_start::{HeldTargets, Hold, hold_at};
+use crate::session::held_start::Hold;
 use crate::session::loaded::Loaded;
 use crate::session::world::World;
 use nalgebra::{Rotation3, Translation3};
@@ -344,18 +344,11 @@ impl Model {
 
     /// The same model with motors that hold these efforts from the start of a run on (s), if it is between their ticks.
     pub(crate) fn holding(&self, efforts: &[Option<f64>], since: f64) -> Self {
-        let mut motors = self.description().mechanism.nonsmooth.motors.clone();
-        if hold(&mut motors, efforts, since) { self.driven_by(motors) } else { self.clone() }
-    }
-
-    /// The same model whose motors that hold their joints where a run starts hold them at these targets.
-    pub(crate) fn holding_at(&self, targets: &HeldTargets) -> Self {
-        if targets.is_empty() {
+        if efforts.is_empty() {
             return self.clone();
         }
-        let mut shared = Shared::clone(&self.shared);
-        hold_at(&mut shared.loaded.model, targets);
-        Model { shared: Arc::new(shared) }
+        let mut motors = self.description().mechanism.nonsmooth.motors.clone();
+        if hold(&mut motors, efforts, since) { self.driven_by(motors) } else { self.clone() }
     }
 
     /// The same model with more warnings, if there are any.

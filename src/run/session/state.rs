@@ -4,8 +4,8 @@ use crate::mechanism::motion::state::State as Motion;
 use crate::session::model::Model;
 use crate::simulation::Checkpoint;
 
-/// A run between two steps, as a value: time, positions, velocities, efforts, targets of motors, efforts that sampled motors hold, and all that the steps remember (modes of joints and
-/// contacts, impacts, anchors of friction, guesses and lengths of steps). A run goes on from it bit for bit.
+/// A run between two steps, as a value: time, positions, velocities, efforts, targets of motors, efforts that sampled motors hold, and all that the
+/// steps remember (modes of joints and contacts, impacts, anchors of friction, guesses and lengths of steps). A run goes on from it bit for bit.
 #[derive(Clone)]
 pub struct State {
     pub(crate) model: Model,

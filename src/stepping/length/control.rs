@@ -23,13 +23,13 @@
 //! require shorter steps all along.
 
 use crate::length::stage_choice::StageChoice;
-use crate::length::stepper::{Stepper, refusal};
+use crate::length::stepper::Stepper;
 use crate::length::stride::Stride;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;
-use catena_mechanism::motion::integrator::{Cost, Rejected, StepError, StepOutcome};
+use catena_mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
@@ -88,15 +88,6 @@ pub enum Decision {
         /// Why this one was thrown away.
         why: Rejected,
     },
-}
-
-/// How a span may begin a motion.
-#[derive(Clone, Copy)]
-pub(crate) struct Beginning {
-    /// Whether a first look at stability is where it begins.
-    pub ahead: bool,
-    /// A step that is longer by this factor must be possible, too.
-    pub room: f64,
 }
 
 /// Chooses steps.
@@ -211,7 +202,7 @@ impl Control {
     }
 
     /// Looks at the inside of the last step, which had this E, if it may be among the worst.
-    fn look_inside(&mut self, stepper: &mut Stepper, mechanism: &Mechanism, legendre: f64) {
+    pub(super) fn look_inside(&mut self, stepper: &mut Stepper, mechanism: &Mechanism, legendre: f64) {
         if stepper.is_damped() || legendre >= AMONG_LARGEST * self.largest {
             let error = stepper.look_inside(mechanism, legendre);
             self.between = self.between.zip(error).map(|(worst, error)| worst.max(error));
@@ -389,63 +380,6 @@ impl Control {
     fn settle(&mut self, long: f64, settling: f64) {
         self.memory.settling = Some(long);
         self.memory.step = self.memory.step.min(settling);
-    }
-
-    /// Makes one step exactly to `until` (s), if it is accepted at once, and one that is longer by a factor would keep to the limit of E, too: E grows with
-    /// the power of its degree.
-    ///
-    /// # Errors
-    /// The cost of a refused attempt: nothing without an attempt.
-    pub(crate) fn span(
-        &mut self,
-        stepper: &mut Stepper,
-        mechanism: &Mechanism,
-        inputs: Inputs,
-        state: &mut State,
-        until: f64,
-        begins: Beginning,
-    ) -> Result<StepOutcome, Cost> {
-        let length = until - state.time;
-        if length > stepper.watch.safe_step() || mechanism.resolved_step(state.time, length, until) < length {
-            return Err(Cost::default());
-        }
-        self.memory.step = length;
-        let guess = stepper.first_guess();
-        let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule(), guess);
-        let Attempt::Converged { exact, legendre, .. } = attempt else {
-            self.forget();
-            let mut cost = Cost::of(attempt.iterations());
-            cost.reject(refusal(&attempt));
-            return Err(cost);
-        };
-        if begins.room > 1.0 && legendre * begins.room.powi(self.stages as i32) > self.limit {
-            self.forget();
-            let mut cost = Cost::of(attempt.iterations());
-            cost.reject(Rejected::NotSmooth);
-            return Err(cost);
-        }
-        if begins.ahead {
-            stepper.look_ahead(mechanism, state);
-        }
-        let energies = stepper.finish(mechanism, state);
-        let mut outcome = StepOutcome { cost: Cost::of(attempt.iterations()), exact, ..StepOutcome::default() };
-        let refused = match self.judge(&attempt, Some(energies), length, guess) {
-            Decision::Retry { why, .. } => Some(why),
-            Decision::Accept if stepper.too_long_for_stability(mechanism, length).is_some() => {
-                Some(Rejected::NotSmooth)
-            }
-            Decision::Accept => {
-                let accepted = stepper.keep(mechanism, state, length, until, &mut outcome);
-                accepted.is_err().then_some(Rejected::NotConverged)
-            }
-        };
-        if let Some(why) = refused {
-            self.forget();
-            outcome.cost.reject(why);
-            return Err(outcome.cost);
-        }
-        self.look_inside(stepper, mechanism, legendre);
-        Ok(outcome)
     }
 
     /// Whether a solved step with this E is likely to be kept, by its energy, too: the work of a companion in a rejected step is lost. After a step

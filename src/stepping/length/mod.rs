@@ -12,6 +12,7 @@ pub mod fixed;
 pub(crate) mod outside;
 #[doc(hidden)]
 pub mod reversible;
+pub(crate) mod span;
 #[doc(hidden)]
 pub mod stage_choice;
 #[doc(hidden)]

@@ -154,6 +154,17 @@ fn a_run_that_goes_on_from_a_log_holds_joints_where_the_first_run_began() {
         run(&folder, &["simulate", "limp.toml", "--duration=0.1", "-o", "limp.mcap"]);
         let on = made(&["--from=limp.mcap@end", "--duration=0.01", "--no-log"]);
         assert!(on["warnings"].as_array().is_none_or(Vec::is_empty), "{}", on["warnings"]);
+        // Motions about the same instant of both logs: their modes in the digits that are printed, and how fast the joint accelerates.
+        let about = |log: &str| text(&run(&folder, &["linearize", log, "--at", "0.2"]).stdout).to_string();
+        let [part, whole_run] = ["part.mcap", "whole.mcap"].map(about);
+        assert!(part.contains("frequency") && part.lines().last() == whole_run.lines().last(), "{part}{whole_run}");
+        let accelerates = |said: &str| -> f64 {
+            let number = said.split("by up to ").nth(1).and_then(|rest| rest.split_whitespace().next());
+            number.and_then(|number| number.parse().ok()).expect("an acceleration")
+        };
+        // Positions that are 1e-8 rad apart as below, gains of up to 4000/s², and four digits. Another target would be rad/s² off.
+        let [part_rate, whole_rate] = [&part, &whole_run].map(|said| accelerates(said));
+        assert!((part_rate - whole_rate).abs() < 1e-4 + 1e-3 * whole_rate, "{part}{whole_run}");
         // The second is from a log that went on itself; times in it are those of the motion.
         for (from, rest) in [("whole.mcap@0.1", "0.4"), ("part.mcap@0.2", "0.3")] {
             let on = made(&["--from", from, "--duration", rest, "--no-log"]);

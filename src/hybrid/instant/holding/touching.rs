@@ -203,8 +203,8 @@ impl Touching {
         best.1
     }
 
-    /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names; and, where there are none, a lower bound
-    /// of the distance (m), if it is known. `before` is what is known from a moment ago.
+    /// The contacts of a pair with a gap of at most `within` (m) in a quicker way, perhaps under other names. If there are none, a lower bound of
+    /// the distance (m) where it is known. `before` is the knowledge of a moment ago.
     pub fn soon(&self, pair: usize, bodies: &[BodyState], within: f64, before: &mut Before) -> (Vec<Contact>, f64) {
         let Pair { geometry, bodies: of, rope, .. } = &self.pairs[pair];
         if rope.is_some() {

@@ -7,7 +7,7 @@
 use crate::model::Start;
 use crate::session::description::STEPPED;
 use crate::session::error::Error;
-use crate::session::held_start::motors_from;
+use crate::session::held_start::{HeldTargets, motors_from};
 use crate::session::model::Model;
 use crate::session::running::Running;
 use crate::session::simulation::Simulation;
@@ -85,7 +85,7 @@ impl Simulation {
         self.model.description().keep_to_motions(&mut motion)?;
         let started = self.model.loaded().settled(motion, &Start::default())?;
         // Motors that hold their joints where a run starts are other ones from another start.
-        let held = motors_from(self.model.description(), &started.state);
+        let held = motors_from(self.model.description(), &started.state, &HeldTargets::new());
         let motors = &self.model.description().mechanism.nonsmooth.motors;
         // Motors that hold efforts are other ones, too.
         let holds = !std::mem::take(&mut self.held).is_empty() | !std::mem::take(&mut self.held_at).is_empty();

@@ -169,8 +169,8 @@ impl Simulation {
         }
         let settled = self.asked.settle(&self.model.loaded().simulation)?;
         let Assembled { state, counted, warnings } = self.started()?.clone();
-        if let Some(motors) = motors_from(self.model.description(), &state) {
-            self.model = self.model.driven_by(motors).holding_at(&self.held_at);
+        if let Some(motors) = motors_from(self.model.description(), &state, &self.held_at) {
+            self.model = self.model.driven_by(motors);
         }
         let model = self.model.warned(warnings).holding(&self.held, state.time);
         #[cfg(feature = "log")]
