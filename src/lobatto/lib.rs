@@ -18,7 +18,6 @@
 //! | [`planar`] | the equations in a plane |
 //! | [`step`] | the step as a whole |
 //! | [`instants`] | samples of a motion |
-//! | [`literal`] | the reference of the tests |
 
 // Allowed in one file: `vectors/x86.rs`.
 #![deny(unsafe_code)]
@@ -31,8 +30,6 @@ pub mod ending;
 pub mod equations;
 #[doc(hidden)]
 pub mod instants;
-#[doc(hidden)]
-pub mod literal;
 #[doc(hidden)]
 pub mod numbers;
 #[doc(hidden)]

@@ -26,7 +26,6 @@ const FLOORS: [(&str, &[&str]); 8] = [
             "planar",
             "instants",
             "step",
-            "literal",
         ],
     ),
     ("robot", &["meshes", "scene", "model"]),

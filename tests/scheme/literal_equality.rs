@@ -1,8 +1,8 @@
 //! The fast kernel makes the same step as the literal scheme (2.5.11), with forces and without.
 
+use crate::literal::scheme::Literal;
 use crate::models::{self, Model};
 use catena::kernels::step_for;
-use catena::lobatto::literal::scheme::Literal;
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena::lobatto::tableau::butcher::Tableau;

@@ -21,6 +21,7 @@ mod first_iterations;
 mod forces;
 mod inputs;
 mod invariants;
+mod literal;
 mod literal_equality;
 mod literal_scheme;
 mod loops;

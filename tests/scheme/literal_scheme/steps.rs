@@ -2,9 +2,9 @@
 //! step is refused.
 
 use super::moving_double_pendulum;
+use crate::literal::coordinates::coordinates;
+use crate::literal::scheme::{Literal, LiteralError};
 use crate::models::{self, Model, pose_distance, velocity_distance};
-use catena::lobatto::literal::coordinates::coordinates;
-use catena::lobatto::literal::scheme::{Literal, LiteralError};
 use catena::lobatto::tableau::butcher::Tableau;
 use catena::mechanism::description::body_state::BodyState;
 use catena::mechanism::motion::energy::{energy, violation};
@@ -166,7 +166,7 @@ fn coordinates_and_body_states_are_inverse() {
     let model = models::floating_tree();
     let bodies = body_states(&model.mechanism, &model.state);
     let (q, velocity) = coordinates(&bodies);
-    let again = catena::lobatto::literal::coordinates::body_states(&q, &velocity);
+    let again = crate::literal::coordinates::body_states(&q, &velocity);
     assert_eq!(pose_distance(&bodies, &again), 0.0);
     // The angular velocity goes through Ṙ = ω̂R and back, a dozen roundings of numbers of order one.
     assert!(velocity_distance(&bodies, &again) < 1e-14);

@@ -2,9 +2,9 @@
 //! the fast kernel.
 
 use super::moving_double_pendulum;
+use crate::literal::coordinates::coordinates;
+use crate::literal::scheme::Literal;
 use crate::models::{self, Model};
-use catena::lobatto::literal::coordinates::coordinates;
-use catena::lobatto::literal::scheme::Literal;
 use catena::lobatto::tableau::butcher::Tableau;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::integrator::Integrator;
@@ -139,7 +139,7 @@ impl<'a> DiscreteLagrangian<'a> {
 
 /// The angles of a mechanism of revolute joints, read from its bodies.
 fn revolute_angles(mechanism: &Mechanism, q: &DVector<f64>) -> DVector<f64> {
-    let bodies = catena::lobatto::literal::coordinates::body_states(q, &DVector::zeros(q.len()));
+    let bodies = crate::literal::coordinates::body_states(q, &DVector::zeros(q.len()));
     DVector::from_iterator(
         bodies.len(),
         mechanism.bodies.iter().zip(&bodies).map(|(body, own)| {

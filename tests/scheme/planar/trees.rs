@@ -2,9 +2,9 @@
 
 use super::apart;
 use crate::in_plane::random_tree;
+use crate::literal::scheme::Literal;
 use crate::models::{self, Model};
 use catena::kernels::step_for;
-use catena::lobatto::literal::scheme::Literal;
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::StopRule;
 use catena::lobatto::tableau::butcher::Tableau;

@@ -1,10 +1,10 @@
 //! Steps with closed contacts against the scheme word for word.
 
 use super::*;
+use crate::literal::scheme::{Literal, LiteralStep};
 use crate::models::{self, Model};
 use catena::instant::start::assembly::assemble;
 use catena::kernels::step_for;
-use catena::lobatto::literal::scheme::{Literal, LiteralStep};
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena::lobatto::tableau::butcher::Tableau;
@@ -72,8 +72,9 @@ fn literal(model: &Model, stages: usize, step: f64, count: usize) -> Vec<Literal
     let literal = Literal::new(&model.mechanism, Tableau::of(stages).unwrap()).unwrap();
     let mut bodies: Vec<BodyState> = model.bodies();
     let next = |_| {
-        let made =
-            literal.step(&bodies, step).unwrap_or_else(|error| panic!("{} s={stages}: {error}", model.mechanism.name));
+        let made = literal
+            .step(&bodies, step)
+            .unwrap_or_else(|error| panic!("{} s={stages}: {error:?}", model.mechanism.name));
         bodies.clone_from(&made.bodies);
         made
     };

@@ -4,7 +4,7 @@
 //!     ρ_k = Σ_bodies ∂x/∂q_k · F + (∂R/∂q_k) : F_R − τ_k        F = m (ẍ − g) + R̈ p − f        F_R = (ẍ − g) pᵀ + R̈ P
 //! ```
 //!
-//! in coordinates (x, R) of R¹² a body ([`crate::lobatto::literal::scheme`]), with the inertial numbers m, p, P and armatures of
+//! in coordinates (x, R) of R¹² a body (`tests/scheme/literal/scheme.rs`), with the inertial numbers m, p, P and armatures of
 //! [`crate::derivatives::equations::figures`], wrenches f of springs and loads, and efforts τ in the joints. The torque of F_R about x is
 //! `Σ_c R_c × F_R,c` over the columns; forces and torques are summed over the subtree of each joint, about its anchor.
 //!

@@ -11,7 +11,7 @@
 //! that begins without slip has the given direction at its first stage. A slip below a thousandth of the largest has the direction of the stage before,
 //! and at the end that of the polynomial through the stages.
 //!
-//! Source: [`crate::lobatto::literal::touches`], and `lobatto/equations/braking.rs` for slips that stop.
+//! Source: `tests/scheme/literal/touches.rs`, and `lobatto/equations/braking.rs` for slips that stop.
 
 use crate::derivatives::equations::closed::{ClosedTouch, Friction, across, along, tangents_from};
 use crate::derivatives::equations::contacts::Touching;

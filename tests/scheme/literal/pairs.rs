@@ -23,10 +23,10 @@
 //! points on the side of [`Touch::side`]: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the plane of
 //! another, and the left of the way from centre to centre for two rims nearly in one plane.
 //!
-//! Source: the conditions of nearest points, as above. This file shares no code with [`catena_mechanism::motion::contact_geometry`], for which it is
+//! Source: the conditions of nearest points, as above. This file shares no code with [`catena::mechanism::motion::contact_geometry`], for which it is
 //! the oracle. Both agree at places where features touch, as do their gradients.
 
-use catena_mechanism::description::contact::{Feature, LEVEL, Touch};
+use catena::mechanism::description::contact::{Feature, LEVEL, Touch};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::f64::consts::TAU;
 

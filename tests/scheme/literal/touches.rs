@@ -21,14 +21,14 @@
 //!
 //! The angular velocity of a slip is `ω_j = ω + h Σ_k ā_jk ½ vee(R̈_k R_kᵀ − R_k R̈_kᵀ)`, with R̈ the part of r for the rotation matrix.
 //!
-//! This file shares no code with [`crate::equations::touches`], for which it is the oracle.
+//! This file shares no code with [`catena::lobatto::equations::touches`], for which it is the oracle.
 
 use crate::literal::coordinates::BODY_COORDINATES;
 use crate::literal::pairs::{Meeting, Placed, meet};
-use crate::tableau::butcher::Tableau;
-use catena_mechanism::description::closure::Attachment;
-use catena_mechanism::description::contact::{Grip, Moments, TouchJoint};
-use catena_mechanism::description::mechanism::Mechanism;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::closure::Attachment;
+use catena::mechanism::description::contact::{Grip, Moments, TouchJoint};
+use catena::mechanism::description::mechanism::Mechanism;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A slip below this counts as zero [m/s]; at a stage this happens in the first iteration at most.

@@ -9,18 +9,18 @@
 //! ```
 //!
 //! The forces that follow go to the bodies as wrenches `(f, n)` about their centres of mass, in R¹² `(f, ½ n̂ R)`. This file shares no code with
-//! [`crate::equations::forces`], for which it is the oracle. A joint angle is taken between −π and π at the start of the step, because R¹² does not
+//! [`catena::lobatto::equations::forces`], for which it is the oracle. A joint angle is taken between −π and π at the start of the step, because R¹² does not
 //! count turns.
 
 use crate::literal::coordinates::{BODY_COORDINATES, body_states};
-use crate::tableau::butcher::Tableau;
-use catena_mechanism::description::body_state::{BodyState, WORLD};
-use catena_mechanism::description::closure::Attachment;
-use catena_mechanism::description::forces::PointSpring;
-use catena_mechanism::description::joint::FreeRotation;
-use catena_mechanism::description::mechanism::Mechanism;
-use catena_mechanism::forces::point_spring::Line;
-use catena_mechanism::forces::total::scalar_coordinate;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::body_state::{BodyState, WORLD};
+use catena::mechanism::description::closure::Attachment;
+use catena::mechanism::description::forces::PointSpring;
+use catena::mechanism::description::joint::FreeRotation;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::forces::point_spring::Line;
+use catena::mechanism::forces::total::scalar_coordinate;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// The bodies at all stages of a step, the first of which is its start.

@@ -4,9 +4,9 @@
 //! product of two of them; rows of loop joints, too.
 
 use crate::literal::coordinates::BODY_COORDINATES;
-use catena_mechanism::description::closure::{LoopJoint, LoopKind};
-use catena_mechanism::description::joint::{FreeRotation, Pose};
-use catena_mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::closure::{LoopJoint, LoopKind};
+use catena::mechanism::description::joint::{FreeRotation, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
 use nalgebra::{DVector, Vector3};
 
 /// An affine function of the coordinates.
@@ -20,10 +20,9 @@ struct Affine {
 /// A vector of the world whose components are affine functions of the coordinates.
 type AffineVector = [Affine; 3];
 
-/// A polynomial of degree two in the coordinates: one row of g.
+/// A polynomial of degree two in the coordinates without its constant, of which no step asks: one row of g.
 #[derive(Clone, Debug)]
 pub(crate) struct Quadratic {
-    constant: f64,
     /// (coordinate, coefficient)
     linear: Vec<(usize, f64)>,
     /// (coordinate, coordinate, coefficient)
@@ -31,12 +30,6 @@ pub(crate) struct Quadratic {
 }
 
 impl Quadratic {
-    pub(crate) fn value(&self, q: &DVector<f64>) -> f64 {
-        self.constant
-            + self.linear.iter().map(|&(i, coefficient)| coefficient * q[i]).sum::<f64>()
-            + self.products.iter().map(|&(i, j, coefficient)| coefficient * q[i] * q[j]).sum::<f64>()
-    }
-
     /// Value at `q + increment` less the value at `q`.
     pub(crate) fn change(&self, q: &DVector<f64>, increment: &DVector<f64>) -> f64 {
         let linear = self.linear.iter().map(|&(i, coefficient)| coefficient * increment[i]);
@@ -98,11 +91,10 @@ fn difference(a: AffineVector, b: &AffineVector) -> AffineVector {
     result
 }
 
-/// `a · b − constant`.
-fn dot(a: &AffineVector, b: &AffineVector, constant: f64) -> Quadratic {
-    let mut row = Quadratic { constant: -constant, linear: Vec::new(), products: Vec::new() };
+/// `a · b`.
+fn dot(a: &AffineVector, b: &AffineVector) -> Quadratic {
+    let mut row = Quadratic { linear: Vec::new(), products: Vec::new() };
     for (left, right) in a.iter().zip(b) {
-        row.constant += left.constant * right.constant;
         row.linear.extend(left.terms.iter().map(|&(i, coefficient)| (i, coefficient * right.constant)));
         row.linear.extend(right.terms.iter().map(|&(i, coefficient)| (i, coefficient * left.constant)));
         for &(i, of_left) in &left.terms {
@@ -126,7 +118,7 @@ pub(crate) fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let own_axes = axes.map(|axis| direction(Some(index), &axis));
         for (first, second) in [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)] {
-            rows.push(dot(&own_axes[first], &own_axes[second], if first == second { 1.0 } else { 0.0 }));
+            rows.push(dot(&own_axes[first], &own_axes[second]));
         }
 
         let joint = &body.joint;
@@ -140,9 +132,9 @@ pub(crate) fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
         let free = joint.kind.translation_axes();
         for axis in (0..3).filter(|axis| !free.contains(axis)) {
             if free.is_empty() {
-                rows.push(dot(&gap, &direction(None, &axes[axis]), 0.0));
+                rows.push(dot(&gap, &direction(None, &axes[axis])));
             } else {
-                rows.push(dot(&on_parent[axis], &gap, 0.0));
+                rows.push(dot(&on_parent[axis], &gap));
             }
         }
         let perpendicular: &[(usize, usize)] = match joint.kind.rotation() {
@@ -151,14 +143,14 @@ pub(crate) fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
             FreeRotation::Ball => &[],
         };
         for &(first, second) in perpendicular {
-            rows.push(dot(&on_parent[first], &on_child[second], 0.0));
+            rows.push(dot(&on_parent[first], &on_child[second]));
         }
     }
     rows.extend(mechanism.loops.iter().flat_map(loop_rows));
     rows
 }
 
-/// The rows of a loop joint as in the table of [`catena_mechanism::description::closure`], the row of a distance times 2 L.
+/// The rows of a loop joint as in the table of [`catena::mechanism::description::closure`], the row of a distance times 2 L.
 fn loop_rows(joint: &LoopJoint) -> Vec<Quadratic> {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let [of_a, of_b] =
@@ -167,10 +159,10 @@ fn loop_rows(joint: &LoopJoint) -> Vec<Quadratic> {
     let gap = difference(b, &a);
     let slides = joint.kind.slides();
     let along = |axis: usize| if slides.len() == 3 { direction(None, &axes[axis]) } else { of_a[axis].clone() };
-    let mut rows: Vec<Quadratic> = slides.iter().map(|&axis| dot(&along(axis), &gap, 0.0)).collect();
-    rows.extend(joint.kind.squares().iter().map(|&(first, second)| dot(&of_a[first], &of_b[second], 0.0)));
-    if let LoopKind::Distance(length) = joint.kind {
-        rows.push(dot(&gap, &gap, length * length));
+    let mut rows: Vec<Quadratic> = slides.iter().map(|&axis| dot(&along(axis), &gap)).collect();
+    rows.extend(joint.kind.squares().iter().map(|&(first, second)| dot(&of_a[first], &of_b[second])));
+    if let LoopKind::Distance(_) = joint.kind {
+        rows.push(dot(&gap, &gap));
     }
     rows
 }

@@ -4,7 +4,7 @@
 //!     q = (x, R) ∈ R¹²  for every body,      q̇ = (v, ω̂ R)
 //! ```
 
-use catena_mechanism::description::body_state::BodyState;
+use catena::mechanism::description::body_state::BodyState;
 use nalgebra::{DVector, Matrix3, Vector3};
 /// Coordinates of one body: three of position, nine of rotation.
 pub(crate) const BODY_COORDINATES: usize = 12;

@@ -35,31 +35,26 @@ use crate::literal::constraints::{Quadratic, constraints};
 use crate::literal::coordinates::{BODY_COORDINATES, body_states, coordinates};
 use crate::literal::forces::stage_forces;
 use crate::literal::touches::{TouchStages, TouchStep};
-use crate::tableau::butcher::Tableau;
-use catena_mechanism::description::body_state::BodyState;
-use catena_mechanism::description::mechanism::Mechanism;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::mechanism::Mechanism;
 use nalgebra::{DMatrix, DVector, Vector3};
+
 /// Newton's method converges in about six iterations; many more mean that the step is too long for it.
 const MAXIMUM_ITERATIONS: usize = 50;
 /// A correction this small (metres, or entries of a rotation matrix) that stops shrinking is rounding.
 const ROUNDING_LEVEL: f64 = 1e-10;
 
 /// Why the literal scheme could not be set up or could not make a step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LiteralError {
-    /// The mass matrix in R¹² is singular or indefinite, so (2.5.11a) cannot be formed.
-    #[error(
-        "body {body:?}: mass {mass} kg and second moments {moments:?} kg m² must all be positive for the literal scheme"
-    )]
+    /// The mass matrix in R¹² is singular or indefinite, so (2.5.11a) cannot be formed: mass (kg) and second moments (kg m²) must be positive.
     Mass { body: String, mass: f64, moments: [f64; 3] },
-    /// Newton's matrix is singular.
-    #[error("the stage equations are singular for a step of {step} s")]
+    /// Newton's matrix is singular for a step of this length (s).
     Singular { step: f64 },
     /// A contact is of features that the literal scheme has no gap of.
-    #[error("a contact is of two features that the literal scheme does not know")]
     Features,
-    /// Newton's iteration did not reach rounding.
-    #[error("Newton's iteration did not converge for a step of {step} s (last correction {correction:.1e})")]
+    /// Newton's iteration did not reach rounding for a step of this length (s).
     NotConverged { step: f64, correction: f64 },
 }
 
@@ -74,8 +69,6 @@ pub struct LiteralStep {
     pub end_momentum: DVector<f64>,
     /// `Q_1 … Q_s`, each 12 n; the first is the start and the last the end of the step.
     pub stage_coordinates: Vec<DVector<f64>>,
-    /// `P_1 … P_s`, each 12 n.
-    pub stage_momenta: Vec<DVector<f64>>,
     /// `Λ_1 … Λ_s`, each d: multipliers of the contacts last.
     pub multipliers: Vec<DVector<f64>>,
     /// Newton iterations.
@@ -119,21 +112,6 @@ impl<'a> Literal<'a> {
             }
         }
         Ok(Literal { mechanism, tableau, mass, force, constraints: constraints(mechanism) })
-    }
-
-    /// Diagonal of the mass matrix M (12 n).
-    pub fn mass(&self) -> &DVector<f64> {
-        &self.mass
-    }
-
-    /// `−∂V/∂q` (12 n): the weight of every body.
-    pub fn force(&self) -> &DVector<f64> {
-        &self.force
-    }
-
-    /// `g(q)` (d).
-    pub fn constraint(&self, q: &DVector<f64>) -> DVector<f64> {
-        DVector::from_iterator(self.constraints.len(), self.constraints.iter().map(|row| row.value(q)))
     }
 
     /// `g(q + increment) − g(q)` (d), without cancellation.
@@ -266,7 +244,6 @@ impl<'a> Literal<'a> {
         let jacobians = self.directions(q, increments, &touching);
         let p = self.mass.component_mul(velocity);
         let forces = self.forces(q, velocity, increments, step);
-        let (stage_momenta, _) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
         let mut end_momentum = p.clone();
         for i in 0..s {
             end_momentum += (&forces[i] - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
@@ -287,7 +264,6 @@ impl<'a> Literal<'a> {
             start_momentum: p,
             end_momentum,
             stage_coordinates,
-            stage_momenta,
             multipliers,
             iterations,
         })
@@ -307,11 +283,6 @@ impl<'a> Literal<'a> {
             column /= *mass;
         }
         (&weighted * directions.transpose()).lu().solve(&(weighted * momentum - carried))
-    }
-
-    /// The mechanism this scheme was written out for.
-    pub fn mechanism(&self) -> &Mechanism {
-        self.mechanism
     }
 }
 
