@@ -17,8 +17,8 @@
 //! and limits may contradict each other far from the solution; each round leaves the part 1/ρ of a gap, so that the rounds close it.
 //! A limit further away than the reach of a round is approached by that much.
 
+use crate::instant::cone::bounded::minimise;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
-use crate::instant::start::box_programme::minimise_in_box;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::closure::JointLimit;
@@ -59,8 +59,10 @@ pub fn move_within(mechanism: &Mechanism, limits: &[JointLimit], state: &mut Sta
         let position = state.position[limit.coordinate.position];
         bounds[limit.coordinate.freedom] = (limit.lower - position, limit.upper - position);
     }
-    let linear = DVector::zeros(mechanism.velocity_count);
-    let Some(change) = minimise_in_box(&mass, &linear, &bounds) else { return false };
+    let change = minimise(&mass, &vec![0.0; mechanism.velocity_count], &bounds).efforts;
+    if !change.iter().all(|value| value.is_finite()) {
+        return false;
+    }
     state.displace(mechanism, &change);
     for limit in limits {
         let (slot, freedom) = (limit.coordinate.position, limit.coordinate.freedom);
@@ -101,7 +103,10 @@ pub fn close_within(
             let reachable = |bound: f64| (bound - position).clamp(-REACH, REACH);
             bounds[limit.coordinate.freedom] = (reachable(limit.lower), reachable(limit.upper));
         }
-        let Some(change) = minimise_in_box(&quadratic, &linear, &bounds) else { break };
+        let change = minimise(&quadratic, linear.as_slice(), &bounds).efforts;
+        if !change.iter().all(|value| value.is_finite()) {
+            break;
+        }
         state.displace(mechanism, &change);
         done.correction = change.iter().fold(done.correction, |most, value| most.max(value.abs()));
     }

@@ -3,7 +3,6 @@
 pub(crate) mod apart;
 pub mod assembly;
 pub(crate) mod assembly_elsewhere;
-pub(crate) mod box_programme;
 pub mod gimbal_lock;
 #[doc(hidden)]
 pub mod limits;
