@@ -5,20 +5,20 @@
 //!     ⇔   a = D λ + b:   a_i = 0 inside,   a_i ≥ 0 at the lower bound,   a_i ≤ 0 at the upper bound
 //! ```
 //!
-//! with D (m × m) symmetric and positive semidefinite: rates or accelerations `a` that efforts or impulses `λ` leave. If D is singular, λ is not
-//! unique, and `a` is. A problem that falls apart is solved part by part.
+//! with D (m × m) symmetric and positive semidefinite: rates or accelerations `a` that efforts or impulses `λ` leave. If D is singular, as at contacts and
+//! joints that hold each other, λ is not unique, and `a` is. [`minimise`] solves such problems by the primal active-set method, part by part. It goes from a
+//! point inside to the least on the face of the free coordinates, and stops at the first bound that is in the way. If no bound is in the way, it leaves the
+//! bound that pulls most. On each face the step is the one of least norm.
 //!
-//! If D is definite, the method is the primal–dual active-set method: with the coordinates F that no bound holds,
+//! If D is definite, as a mass matrix is, [`minimise_definite`] takes the primal–dual active-set method: with the coordinates F that no bound holds,
 //!
 //! ```text
 //!     D_FF λ_F = −b_F − D_FB λ_B
 //! ```
 //!
 //! then every λ_F outside the box is set on its bound, and every bound that pulls (a_i < 0 at the lower, a_i > 0 at the upper) lets go, all of them
-//! in one round. It is Newton's method on the conditions above and takes a few rounds whatever the size is; a coordinate at a bound is exactly there.
-//! It may go round in circles, and D_FF may be singular. Then the method is the primal active-set method. It goes from a point inside to the least
-//! on the face of the free coordinates, and stops at the first bound that is in the way. If no bound is in the way, it leaves the bound that pulls
-//! most. On each face the step is the one of least norm.
+//! in one round. It is Newton's method on the conditions above and takes a few rounds whatever the size is (a hundred freedoms take the other method a
+//! hundred rounds, with eigenvalues in each); a coordinate at a bound is exactly there. It may go round in circles: then the other method has the last word.
 //!
 //! Source: M. Hintermüller, K. Ito, K. Kunisch, The primal–dual active set strategy as a semismooth Newton method, SIAM J. Optim. 13 (2002),
 //! section 2; J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, section 16.5.
@@ -28,6 +28,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Pivots of D below this part of the largest are rounding.
 const SINGULAR: f64 = 1e-11;
+/// Pivots above this part of the largest make a matrix definite.
+const DEFINITE: f64 = 1e-9;
 /// A bound pulls if its rest is more than this part of the terms that it is the sum of.
 const PULLS: f64 = 1e-12;
 /// Largest number of rounds of the primal–dual method: it takes a handful or goes round in circles.
@@ -49,13 +51,13 @@ pub(crate) fn minimise(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f6
     let count = offset.len();
     let parts = parts_of(matrix);
     if parts.len() < 2 {
-        return minimise_part(matrix, offset, bounds);
+        return primal(matrix, offset, bounds);
     }
     let mut all = Bounded { efforts: vec![0.0; count], at: vec![0; count], rest: vec![0.0; count] };
     for part in parts {
         let offset: Vec<f64> = part.iter().map(|&row| offset[row]).collect();
         let bounds: Vec<(f64, f64)> = part.iter().map(|&row| bounds[row]).collect();
-        let found = minimise_part(&sub_matrix(matrix, &part), &offset, &bounds);
+        let found = primal(&sub_matrix(matrix, &part), &offset, &bounds);
         for (place, &row) in part.iter().enumerate() {
             (all.efforts[row], all.at[row], all.rest[row]) = (found.efforts[place], found.at[place], found.rest[place]);
         }
@@ -63,8 +65,8 @@ pub(crate) fn minimise(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f6
     all
 }
 
-/// The same of a problem that does not fall apart.
-fn minimise_part(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> Bounded {
+/// Solves a problem whose matrix is definite.
+pub(crate) fn minimise_definite(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> Bounded {
     primal_dual(matrix, offset, bounds).unwrap_or_else(|| primal(matrix, offset, bounds))
 }
 
@@ -130,13 +132,16 @@ fn definite_on_face(matrix: &DMatrix<f64>, rest: &[f64], free: &[usize]) -> Opti
     let face = DMatrix::from_fn(free.len(), free.len(), |row, column| {
         matrix[(free[row], free[column])] * inverse[row] * inverse[column]
     });
-    let factor = face.cholesky()?;
+    let factor = face.clone().cholesky()?;
     let pivots = factor.l_dirty().diagonal();
-    if !pivots.iter().all(|pivot| pivot * pivot > SINGULAR) {
+    if !pivots.iter().all(|pivot| pivot * pivot > DEFINITE) {
         return None;
     }
     let right = DVector::from_fn(free.len(), |row, _| -rest[free[row]] * inverse[row]);
-    Some(factor.solve(&right).iter().zip(&inverse).map(|(value, inverse)| value * inverse).collect())
+    let mut solution = factor.solve(&right);
+    // Once more for what rounding has left.
+    solution += factor.solve(&(&right - &face * &solution));
+    Some(solution.iter().zip(&inverse).map(|(value, inverse)| value * inverse).collect())
 }
 
 /// The primal active-set method.
@@ -287,11 +292,11 @@ mod tests {
         let matrix = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, 0.0, 1.0, 4.0, 1.0, 0.0, 1.0, 3.0]);
         let none = (f64::NEG_INFINITY, f64::INFINITY);
         // x = 0.3 at its bound, and 4 y + z = −x, y + 3 z = 0.
-        let found = minimise(&matrix, &[0.0; 3], &[(0.3, 0.9), none, none]).efforts;
+        let found = minimise_definite(&matrix, &[0.0; 3], &[(0.3, 0.9), none, none]).efforts;
         assert_eq!(found[0], 0.3);
         assert!((found[1] + 0.9 / 11.0).abs() < 1e-16 && (found[2] - 0.3 / 11.0).abs() < 1e-16, "{found:?}");
         // A bound that does not hold is let go, one without room is a constant.
-        let found = minimise(&matrix, &[0.0; 3], &[(-0.2, -0.2), (-9.0, 0.01), (0.0, 1.0)]).efforts;
+        let found = minimise_definite(&matrix, &[0.0; 3], &[(-0.2, -0.2), (-9.0, 0.01), (0.0, 1.0)]).efforts;
         assert_eq!(found, [-0.2, 0.01, 0.0]);
     }
 

@@ -17,7 +17,7 @@
 //! and limits may contradict each other far from the solution; each round leaves the part 1/ρ of a gap, so that the rounds close it.
 //! A limit further away than the reach of a round is approached by that much.
 
-use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::bounded::minimise_definite;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
@@ -59,7 +59,7 @@ pub fn move_within(mechanism: &Mechanism, limits: &[JointLimit], state: &mut Sta
         let position = state.position[limit.coordinate.position];
         bounds[limit.coordinate.freedom] = (limit.lower - position, limit.upper - position);
     }
-    let change = minimise(&mass, &vec![0.0; mechanism.velocity_count], &bounds).efforts;
+    let change = minimise_definite(&mass, &vec![0.0; mechanism.velocity_count], &bounds).efforts;
     if !change.iter().all(|value| value.is_finite()) {
         return false;
     }
@@ -103,7 +103,7 @@ pub fn close_within(
             let reachable = |bound: f64| (bound - position).clamp(-REACH, REACH);
             bounds[limit.coordinate.freedom] = (reachable(limit.lower), reachable(limit.upper));
         }
-        let change = minimise(&quadratic, linear.as_slice(), &bounds).efforts;
+        let change = minimise_definite(&quadratic, linear.as_slice(), &bounds).efforts;
         if !change.iter().all(|value| value.is_finite()) {
             break;
         }
