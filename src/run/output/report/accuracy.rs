@@ -219,12 +219,24 @@ impl AccuracyReport {
                     self.estimated
                 ));
             }
-            let holds = format!("chaotic motion: {wanted:e} m holds until t = {until} s");
-            return Some(if let Some(differ) = self.events_differ {
+            let other_events = self.events_differ.map(|differ| {
                 format!(
-                    "{holds}; from t = {} s on runs that differ by little meet other events (impacts, sticking, motors at their bounds)",
+                    "from t = {} s on runs that differ by little meet other events (impacts, sticking, motors at their bounds)",
                     rounded(differ)
                 )
+            });
+            let holds = format!("chaotic motion: {wanted:e} m holds until t = {until} s");
+            return Some(if let Some(other_events) = other_events {
+                if self.parts {
+                    format!("{holds}; {other_events}")
+                } else {
+                    // They are near each other all the same: no error grows without end.
+                    format!(
+                        "{wanted:e} m holds until t = {until} s; {other_events}, and the estimated error is {:.1e} m: compare with a run of another \
+                         --tolerance",
+                        self.estimated
+                    )
+                }
             } else if self.parts {
                 format!("{holds}; later the trajectory is physical but not reproducible to that accuracy")
             } else {

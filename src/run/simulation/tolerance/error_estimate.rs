@@ -10,8 +10,8 @@
 //! ([`crate::stepping::length::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside the
 //! errors of the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop
 //! that is `beside::RATIO` times coarser; errors are proportional to the stop. Its steps of first order are twice as long, so that their part of the distance
-//! is the error itself ([`Beside::share_of_first_order`]). Motions further apart than a hundredth of the mechanism's size have parted
-//! and give no estimate.
+//! is the error itself ([`Beside::share_of_first_order`]). A distance above a hundredth of the mechanism's size is the error as a whole: one impact that
+//! only one of the motions meets may make it. Motions further apart than a tenth of the size have parted and give no estimate.
 //!
 //! A companion may be far off where the run is not. What the iterations leave of a carried one is a part of the distance of the two, so that a distance
 //! that should grow in proportion to time grows by some percent a step. A coarser run may miss an event, or step over it. So another one is asked, once,
@@ -41,7 +41,9 @@ use crate::stepping::length::stage_choice::StageChoice;
 /// The accuracy over the stop, for which stages are chosen when the run restarts.
 const OPTIMISTIC: f64 = 100.0;
 /// Motions have parted if their distance exceeds this share of the mechanism's size.
-const PARTED: f64 = 1e-2;
+const PARTED: f64 = 0.1;
+/// Distances above this share of the size are no part of a companion's error any more: they are the error.
+const LARGE: f64 = 1e-2;
 /// Runs that meet other events part if they are this share of the size apart: steps over events are no worse. Less is an error of rebounds that were left out.
 const FAR: f64 = 1e-4;
 /// Number of estimates in a run with a carried companion, and in one with a separate companion.
@@ -231,7 +233,8 @@ impl<'a> ErrorEstimate<'a> {
         };
         let placed = run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
-        self.horizon.see(state.time, apart.min(PARTED * self.size));
+        self.horizon.see(state.time, apart.min(LARGE * self.size));
+        let share = if apart <= LARGE * self.size { share } else { share.max(1.0) };
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
