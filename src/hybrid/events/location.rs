@@ -27,8 +27,9 @@ const ATTEMPTS: usize = 12;
 const NOT_LOCATED: f64 = 1e-9;
 /// Force roots are located to this part of the rounding error, past the bound, so that the constraint releases immediately.
 const WITHIN: f64 = 0.1;
-/// Forces that end with the margin of all are below this many of their roundings.
+/// Forces that end with the margin of all are below this many of their roundings and of what is left of the margin, which is at most so many roundings.
 const TWICE: f64 = 2.0;
+const LEFT: f64 = 50.0;
 /// The smallest value of a function has fallen if it is less than this part of its value before. The search for a root ends after `STALE` attempts in
 /// which it has not fallen.
 const FALLS: f64 = 0.8;
@@ -179,14 +180,17 @@ impl Eventful {
         let end = self.workspaces.active().small.time;
         self.evaluate(inputs, since, Inside::at(end), &all, &mut values);
         let state = &self.trial.sample;
-        let margin = self.trial.watched[bracket.watched] == Watched::Margin;
+        let margin = (self.trial.watched[bracket.watched] == Watched::Margin).then(|| values[bracket.watched].abs());
         let meets = |index: usize| {
             let watched = self.trial.watched[index];
-            let allowed = match watched {
-                // A force is zero at the end of the margin up to its roundings, one of which its function adds: the contacts part together.
-                Watched::Presses(_) if margin => TWICE * watched.rounding(&self.trial.holding),
+            let allowed = match (watched, margin) {
+                // Forces that are the margin are zero where it is, up to their roundings and to what is left of it: these contacts part together.
+                (Watched::Presses(_), Some(left)) => {
+                    let rounding = watched.rounding(&self.trial.holding);
+                    TWICE * (rounding + left.min(LEFT * rounding))
+                }
                 // Those that get there at the same time; the top of a small bounce does not.
-                Watched::Gap(joint, _) => {
+                (Watched::Gap(joint, _), _) => {
                     self.model.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
                 }
                 _ => watched.nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode),
