@@ -65,6 +65,23 @@ fn steps_over_events_bring_a_bouncing_ball_and_a_sliding_block_to_their_closed_f
 }
 
 #[test]
+fn balls_that_meet_slowly_on_a_floor_part_again_in_steps_over_events() {
+    // Gravity makes 0.04 m/s in two steps, and has no part along the normal of the two.
+    let (radius, speed, restitution) = (0.05, 0.03, 0.5);
+    let mut balls = loose(DOWN, &[(1.0, Shape::Sphere { radius }), (1.0, Shape::Sphere { radius })]);
+    on_floor(&mut balls, 0.0, restitution);
+    let mut start = resting(&balls, &[Vector3::new(-0.11, 0.0, radius), Vector3::new(0.0, 0.0, radius)]);
+    start.velocity[0] = speed;
+    let [end] = ends(&balls, &start, [2e-3]);
+    let rates = [0, 1].map(|body| end.velocity[balls.bodies[body].joint.velocity_range().start]);
+    let wanted = [0.5 * (1.0 - restitution) * speed, 0.5 * (1.0 + restitution) * speed];
+    // 0.015 m/s both where they stayed together.
+    for (rate, wanted) in rates.iter().zip(wanted) {
+        assert!((rate - wanted).abs() < 1e-6, "{rates:?}, not {wanted}");
+    }
+}
+
+#[test]
 fn steps_over_events_have_second_order_where_nothing_happens() {
     let mut mechanism = double_pendulum(0.0);
     mechanism.nonsmooth.limits.clear();

@@ -216,8 +216,7 @@ impl Eventful {
         if self.progress.is_careful {
             return self.progress.crowding.is_calm(made.closed);
         }
-        let rates = self.model.whole.velocity_count as f64;
-        let exact = CALM_STEPS * ITERATION * (rates + 3.0 * made.held as f64).powi(2) + decision(made.held);
+        let exact = cost_of_exact(self.model.whole.velocity_count, made.held);
         let over = self.cost_of_crowds(length, (made.iterations as f64).min(USUAL));
         self.progress.crowding.is_calm(made.closed) && exact < 0.5 * over && !made.asleep
     }
@@ -354,6 +353,16 @@ impl Eventful {
         crowd.pressing(&self.model.touching, out);
         true
     }
+}
+
+/// The expected cost of exact steps with so many rates and closed contacts for a calm second of the motion (s).
+fn cost_of_exact(rates: usize, contacts: usize) -> f64 {
+    CALM_STEPS * ITERATION * (rates as f64 + 3.0 * contacts as f64).powi(2) + decision(contacts)
+}
+
+/// Whether exact steps with so many rates and closed contacts are expected to cost less than a second for a calm second of the motion.
+pub fn is_cheap(rates: usize, contacts: usize) -> bool {
+    cost_of_exact(rates, contacts) < CHEAP
 }
 
 /// The cost of the decision of a mode with this number of closed contacts (s).

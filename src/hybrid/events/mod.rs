@@ -40,7 +40,7 @@ mod covered;
 mod crowd;
 #[cfg(test)]
 mod crowd_tests;
-mod crowded;
+pub mod crowded;
 mod effects;
 mod entering;
 mod finding;

@@ -170,8 +170,16 @@ impl<'a> Wanted<'a> {
         }
         let estimate = !matches!(self.choice, StepChoice::Unestimated(_));
         let (start, end) = (state.time, state.time + self.duration);
-        let terms =
-            Terms { tolerance, start, end, kept: kept.to_vec(), counted, interrupt: self.interrupt.clone(), estimate };
+        let terms = Terms {
+            tolerance,
+            start,
+            end,
+            kept: kept.to_vec(),
+            counted,
+            interrupt: self.interrupt.clone(),
+            estimate,
+            over_events: 1.0,
+        };
         Ok((EstimatedRun::new(mechanism, terms)?, UnknownAccuracy::NotYet))
     }
 }

@@ -179,6 +179,7 @@ impl Method {
             counted: None,
             interrupt: None,
             estimate,
+            over_events: 1.0,
         };
         EstimatedRun::new(mechanism, terms).ok()
     }

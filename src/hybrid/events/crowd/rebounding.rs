@@ -1,7 +1,7 @@
 //! Rebounds in a step of a crowd: rounds of Newton's law among the contacts and limits that approach, before (B) holds what is closed.
 //!
 //! ```text
-//!     round:   M̃ (v_N − v) = Hᵀ r,   K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,   u = H v_N + e min(0, H_N v) n       if H_N v < −2 g h
+//!     round:   M̃ (v_N − v) = Hᵀ r,   K_μ ∋ r ⊥ u + μ|u_T| n ∈ K_μ*,   u = H v_N + e min(0, H_N v) n       if H_N v < −2 h |g · n|
 //!     v ← v_C + σ (v_N − v_C),   v_C: the same with e = 0,   σ the largest in [0, 1] that gains no energy
 //! ```
 //!
@@ -14,7 +14,7 @@ use crate::crowd::newton::Workspace;
 use crate::crowd::problem::{Given, Problem};
 use crate::crowd::solver::{TOLERANCE, solve};
 use crate::crowd::trees::Trees;
-use crate::events::crowd::contacts::{Candidate, Contacts, Scene};
+use crate::events::crowd::contacts::{Candidate, Contacts, Key, Scene};
 use crate::instant::cone::impact::share_without_gain;
 use nalgebra::Vector3;
 
@@ -22,6 +22,8 @@ use nalgebra::Vector3;
 const ROUNDS: usize = 100;
 /// A round whose law is solved less well is plastic: contacts that pinch a body cannot all rebound.
 const SOLVED: f64 = 1e-4;
+/// Normals across the gravity count as if this part of it were along them.
+const ACROSS: f64 = 0.05;
 /// A gain of this part of the energies that are exchanged is rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -32,16 +34,25 @@ pub(super) struct Rebounding<'r> {
     pub contacts: &'r Contacts,
     /// h (s).
     pub step: f64,
-    /// An approach below this has no rebound [m/s].
-    pub slow: f64,
+    /// What gravity adds to the velocities in two steps, `2 h g` [m/s].
+    pub fall: Vector3<f64>,
 }
 
 impl Rebounding<'_> {
+    /// An approach below this has no rebound [m/s]: gravity along the normal makes it in a step. Bodies that roll into each other on a floor part again.
+    fn slowest(&self, number: usize) -> f64 {
+        let candidate = &self.contacts.list[number];
+        match candidate.key {
+            Key::Touch(..) => candidate.frame[0].dot(&self.fall).abs().max(ACROSS * self.fall.norm()),
+            _ => self.fall.norm(),
+        }
+    }
+
     /// Whether a candidate has closed in this step so fast that it rebounds.
     pub fn rebounds(&self, number: usize, velocity: &[f64]) -> bool {
         let candidate = &self.contacts.list[number];
         let closes = candidate.closes() && !candidate.was_closed && candidate.restitution > 0.0;
-        closes && self.contacts.closing_rate(number, self.trees, velocity) < -self.slow
+        closes && self.contacts.closing_rate(number, self.trees, velocity) < -self.slowest(number)
     }
 
     /// Makes the rounds among candidates of whole islands: changes the rates of their freedoms, and adds the impulses of all. Returns how many have met,
@@ -61,7 +72,8 @@ impl Rebounding<'_> {
         for round in 0..ROUNDS {
             let approaches = |&&(number, first): &&(usize, f64)| {
                 let rate = self.contacts.closing_rate(number, self.trees, velocity);
-                rate < -self.slow && (!self.contacts.list[number].was_closed || rate < first - self.slow)
+                let slowest = self.slowest(number);
+                rate < -slowest && (!self.contacts.list[number].was_closed || rate < first - slowest)
             };
             let part: Vec<usize> = closing.iter().filter(approaches).map(|&(number, _)| number).collect();
             if part.is_empty() {

@@ -56,12 +56,12 @@ pub(super) fn settle(
     let &Settling { scene, start, displacement, step, free } = settling;
     let mut settled = Settled { work: vec![0.0; velocity.len()], ..Settled::default() };
     velocity.copy_from_slice(free);
-    let slow = 2.0 * step * scene.whole.gravity.norm();
+    let fall = 2.0 * step * scene.whole.gravity;
     let mut places = vec![0; trees.trees.len()];
     let mut kept = Vec::new();
     let contacts = &*next;
     let islands = islands(trees.trees.len(), contacts.sides(Candidate::settles));
-    let rebounding = Rebounding { scene, trees, contacts, step, slow };
+    let rebounding = Rebounding { scene, trees, contacts, step, fall };
     let struck =
         |island: &&Island| island.candidates.iter().any(|&number| rebounding.rebounds(number, &start.velocity));
     let struck: Vec<usize> =
@@ -108,7 +108,7 @@ pub(super) fn settle(
                 continue;
             }
             let approach = problem.moved(place, &before).x;
-            if approach < -slow {
+            if approach < -fall.norm() {
                 settled.closed += 1;
                 // (A) has taken only a part of the approach from it.
                 let taken = (approach + candidate.closing).min(approach / FULL);

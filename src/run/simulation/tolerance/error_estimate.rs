@@ -19,7 +19,8 @@
 //! beside the run where it is nearer.
 //!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
-//! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]).
+//! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]). A run that is not far from the accuracy at
+//! its end, because of steps over events, restarts once with shorter and fewer of these ([`opinions`]).
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes, probes_of_bodies, size};
@@ -80,6 +81,8 @@ pub struct ErrorEstimate<'a> {
     begun: usize,
     /// Whether it may restart.
     may_begin_again: bool,
+    /// Whether it may restart because of steps over events.
+    may_refine: bool,
     /// The stop and stages of the restart.
     next: Option<(f64, StageChoice)>,
     /// The start of the run, and the size of the mechanism there (m).
@@ -124,6 +127,7 @@ impl<'a> ErrorEstimate<'a> {
             forecast: Forecast::new(wanted),
             begun: 1,
             may_begin_again: true,
+            may_refine: true,
             next: None,
             origin: None,
             size: 0.0,
@@ -156,7 +160,7 @@ impl<'a> ErrorEstimate<'a> {
 
     /// Forbids restarts, whatever the error.
     pub(crate) fn settle(&mut self) {
-        self.may_begin_again = false;
+        (self.may_begin_again, self.may_refine) = (false, false);
     }
 
     /// Prepares the next beginning, and returns its integrator: finer if this island caused the restart, and otherwise as before.
@@ -234,7 +238,7 @@ impl<'a> ErrorEstimate<'a> {
         let placed = run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
         self.horizon.see(state.time, apart.min(LARGE * self.size));
-        let share = if apart <= LARGE * self.size { share } else { share.max(1.0) };
+        let share = if apart <= LARGE * self.size { share } else { share.clamp(1.0, OWN_ROUNDINGS) };
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
@@ -272,6 +276,9 @@ impl<'a> ErrorEstimate<'a> {
         (self.looked, self.due) = (self.steps, (state.time + (end - start) / self.looks()).min(start + later));
         if let Some(stop) = restarts {
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
+        } else if let Some(part) = self.finer_over_events(mechanism, state, estimate, run) {
+            self.terms.over_events = part;
+            self.next = Some(((part * self.stop).max(FINEST), self.stages));
         } else if error.is_infinite() {
             self.parted = true;
             self.differ = self.difference(run);

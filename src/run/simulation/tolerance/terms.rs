@@ -28,6 +28,8 @@ pub struct Terms<'a> {
     pub interrupt: Option<Held<'a, AtomicBool>>,
     /// Whether the run estimates its error.
     pub estimate: bool,
+    /// The part of the accuracy that steps over events are made for: less than 1 if the run has begun again because of them.
+    pub over_events: f64,
 }
 
 /// The wanted accuracy over the first stop of a smooth run,
@@ -62,7 +64,7 @@ impl Terms<'_> {
         stop: f64,
         stages: StageChoice,
     ) -> Result<RunIntegrator, MethodError> {
-        let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
+        let steps = Steps::Chosen { tolerance: self.tolerance * self.over_events, stop, stages };
         let mut run = RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone());
         if self.estimate {
             run.keep_estimate();

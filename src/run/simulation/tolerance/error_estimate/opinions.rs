@@ -1,5 +1,6 @@
 //! Before a run is said to be off: a second opinion, and whether finer steps would help.
 
+use crate::events::crowded::is_cheap;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
@@ -12,6 +13,14 @@ use crate::stepping::length::stage_choice::StageChoice;
 
 /// A run that steps over events for this part of its time does not restart.
 const STEPPED_OVER: f64 = 1.0 / 8.0;
+
+/// A run whose error at its end is at most this many times the accuracy is worth making again with shorter steps over events. What is further off has parted
+/// or will.
+const NEAR: f64 = 30.0;
+/// It aims at this part of the accuracy: the errors of steps of first order are in proportion to what they are made for.
+const AIM: f64 = 0.3;
+/// The largest and the least part of the accuracy that such steps are then made for.
+const PARTS: [f64; 2] = [0.1, 0.01];
 
 /// Begins a separate run beside one with this stop and these stages, from a state on.
 type Ask = fn(&Mechanism, &Terms, f64, StageChoice, &State) -> Option<Beside>;
@@ -81,6 +90,29 @@ impl ErrorEstimate<'_> {
         let Some(differ) = self.difference(run) else { return true };
         self.may_begin_again = self.horizon.is_worth(differ, self.stop, self.terms.end - self.terms.start);
         self.may_begin_again
+    }
+
+    /// The part of the accuracy that steps over events are made for if the run restarts because of them: at its end, once, and if its estimated error (m) is
+    /// near the accuracy. In the middle of a run it is not known whether motions part. Piles for which exact steps are too dear keep their steps over events.
+    pub(super) fn finer_over_events(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        estimate: f64,
+        run: &RunIntegrator,
+    ) -> Option<f64> {
+        let Terms { end, tolerance, .. } = self.terms;
+        let worth = estimate > tolerance && estimate <= NEAR * tolerance;
+        if !self.may_refine || state.time < end || !worth || run.smeared() == [0.0; 2] {
+            return None;
+        }
+        self.may_refine = false;
+        let mut closed = Vec::new();
+        run.contacts(mechanism, state, &mut closed);
+        if !is_cheap(mechanism.velocity_count, closed.len()) {
+            return None;
+        }
+        Some((AIM * tolerance / estimate).clamp(PARTS[1], PARTS[0]))
     }
 
     /// When the run and its separate companion first meet different events (s). A companion that alone steps over events does not say which it met.
