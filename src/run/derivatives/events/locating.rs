@@ -227,6 +227,7 @@ impl Walk<'_> {
         let at = Instant { figures, state, offsets: &own, closed };
         let sight = Sight {
             at,
+            constant: &self.constant,
             velocities: &rates,
             elements,
             mode: &traced.mode,

@@ -4,6 +4,7 @@ mod bearing;
 mod closing;
 pub mod efforts;
 mod impact;
+mod impulse_factors;
 pub mod instant;
 mod jumping;
 mod limit_impact;

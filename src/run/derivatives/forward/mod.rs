@@ -1,7 +1,7 @@
 //! Derivatives of a run by its start and its numbers, through its own steps.
 
 pub(crate) mod between;
-mod elimination;
+pub(in crate::derivatives) mod elimination;
 pub mod failure;
 pub(in crate::derivatives) mod figure_slopes;
 mod spatial;
