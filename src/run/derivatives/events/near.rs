@@ -65,7 +65,7 @@ impl Walk<'_> {
                 }
                 let gap = |state: &State| joint.gap(side, joint.position(state));
                 let gaps: Vec<f64> = std::iter::once(before).chain(stages).map(gap).collect();
-                let (place, least) = least_between(&self.subject.tableau.nodes, &gaps);
+                let (place, least) = self.looks.least(&gaps);
                 let row = joint.coordinate.freedom;
                 let (one, two) = (place * place, place * place * place);
                 let by = (was.positions.row(row) * (1.0 - 3.0 * one + 2.0 * two)
@@ -81,24 +81,44 @@ impl Walk<'_> {
     }
 }
 
-/// The place and the least value of the polynomial through some values at nodes between 0 and 1.
-fn least_between(nodes: &[f64], values: &[f64]) -> (f64, f64) {
-    let at = |place: f64| -> f64 {
-        let base = |i: usize| -> f64 {
-            let others = (0..nodes.len()).filter(|&other| other != i);
-            others.map(|other| (place - nodes[other]) / (nodes[i] - nodes[other])).product()
-        };
-        values.iter().enumerate().map(|(i, value)| value * base(i)).sum()
+/// Polynomials through values at nodes between 0 and 1, looked at in many places.
+pub(super) struct Looks {
+    nodes: Vec<f64>,
+    /// l_i of all places, place by place.
+    bases: Vec<f64>,
+}
+
+impl Looks {
+    /// With these nodes.
+    pub fn new(nodes: &[f64]) -> Self {
+        let nodes = nodes.to_vec();
+        let of = |index: usize| bases(&nodes, index as f64 / LOOKED_AT as f64);
+        Looks { bases: (0..=LOOKED_AT).flat_map(of).collect(), nodes }
+    }
+
+    /// The place and the least value of the polynomial through some values.
+    fn least(&self, values: &[f64]) -> (f64, f64) {
+        let sum = |bases: &[f64]| bases.iter().zip(values).map(|(base, value)| base * value).sum::<f64>();
+        let seen: Vec<f64> = self.bases.chunks_exact(values.len()).map(sum).collect();
+        let index = (0..seen.len()).min_by(|&one, &other| seen[one].total_cmp(&seen[other])).unwrap_or_default();
+        let (best, width) = (index as f64 / LOOKED_AT as f64, 1.0 / LOOKED_AT as f64);
+        // The vertex of the parabola through the neighbours.
+        let at = |place: f64| sum(&bases(&self.nodes, place));
+        let [before, here, after] = [best - width, best, best + width].map(at);
+        let bend = before - 2.0 * here + after;
+        let place = if bend > 0.0 { best + 0.5 * width * (before - after) / bend } else { best };
+        let place = place.clamp(0.0, 1.0);
+        (place, at(place).min(here))
+    }
+}
+
+/// l_i at a place.
+fn bases(nodes: &[f64], place: f64) -> Vec<f64> {
+    let base = |i: usize| -> f64 {
+        let others = (0..nodes.len()).filter(|&other| other != i);
+        others.map(|other| (place - nodes[other]) / (nodes[i] - nodes[other])).product()
     };
-    let width = 1.0 / LOOKED_AT as f64;
-    let seen = (0..=LOOKED_AT).map(|index| index as f64 * width);
-    let best = seen.min_by(|&one, &other| at(one).total_cmp(&at(other))).unwrap_or_default();
-    // The vertex of the parabola through the neighbours.
-    let [before, here, after] = [best - width, best, best + width].map(at);
-    let bend = before - 2.0 * here + after;
-    let place = if bend > 0.0 { best + 0.5 * width * (before - after) / bend } else { best };
-    let place = place.clamp(0.0, 1.0);
-    (place, at(place).min(here))
+    (0..nodes.len()).map(base).collect()
 }
 
 #[cfg(test)]
@@ -110,7 +130,7 @@ mod tests {
         let nodes = [0.0, 0.172_673_164_646_011_4, 0.5, 0.827_326_835_353_988_6, 1.0];
         let of = |place: f64| (place - 0.37).powi(2) * (1.0 + place * place) + 1e-9;
         let values = nodes.map(of);
-        let (place, least) = least_between(&nodes, &values);
+        let (place, least) = Looks::new(&nodes).least(&values);
         // The parabola of three places 1/256 apart is off by the third derivative, 1e-5 of a place, and its square in value.
         assert!((place - 0.37).abs() < 1e-4 && (least - 1e-9).abs() < 1e-9, "{place} {least}");
     }

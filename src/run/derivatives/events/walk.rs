@@ -13,6 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::near::Looks;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
@@ -68,6 +69,7 @@ pub(crate) struct Walk<'w> {
     pub(super) figures: BothFigures<f64>,
     pub(super) constant: BothFigures<Part>,
     pub(super) varied: Varied,
+    pub(super) looks: Looks,
     /// Where it is.
     pub state: State,
     pub tangent: Tangent,
@@ -111,6 +113,7 @@ impl<'w> Walk<'w> {
             figures: BothFigures::taken(mechanism, elements, frames, |_, value| value),
             constant: BothFigures::taken(mechanism, elements, frames, |_, value| Part::of(value)),
             varied: Varied::new(mechanism, elements, frames, &slopes),
+            looks: Looks::new(&subject.tableau.nodes),
             state: start.clone(),
             tangent: Tangent {
                 positions: column(&|parameter| &parameter.position),

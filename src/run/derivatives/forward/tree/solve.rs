@@ -80,7 +80,7 @@ pub(in crate::derivatives::forward) fn solve_tree(
 }
 
 /// Stages i = 2..s: the known ones of the run, moved along with the start, otherwise on a cubic curve through both ends.
-fn first_stages(problem: &StepProblem) -> Vec<State> {
+pub(in crate::derivatives::forward) fn first_stages(problem: &StepProblem) -> Vec<State> {
     let StepProblem { mechanism, tableau, start, begun, toward, inside, .. } = *problem;
     let mut stages = if inside.len() + 2 == tableau.stages {
         let moved = motion_between(mechanism, begun, start);
