@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Differences of order eight over a part in 250 of a number have errors of 1e-10 of the derivative. Eigenvalues that are equal have no derivative of
-//! their own, and neither have those whose vectors meet, as of free motions.
+//! their own, nor have eigenvalues whose vectors meet, as of free motions.
 //!
 //! Source: P. Lancaster, On eigenvalues of matrices dependent on a parameter, Numerische Mathematik 6 (1964).
 

@@ -256,8 +256,8 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Tells of contacts that are closed from the start on, and open or are pressed with a parameter: corners that stick, and those of bodies that cannot
-    /// move, have no equations of their gaps.
+    /// Tells of contacts that are closed from the start on, and open or are pressed with a parameter: corners that stick have no equations of their
+    /// gaps, nor has a body that cannot move.
     fn see_opening(&mut self, traced: &TracedStep) {
         let time = self.state.time;
         for (chunk, figures) in self.varied.chunks().iter().enumerate() {

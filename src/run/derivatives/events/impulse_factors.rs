@@ -5,8 +5,8 @@
 //!     R A C = U Σ Vᵀ                   redundant: A⁺ = C V Σ⁺ Uᵀ R        R, C: scales of rows and columns, so that entries are near 1
 //! ```
 //!
-//! Four corners of a box that fall flat have one velocity after the impact, and many impulses. A⁺ gives the velocity, and of the impulses the nearest
-//! ones to those of the run.
+//! Four corners of a box that fall flat have one velocity after the impact, and many impulses. A⁺ gives the velocity, and the impulses nearest to the
+//! run.
 //!
 //! Source: D. Ruiz, A scaling algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034; G. H. Golub, C. F. Van Loan, Matrix
 //! Computations, 4th edition 2013, section 5.5.

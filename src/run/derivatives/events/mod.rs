@@ -9,6 +9,7 @@ pub mod instant;
 mod jumping;
 mod limit_impact;
 mod locating;
+mod looks;
 mod meet;
 mod near;
 pub mod parameter;

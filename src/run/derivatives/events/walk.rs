@@ -13,7 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
-use crate::derivatives::events::near::Looks;
+use crate::derivatives::events::looks::Looks;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;

@@ -4,6 +4,7 @@ pub(crate) mod between;
 pub(in crate::derivatives) mod elimination;
 pub mod failure;
 pub(in crate::derivatives) mod figure_slopes;
+mod first_stages;
 mod spatial;
 pub mod stage_equations;
 pub mod step;

@@ -13,8 +13,8 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::elimination::Elimination;
+use crate::derivatives::forward::first_stages::{NearStep, first_stages};
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
-use crate::derivatives::forward::tree::first_stages;
 use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::derivatives::numbers::dual::Dual;
 use crate::derivatives::numbers::jet::Jet;
@@ -184,7 +184,7 @@ impl StepProblem<'_> {
                 (stages, velocities, multipliers, Some((factors, drift + change)))
             }
             _ => {
-                let stages = first_stages(self);
+                let stages = self.first_stages();
                 let faster = |&freedom: &usize| self.start.velocity[freedom] - self.begun.velocity[freedom];
                 let ended: Vec<f64> =
                     free.iter().map(|freedom| self.toward.velocity[*freedom] + faster(freedom)).collect();
@@ -216,7 +216,7 @@ impl StepProblem<'_> {
                 let pushed = correction.rows(s * n + stage * m, m);
                 rows.iter().zip(pushed.iter()).for_each(|(&row, part)| multipliers[row] -= part);
             }
-            // Roundings of multipliers are those of forces over h².
+            // Multipliers have the roundings of forces over h².
             let pushed = if m > 0 { correction.rows(s * n, s * m).amax() / most } else { 0.0 };
             let drift = drift + size + SMALLER * pushed;
             if size < ROUNDING && (size >= 0.25 * last || size * drift <= SQUARE) || size == 0.0 {
@@ -237,7 +237,13 @@ impl StepProblem<'_> {
         None
     }
 
-    /// Multipliers that balance the forces at some stages best: those of the solution, if these are its stages. Equations are linear in them.
+    /// The first guess of the stages i = 2..s.
+    pub(super) fn first_stages(&self) -> Vec<State> {
+        let StepProblem { mechanism, tableau, start, step, begun, toward, inside, .. } = *self;
+        first_stages(&NearStep { mechanism, tableau, start, step, begun, toward, inside, free: &self.mode.free })
+    }
+
+    /// Multipliers that balance the forces at some stages best, and solve the equations if these are its stages: equations are linear in them.
     fn first_multipliers(&self, stages: &[State], velocities: &[f64]) -> Vec<Vec<f64>> {
         let StepMode { free, rows, row_count, .. } = self.mode;
         let (s, n, m) = (self.tableau.stages, free.len(), rows.len());

@@ -14,7 +14,7 @@ use crate::session::simulation::Simulation;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 
-/// Directions of starts that loops close have singular values below this part of the largest: what closing loops leaves.
+/// Directions of starts that loops close have singular values below this part of the largest: closing loops leaves as much.
 const CLOSED: f64 = 1e-8;
 
 /// Multipliers of a motion over a period.
@@ -24,9 +24,9 @@ pub struct Multipliers {
     pub period: f64,
     /// μ, the largest first; a complex pair has two.
     pub values: Vec<Complex<f64>>,
-    /// How far q and v at the end are from those at the start [rad, m, and per s]; whole turns of joints count as none.
+    /// How far q and v at the end are from the start [rad, m, and per s]; whole turns of joints count as none.
     pub apart: f64,
-    /// What makes the derivatives worse than their order.
+    /// Warnings: causes of derivatives that are worse than their order.
     pub warnings: Vec<String>,
 }
 

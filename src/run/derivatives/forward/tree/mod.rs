@@ -33,4 +33,3 @@ pub(in crate::derivatives) use adjoint::FigureCotangents;
 pub(in crate::derivatives) use carrying::pulled_back;
 pub(in crate::derivatives) use momenta::Momenta;
 pub(in crate::derivatives) use over_step::by_length;
-pub(in crate::derivatives::forward) use solve::first_stages;

@@ -20,12 +20,10 @@ use crate::scene::{Parameter as Number, Problem, Scene, UrdfJointKind};
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
-use crate::session::simulation::sensitivity::starts::Bounds;
+use crate::session::simulation::sensitivity::starts::{Bounds, WIDTH};
 use crate::session::tangents::Tangents;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
-pub(super) const WIDTH: f64 = 4e-3;
 /// Or by these parts of it, if they cannot vary as much.
 const NARROWER: [f64; 2] = [1e-2, 1e-4];
 /// Frames whose entries move by less than this, while a number varies by its width, stay: a few roundings (m, or 1 for axes).

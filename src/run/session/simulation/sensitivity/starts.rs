@@ -15,10 +15,11 @@ use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
-use crate::session::simulation::sensitivity::parameters::WIDTH;
 use nalgebra::{DVector, Rotation3, Vector3};
 
-/// Starts this close to each other are the same (rad or m, per s): what closing loops leaves.
+/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
+pub(super) const WIDTH: f64 = 4e-3;
+/// Starts this close to each other are the same (rad or m, per s): closing loops leaves as much.
 const SAME: f64 = 1e-10;
 
 /// Whether limits and other shapes moved a start.
