@@ -41,21 +41,34 @@ impl Walk<'_> {
         }
         let lost = || SensitivityError::Impact { time: jump.before.time };
         let (restitution, slow) = self.without_low_rebounds(jump).ok_or_else(lost)?;
-        let rounds = rounds(self.subject.mechanism, jump, &restitution).ok_or_else(lost)?;
-        if rounds.is_empty() {
-            return Ok(());
-        }
-        let after = self.impact(jump, &restitution, &rounds)?;
-        let gained = after.iter().zip(&self.state.velocity).map(|(after, before)| after - before);
-        let of_run = jump.after.velocity.iter().zip(&jump.before.velocity).map(|(after, before)| after - before);
-        let off = gained.zip(of_run).map(|(own, of_run)| own - of_run).collect::<Vec<f64>>();
         let before = self.state.velocity.iter().zip(&jump.before.velocity).map(|(own, of_run)| own - of_run);
         let apart = fastest(&before.collect::<Vec<f64>>());
-        if fastest(&off) > SAME_IMPACT * self.fastest + AMPLIFIED * slow.max(apart) {
-            return Err(lost());
+        let bound = SAME_IMPACT * self.fastest + AMPLIFIED * slow.max(apart);
+        let tangent = self.tangent.velocities.clone();
+        // Rebounds that a run stops may kick others open, which it stops as well: an impact of all without restitution.
+        let plastic = vec![0.0; restitution.len()];
+        for counted in [&restitution, &plastic] {
+            let Some(rounds) = rounds(self.subject.mechanism, jump, counted) else { continue };
+            if rounds.is_empty() {
+                return Ok(());
+            }
+            let Ok(after) = self.impact(jump, counted, &rounds) else { continue };
+            let gained = after.iter().zip(&self.state.velocity).map(|(after, before)| after - before);
+            let of_run = jump.after.velocity.iter().zip(&jump.before.velocity).map(|(after, before)| after - before);
+            let off = gained.zip(of_run).map(|(own, of_run)| own - of_run).collect::<Vec<f64>>();
+            if fastest(&off) <= bound {
+                self.state.velocity = after;
+                for ((meeting, own), counted) in jump.meetings.iter().zip(&restitution).zip(counted) {
+                    let rate = meeting.rate(&jump.before.velocity);
+                    if own > counted && rate < -meeting.rest {
+                        self.tell_of_end(meeting, jump, -rate * own);
+                    }
+                }
+                return Ok(());
+            }
+            self.tangent.velocities.copy_from(&tangent);
         }
-        self.state.velocity = after;
-        Ok(())
+        Err(lost())
     }
 
     /// The restitution of all meetings as the run has it after the impact, zero where it left out a rebound because it was too low, and the fastest of

@@ -7,6 +7,7 @@
 //!
 //! The gap is least where its rate is zero, so that the change of c* has no part in its derivative.
 
+use crate::derivatives::events::looks::Looks;
 use crate::derivatives::events::walk::Walk;
 use crate::derivatives::forward::tangent::Tangent;
 use crate::events::trace::{JointMode, TracedStep};
@@ -62,7 +63,7 @@ impl Walk<'_> {
                 }
                 let gap = |state: &State| joint.gap(side, joint.position(state));
                 let gaps: Vec<f64> = std::iter::once(before).chain(stages).map(gap).collect();
-                let (place, least) = self.looks.least(&gaps);
+                let (place, least) = self.looks.get_or_init(|| Looks::new(&self.subject.tableau.nodes)).least(&gaps);
                 let row = joint.coordinate.freedom;
                 let (one, two) = (place * place, place * place * place);
                 let by = (was.positions.row(row) * (1.0 - 3.0 * one + 2.0 * two)

@@ -29,6 +29,7 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// A tick or an instant of a law is this close to its time, in parts of it.
@@ -69,7 +70,8 @@ pub(crate) struct Walk<'w> {
     pub(super) figures: BothFigures<f64>,
     pub(super) constant: BothFigures<Part>,
     pub(super) varied: Varied,
-    pub(super) looks: Looks,
+    /// Made when it is first asked for.
+    pub(super) looks: OnceCell<Looks>,
     /// Where it is.
     pub state: State,
     pub tangent: Tangent,
@@ -113,7 +115,7 @@ impl<'w> Walk<'w> {
             figures: BothFigures::taken(mechanism, elements, frames, |_, value| value),
             constant: BothFigures::taken(mechanism, elements, frames, |_, value| Part::of(value)),
             varied: Varied::new(mechanism, elements, frames, &slopes),
-            looks: Looks::new(&subject.tableau.nodes),
+            looks: OnceCell::new(),
             state: start.clone(),
             tangent: Tangent {
                 positions: column(&|parameter| &parameter.position),
