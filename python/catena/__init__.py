@@ -13,7 +13,7 @@ Lengths in m, angles in rad, times in s, masses in kg; quaternions w, x, y, z fr
 from ._catena import __version__
 from ._errors import CatenaError, InputError, RunError
 from ._fit import Fit, fit
-from ._model import Gradient, Linear, Model, Samples, Sensitivity, load
+from ._model import Gradient, Linear, Model, Multipliers, Samples, Sensitivity, load
 from ._named import NamedArray
 from ._result import Result
 from ._rollout import Rollouts, rollout
@@ -28,6 +28,7 @@ __all__ = [
     "InputError",
     "Linear",
     "Model",
+    "Multipliers",
     "NamedArray",
     "Noise",
     "Result",

@@ -249,9 +249,16 @@ class Linear:
     shapes : (modes, n), complex, along ``freedoms``
     stable : "yes", "neutral", "no" or "free" for each mode
     stuck, saturated : joints that do not move, with the reason; joints whose motor is at its bound
+    eigenvalues_by : by key path, the derivatives of the eigenvalues (nan where eigenvalues are equal)
+    frequencies_by : the same of the frequencies, Hz per unit
     """
 
     def __init__(self, told):
+        def complexes(pairs):
+            return np.array([complex(np.nan, np.nan) if pair is None else complex(*pair) for pair in pairs])
+
+        self.eigenvalues_by = {key: complexes(pairs) for key, pairs in told["by"].items()}
+        self.frequencies_by = {key: of.imag / (2 * np.pi) for key, of in self.eigenvalues_by.items()}
         self.A, self.B, self.B_targets = told["A"], told["B"], told["B_targets"]
         self.inertia, self.damping, self.stiffness = told["inertia"], told["damping"], told["stiffness"]
         self.names, self.units, self.freedoms, self.targets = told["names"], told["units"], told["freedoms"], told["targets"]
@@ -264,9 +271,33 @@ class Linear:
         parts = np.array(told["shapes"], dtype=float).reshape(len(size), len(self.freedoms), 2)
         self.shapes = parts[..., 0] + 1j * parts[..., 1]
 
+    def discrete(self, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """A, B and B_targets of the discrete system whose inputs are held over a step [s]."""
+        if not (np.isfinite(step) and step > 0):
+            raise InputError(f"step is {step!r}: give seconds above zero")
+        return tuple(_catena.discrete(self.A, self.B, self.B_targets, float(step)))
+
     def __repr__(self):
         modes = ", ".join(f"{frequency:.4g} Hz ({stable})" for frequency, stable in zip(self.frequencies, self.stable))
         return f"Linear({', '.join(self.names)}; modes: {modes})"
+
+
+@dataclass
+class Multipliers:
+    """How slight changes of a start have grown after a period.
+
+    Attributes
+    ----------
+    period : s
+    values : the multipliers, complex, the largest first; an orbit that may begin anywhere on itself has one of 1, with energy two
+    apart : how far q and v at the end are from those at the start; whole turns count as none
+    warnings : what makes them worse than the order of the steps
+    """
+
+    period: float
+    values: np.ndarray
+    apart: float
+    warnings: list[str]
 
 
 class Model:
@@ -343,7 +374,7 @@ class Model:
         """q and v where the file starts it, with all loops closed."""
         return self._inner.start()
 
-    def linearize(self, q: ArrayLike | None = None, v: ArrayLike | None = None, efforts: ArrayLike | None = None, *, at: str | None = None) -> Linear:
+    def linearize(self, q: ArrayLike | None = None, v: ArrayLike | None = None, efforts: ArrayLike | None = None, *, at: str | None = None, by: str | Iterable[str] = ()) -> Linear:
         """Linear equations of motion and their modes: a :class:`Linear`.
 
         Parameters
@@ -351,6 +382,7 @@ class Model:
         q, v : the state; the start of the file if they are left out
         efforts : besides motors, springs and dampers; zero if they are left out
         at : ``"rest"`` for the equilibrium near q, ``"state"`` for q and v themselves; "rest" unless v or efforts are given
+        by : key paths of numbers of the scene, by which eigenvalues and frequencies are differentiated
 
         Raises
         ------
@@ -363,7 +395,37 @@ class Model:
         if at == "rest" and not (v is None and efforts is None):
             raise InputError("at is 'rest': v and efforts are for at='state'")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v), ("efforts", efforts))]
-        return Linear(self._inner.linearize(*given, at == "rest"))
+        keys = [by] if isinstance(by, str) else [str(key) for key in by]
+        return Linear(self._inner.linearize(*given, at == "rest", keys))
+
+    def multipliers(
+        self,
+        period: float,
+        q: ArrayLike | None = None,
+        v: ArrayLike | None = None,
+        *,
+        tolerance: float | None = None,
+        stages: int | None = None,
+        step: float | None = None,
+    ) -> Multipliers:
+        """Multipliers of the motion from q and v on, which comes back after a period [s]: a :class:`Multipliers`.
+
+        Parameters
+        ----------
+        period : s
+        q, v : the start; that of the file if they are left out
+        tolerance : wanted accuracy [m], or ``stages`` and ``step`` [s] of fixed steps
+
+        Raises
+        ------
+        InputError : as :meth:`sensitivity`
+        """
+        if (stages is None) != (step is None):
+            raise InputError("stages and step go together")
+        given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
+        fixed = None if stages is None else (int(stages), float(step))
+        values, apart, warnings = self._inner.multipliers(float(period), *given, None if tolerance is None else float(tolerance), fixed)
+        return Multipliers(float(period), np.array([complex(*value) for value in values]), apart, warnings)
 
     def sensitivity(
         self,

@@ -1,6 +1,7 @@
 //! Linear equations of motion as Python has them, and the loss of a gradient.
 
 use crate::model::{Given, numbers};
+use catena::nalgebra::DMatrix;
 use catena::session::{EventLost, Linear, Lost, Mode, Samples};
 use numpy::{PyArray2, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -44,6 +45,26 @@ pub fn linear_equations<'py>(py: Python<'py>, linear: &Linear) -> PyResult<Bound
     out.set_item("shapes", shapes)?;
     out.set_item("stable", modes.iter().map(|mode| mode.stability.word()).collect::<Vec<_>>())?;
     Ok(out)
+}
+
+/// A_d, and B_d of efforts and of targets, of a system whose inputs are held over a step (s).
+#[pyfunction]
+pub fn discrete<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+    b_targets: PyReadonlyArray2<'py, f64>,
+    step: f64,
+) -> [Bound<'py, PyArray2<f64>>; 3] {
+    let given = [a, b, b_targets].map(|of| {
+        let of = of.as_array();
+        DMatrix::from_fn(of.nrows(), of.ncols(), |row, column| of[(row, column)])
+    });
+    let (a, [b, b_targets]) = catena::session::discrete(&given[0], [&given[1], &given[2]], step);
+    [a, b, b_targets].map(|of| {
+        let entry = |(row, column)| of[(row, column)];
+        PyArray2::from_owned_array(py, numpy::ndarray::Array2::from_shape_fn(of.shape(), entry))
+    })
 }
 
 /// The answer of a loss: its value, its derivatives by q and v of the samples, and its derivatives by events with their numbers.

@@ -35,6 +35,7 @@ fn _catena(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rollout::Rolled>()?;
     module.add_class::<sweep::Sweep>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(derivatives::discrete, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::instructions, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)

@@ -22,6 +22,8 @@ pub struct Model {
 pub type Vector<'py> = Bound<'py, PyArray1<f64>>;
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 pub type Given<'py> = PyReadonlyArray1<'py, f64>;
+/// Multipliers as real and imaginary parts, how far the end is from the start, and warnings.
+type Multiplied = (Vec<(f64, f64)>, f64, Vec<String>);
 
 /// Numbers of an array, whatever its strides.
 pub fn numbers(given: &Given<'_>) -> Vec<f64> {
@@ -253,8 +255,8 @@ impl Model {
         vector(py, self.inner.gravity_efforts(&numbers(&q)))
     }
 
-    /// Linear equations of motion about q, v and efforts, or about the equilibrium near q.
-    #[pyo3(signature = (q, v, efforts, rest))]
+    /// Linear equations of motion about q, v and efforts, or about the equilibrium near q, with the derivatives of their eigenvalues by some numbers.
+    #[pyo3(signature = (q, v, efforts, rest, by))]
     fn linearize<'py>(
         &self,
         py: Python<'py>,
@@ -262,18 +264,49 @@ impl Model {
         v: Option<Given<'py>>,
         efforts: Option<Given<'py>>,
         rest: bool,
+        by: Vec<String>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let [q, v, efforts] = [q, v, efforts].map(|given| given.map(|given| numbers(&given)));
         let found = py.detach(|| {
-            if rest {
-                return self.inner.linearize_at_rest(q.as_deref());
-            }
-            let start = self.inner.start()?;
-            let q = q.unwrap_or(start.0);
-            let v = v.unwrap_or(start.1);
-            self.inner.linearize(&q, &v, efforts.as_deref().unwrap_or(&[]))
+            let of = |model: &catena::session::Model| {
+                if rest {
+                    return model.linearize_at_rest(q.as_deref());
+                }
+                let start = model.start()?;
+                let q = q.as_ref().unwrap_or(&start.0);
+                let v = v.as_ref().unwrap_or(&start.1);
+                model.linearize(q, v, efforts.as_deref().unwrap_or(&[]))
+            };
+            let linear = of(&self.inner)?;
+            let keys: Vec<&str> = by.iter().map(String::as_str).collect();
+            let slopes = self.inner.eigenvalues_by(&linear, &keys, of)?;
+            Ok::<_, Error>((linear, slopes))
         });
-        linear_equations(py, &found.map_err(|error| refuse(py, error))?)
+        let (linear, slopes) = found.map_err(|error| refuse(py, error))?;
+        let out = linear_equations(py, &linear)?;
+        let by = PyDict::new(py);
+        for of in &slopes {
+            by.set_item(&of.key, of.by.iter().map(|by| by.map(|by| (by.re, by.im))).collect::<Vec<_>>())?;
+        }
+        out.set_item("by", by)?;
+        Ok(out)
+    }
+
+    /// The multipliers of the motion from q and v on over a period (s): pairs of real and imaginary parts, how far the end is from the start, warnings.
+    #[pyo3(signature = (period, q, v, tolerance, fixed))]
+    fn multipliers(
+        &self,
+        py: Python<'_>,
+        period: f64,
+        q: Option<Given<'_>>,
+        v: Option<Given<'_>>,
+        tolerance: Option<f64>,
+        fixed: Option<(usize, f64)>,
+    ) -> PyResult<Multiplied> {
+        let given = [q, v].map(|given| given.map(|given| numbers(&given)));
+        let found = py.detach(|| self.differentiated(given, period, tolerance, fixed)?.multipliers());
+        let found = found.map_err(|error| refuse(py, error))?;
+        Ok((found.values.iter().map(|value| (value.re, value.im)).collect(), found.apart, found.warnings))
     }
 
     /// A run and its derivatives by these keys at the end of each of its steps.

@@ -284,3 +284,26 @@ def test_rollouts_name_numbers_that_the_model_does_not_have(double_pendulum):
 
 def test_noise_shows_what_it_is():
     assert repr(catena.Noise(0.1, bias=0.2, seed=3)) == "<catena.Noise: deviation 0.1, bias 0.2, seed 3>"
+
+
+def test_linear_equations_have_a_discrete_system_and_derivatives_of_their_frequencies(robots):
+    linear = catena.load(robots / "damped_oscillator.toml").linearize(by=["spring.spring.stiffness"])
+    # f = sqrt(k/m - (c/2m)^2)/(2 pi): df/dk = 1/(8 pi^2 m f).
+    wanted = 1 / (8 * np.pi**2 * linear.frequencies[0])
+    assert abs(linear.frequencies_by["spring.spring.stiffness"][0] - wanted) < 1e-9 * wanted
+    a, b, b_targets = linear.discrete(0.1)
+    # x'' + 4 x' + 100 x = u over 0.1 s; at rest under u = 100 it stays at 1.
+    w = np.sqrt(96)
+    first = np.exp(-0.2) * (np.cos(0.1 * w) + 2 / w * np.sin(0.1 * w))
+    assert abs(a[0, 0] - first) < 1e-14 and b_targets.shape == (2, 0)
+    assert np.allclose(a @ [1, 0] + b @ [100], [1, 0], rtol=0, atol=1e-13)
+    with pytest.raises(catena.InputError, match="step"):
+        linear.discrete(0.0)
+
+
+def test_the_multipliers_of_an_oscillator_are_those_of_its_closed_form(robots):
+    model = catena.load(robots / "damped_oscillator.toml")
+    found = model.multipliers(0.3, stages=9, step=0.1)
+    wanted = np.exp(0.3 * (-2 + 1j * np.sqrt(96)))
+    assert np.abs(found.values - [wanted, np.conj(wanted)]).max() < 1e-12 and found.warnings == []
+    assert abs(found.apart) > 0.01, "it does not come back"

@@ -8,10 +8,10 @@ use crate::cli::tables::table::{Table, number};
 use crate::cli::terminal::printing::{Failure, print, print_json};
 use anyhow::anyhow;
 use catena::mechanism::ground::words::counted;
-use catena::mechanism::motion::state::State;
-use catena::session::{Linear, Mode, Model, Simulation};
+use catena::session::{EigenvalueSlopes, Error, Linear, Mode, Model, Simulation};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::io::Read as _;
 use std::path::Path;
@@ -38,6 +38,14 @@ pub struct LinearizeArgs {
     /// Add the matrices of a discrete system with this step [s], inputs being held over a step
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = positive, requires = "json")]
     discrete: Option<f64>,
+
+    /// Add the derivatives of all frequencies and eigenvalues by a number of the scene, with its key path (repeatable); about the equilibrium or the start
+    #[arg(long, value_name = "KEY")]
+    by: Vec<String>,
+
+    /// The multipliers of the motion from the start on over this period [s], instead of modes
+    #[arg(long, value_name = "T", value_parser = positive, conflicts_with_all = ["at", "by", "discrete"])]
+    orbit: Option<f64>,
 
     /// Print one JSON object, with all matrices, instead of a table
     #[arg(long)]
@@ -73,8 +81,83 @@ impl std::str::FromStr for At {
 /// # Errors
 /// [`Failure`]: 2 for bad input and states without linear equations, 1 if a run to the instant fails.
 pub fn run(args: &LinearizeArgs) -> Result<(), Failure> {
-    let linear = if is_log(&args.input.input) { of_log(args)? } else { of_input(args)? };
-    if args.json { print_json(&as_json(args, &linear)) } else { print(as_text(&linear)) }
+    if is_log(&args.input.input) {
+        if !args.by.is_empty() || args.orbit.is_some() {
+            return Err(Failure::input(anyhow!("--by and --orbit need the robot or scene itself, not a log of it")));
+        }
+        let linear = of_log(args)?;
+        return if args.json { print_json(&as_json(args, &linear, &[])) } else { print(as_text(&linear, &[])) };
+    }
+    if let Some(period) = args.orbit {
+        return print_orbit(args, &Given::of(args)?, period);
+    }
+    let (linear, slopes) = of_input(args)?;
+    if args.json { print_json(&as_json(args, &linear, &slopes)) } else { print(as_text(&linear, &slopes)) }
+}
+
+/// A model and its start.
+struct Given {
+    model: Model,
+    positions: Vec<(String, Vec<f64>)>,
+    velocities: Vec<(String, Vec<f64>)>,
+}
+
+impl Given {
+    fn of(args: &LinearizeArgs) -> Result<Self, Failure> {
+        let loaded = args.input.load().map_err(Failure::input)?;
+        args.input.refuse_warnings(&loaded.model).map_err(Failure::input)?;
+        let model = Model::of_loaded(loaded, args.input.input.clone(), args.input.world.world());
+        let given = |given, are| pairs(given, model.description(), are).map_err(Failure::input);
+        let positions = given(&args.position, Coordinates::Positions)?;
+        let velocities = given(&args.velocity, Coordinates::Velocities)?;
+        Ok(Given { model, positions, velocities })
+    }
+
+    /// A run from the start on.
+    fn run(&self, args: &LinearizeArgs, duration: f64) -> Result<Simulation, Failure> {
+        let run = Simulation::new(&self.model).without_figures().duration(duration);
+        let run = args.input.keep.iter().fold(run, |run, rule| run.keep(*rule));
+        Ok(run.start(self.positions.clone())?.velocities(self.velocities.clone())?)
+    }
+
+    /// The start of a model, and its linear equations there or about the equilibrium near it.
+    fn linear(&self, model: &Model, settled: bool) -> Result<Linear, Error> {
+        let start = model.loaded().assembled(&self.positions, &self.velocities, None)?.state;
+        model.linear_of_state(&start, &[], settled)
+    }
+}
+
+/// Tolerance of the run of an orbit (m): multipliers are as accurate as its motion.
+const OF_ORBIT: f64 = 1e-9;
+
+fn print_orbit(args: &LinearizeArgs, given: &Given, period: f64) -> Result<(), Failure> {
+    let found = given.run(args, period)?.tolerance(OF_ORBIT).multipliers()?;
+    let turn = |value: &nalgebra::Complex<f64>| value.arg() / std::f64::consts::TAU;
+    let growth = |value: &nalgebra::Complex<f64>| value.norm().ln() / found.period;
+    if args.json {
+        let value = |value: &nalgebra::Complex<f64>| json!({ "multiplier": [value.re, value.im], "size": value.norm(), "turn": turn(value), "growth": growth(value) });
+        return print_json(&json!({
+            "catena": env!("CARGO_PKG_VERSION"),
+            "input": args.input.input.display().to_string(),
+            "period": found.period,
+            "apart": found.apart,
+            "multipliers": found.values.iter().map(value).collect::<Vec<Value>>(),
+            "warnings": found.warnings,
+        }));
+    }
+    let mut text = String::new();
+    // Writing into a String cannot fail.
+    let _ = writeln!(text, "motion of {} s, whose end is {} from its start", number(found.period), number(found.apart));
+    let mut table = Table::new("Multipliers", &["real", "imaginary", "size", "turn", "growth [1/s]"]);
+    for value in &found.values {
+        let columns = [value.re, value.im, value.norm(), turn(value), growth(value)];
+        table.row(columns.map(number).to_vec());
+    }
+    table.write(&mut text);
+    for warning in &found.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    print(text)
 }
 
 /// Whether a file begins as MCAP files do.
@@ -107,38 +190,38 @@ fn of_log(args: &LinearizeArgs) -> Result<Linear, Failure> {
     Ok(model.linear_of_run(&state, &state, &[], args.at == Some(At::Rest))?)
 }
 
-fn of_input(args: &LinearizeArgs) -> Result<Linear, Failure> {
-    let loaded = args.input.load().map_err(Failure::input)?;
-    args.input.refuse_warnings(&loaded.model).map_err(Failure::input)?;
-    let model = Model::of_loaded(loaded, args.input.input.clone(), args.input.world.world());
-    let given = |given, are| pairs(given, model.description(), are).map_err(Failure::input);
-    let positions = given(&args.position, Coordinates::Positions)?;
-    let velocities = given(&args.velocity, Coordinates::Velocities)?;
-    let at_start = || -> Result<State, Failure> { Ok(model.loaded().assembled(&positions, &velocities, None)?.state) };
-    match args.at {
-        None | Some(At::Rest) => Ok(model.linear_of_state(&at_start()?, &[], true)?),
-        Some(At::Start) => Ok(model.linear_of_state(&at_start()?, &[], false)?),
-        Some(At::Time(time)) if time.is_infinite() => {
-            Err(Failure::input(anyhow!("--at end is for logs; give rest, start, or a time in s")))
-        }
-        Some(At::Time(0.0)) => Ok(model.linear_of_state(&at_start()?, &[], false)?),
-        Some(At::Time(time)) => {
-            let start = at_start()?;
-            let mut run = Simulation::new(&model).without_figures().duration(time);
-            for rule in &args.input.keep {
-                run = run.keep(*rule);
-            }
-            let mut run = run.start(positions)?.velocities(velocities)?;
-            run.run()?;
-            let (q, v) = run.coordinates()?;
-            let mut state = model.state_at(&q, Some(&v))?;
-            state.time = run.time();
-            Ok(model.linear_of_run(&start, &state, &[], false)?)
-        }
+fn of_input(args: &LinearizeArgs) -> Result<(Linear, Vec<EigenvalueSlopes>), Failure> {
+    let given = Given::of(args)?;
+    let model = &given.model;
+    let (time, settled) = match args.at {
+        None | Some(At::Rest) => (0.0, true),
+        Some(At::Start) => (0.0, false),
+        Some(At::Time(time)) => (time, false),
+    };
+    if time.is_infinite() {
+        return Err(Failure::input(anyhow!("--at end is for logs; give rest, start, or a time in s")));
     }
+    if time == 0.0 {
+        let linear = given.linear(model, settled)?;
+        let keys: Vec<&str> = args.by.iter().map(String::as_str).collect();
+        let slopes = model.eigenvalues_by(&linear, &keys, |model| given.linear(model, settled))?;
+        return Ok((linear, slopes));
+    }
+    if !args.by.is_empty() {
+        return Err(Failure::input(anyhow!(
+            "--by is for --at rest and --at start: states of a run move with its numbers"
+        )));
+    }
+    let start = model.loaded().assembled(&given.positions, &given.velocities, None)?.state;
+    let mut run = given.run(args, time)?;
+    run.run()?;
+    let (q, v) = run.coordinates()?;
+    let mut state = model.state_at(&q, Some(&v))?;
+    state.time = run.time();
+    Ok((model.linear_of_run(&start, &state, &[], false)?, Vec::new()))
 }
 
-fn as_text(linear: &Linear) -> String {
+fn as_text(linear: &Linear, slopes: &[EigenvalueSlopes]) -> String {
     let mut text = String::new();
     let at = match linear.iterations {
         Some(iterations) => {
@@ -175,6 +258,16 @@ fn as_text(linear: &Linear) -> String {
         ]);
     }
     table.write(&mut text);
+    if !slopes.is_empty() {
+        let head: Vec<String> = slopes.iter().map(|of| format!("d frequency/d {} [Hz per unit]", of.key)).collect();
+        let head: Vec<&str> = std::iter::once("mode").chain(head.iter().map(String::as_str)).collect();
+        let mut table = Table::new("Derivatives of frequencies", &head);
+        for mode in 0..linear.modes.len() {
+            let own = slopes.iter().map(|of| of.by[mode].map_or("none".into(), |by| number(by.im / TAU)));
+            table.row(std::iter::once((mode + 1).to_string()).chain(own).collect());
+        }
+        table.write(&mut text);
+    }
     text
 }
 
@@ -194,7 +287,7 @@ fn largest_parts(linear: &Linear, mode: &Mode) -> String {
     worded.collect::<Vec<_>>().join(", ")
 }
 
-fn as_json(args: &LinearizeArgs, linear: &Linear) -> Value {
+fn as_json(args: &LinearizeArgs, linear: &Linear, slopes: &[EigenvalueSlopes]) -> Value {
     let modes: Vec<Value> = linear
         .modes
         .iter()
@@ -235,6 +328,14 @@ fn as_json(args: &LinearizeArgs, linear: &Linear) -> Value {
         "saturated": linear.saturated,
         "sticking_contacts": linear.sticking_contacts,
     });
+    if !slopes.is_empty() {
+        let of = |of: &EigenvalueSlopes| {
+            let by =
+                of.by.iter().map(|by| by.map(|by| json!({ "eigenvalue": [by.re, by.im], "frequency": by.im / TAU })));
+            json!({ "key": of.key, "modes": by.collect::<Vec<Option<Value>>>() })
+        };
+        report["by"] = slopes.iter().map(of).collect();
+    }
     if let Some(step) = args.discrete {
         let (a, [b, b_targets]) = linear.discrete(step);
         report["discrete"] = json!({ "step": step, "A": rows(&a), "B": rows(&b), "B_targets": rows(&b_targets) });

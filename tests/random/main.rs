@@ -4,6 +4,7 @@
 //! cargo test --release --test random                                           200 scenes
 //! cargo test --release --test random thousand -- --ignored --nocapture         5000 scenes
 //! cargo test --release --test random crowds -- --ignored --nocapture           500 heaps and limp robots
+//! cargo test --release --test random slopes -- --ignored --nocapture           derivatives of 1000 scenes
 //! SEED=17..40 cargo test --release --test random seeds_move_alike -- --ignored   the scenes of these seeds, each in four ways
 //! SEED=17 cargo test --release --test random one_seed -- --ignored --nocapture  the scene of seed 17, or 17..40; of crowds with CROWD=1
 //! ```
@@ -19,6 +20,7 @@ mod kinds;
 mod overlap;
 mod scene;
 mod shapes;
+mod slopes;
 mod urdf;
 mod watch;
 
@@ -154,6 +156,84 @@ fn one_seed() {
         println!("{}", of(seeds.start).listing());
     }
     assert_right(seeds, of);
+}
+
+/// Compares the derivatives of the scenes of these seeds with differences of runs, and counts what was found.
+fn compared(seeds: Range<u64>) -> BTreeMap<slopes::Verdict, usize> {
+    let (next, all) = (AtomicU64::new(seeds.start), Mutex::new(Vec::new()));
+    let work = || loop {
+        let seed = next.fetch_add(1, Ordering::Relaxed);
+        if seed >= seeds.end {
+            break;
+        }
+        let (scene, folder) = (kinds::scene(seed), folder("slopes", seed));
+        let all_found = std::panic::catch_unwind(|| slopes::compare(&scene, seed, &folder));
+        let panicked = |_| vec![slopes::Found { verdict: slopes::Verdict::Wrong, words: "a panic".to_string() }];
+        for found in all_found.unwrap_or_else(panicked) {
+            if std::env::var_os("SEED").is_some() || found.verdict > slopes::Verdict::Refused {
+                println!("{seed:6} {:<24} {:?}: {}", scene.kind, found.verdict, found.words);
+            }
+            all.lock().expect("the other threads have not panicked").push((scene.kind, found));
+        }
+        let _ = std::fs::remove_dir_all(&folder);
+    };
+    let threads = std::thread::available_parallelism().map_or(2, usize::from);
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    let (mut counts, mut reasons) = (BTreeMap::new(), BTreeMap::new());
+    for (kind, found) in all.into_inner().expect("no thread has panicked") {
+        *counts.entry(found.verdict).or_insert(0) += 1;
+        let (count, kinds) = reasons
+            .entry((
+                found.verdict,
+                if found.verdict < slopes::Verdict::Rough { slopes::reason(&found.words) } else { String::new() },
+            ))
+            .or_insert_with(|| (0, std::collections::BTreeSet::new()));
+        *count += 1;
+        kinds.insert(kind);
+    }
+    for ((verdict, reason), (count, kinds)) in reasons {
+        println!("{count:5} {verdict:?}: {reason} {kinds:?}");
+    }
+    println!("{counts:?}");
+    counts
+}
+
+#[test]
+fn forty_random_scenes_have_the_derivatives_of_their_runs() {
+    let counts = compared(0..40);
+    assert!(!counts.contains_key(&slopes::Verdict::Wrong), "{counts:?}");
+    // Of three numbers in each; heaps and clatter are refused, and starts in touch have none.
+    assert!(counts.get(&slopes::Verdict::Agrees).is_some_and(|count| *count > 80), "{counts:?}");
+}
+
+/// Seeds whose derivatives were wrong once.
+const WRONG_ONCE: [(&str, &[u64]); 5] = [
+    ("starts that other shapes pushed back while a number varied by the width of differences", &[72, 212]),
+    ("the same by limits, on closed loops", &[95, 159]),
+    ("instants of targets at which steps end, which move with their times", &[195, 275, 355]),
+    ("a mechanism without a freedom that moves, which was a panic", &[235]),
+    ("a start on a limit, which has a derivative on one side alone", &[375]),
+];
+
+#[test]
+fn random_scenes_whose_derivatives_were_wrong_once_have_those_of_their_runs() {
+    for (what, seeds) in WRONG_ONCE {
+        for seed in seeds {
+            let counts = compared(*seed..seed + 1);
+            assert!(!counts.contains_key(&slopes::Verdict::Wrong), "{what}: seed {seed}: {counts:?}");
+        }
+    }
+}
+
+/// Derivatives that are known to be wrong in a thousand scenes without a word, of four scenes: in one events follow each other within a nanosecond, one
+/// passes a gimbal lock, in one a sampled motor chatters, and one (seed 350) was not looked into.
+const KNOWN_WRONG: usize = 6;
+
+#[test]
+#[ignore = "some ten minutes: cargo test --release --test random slopes -- --ignored --nocapture"]
+fn slopes_of_a_thousand_random_scenes() {
+    let counts = compared(seeds_of_environment().unwrap_or(0..1000));
+    assert!(counts.get(&slopes::Verdict::Wrong).is_none_or(|count| *count <= KNOWN_WRONG), "{counts:?}");
 }
 
 /// The seeds that `SEED` names, if it is there.

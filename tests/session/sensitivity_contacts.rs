@@ -1,6 +1,7 @@
 //! Derivatives of runs with contacts that stay closed: sliding, rolling, resting, and the events between them, against closed forms and differences of
 //! runs.
 
+use crate::robot;
 use crate::sensitivity_events::{agrees_with_runs, derivatives, difference, last, scene};
 use catena::prelude::*;
 use catena::session::Sensitivity;
@@ -210,4 +211,34 @@ fn a_corner_that_strikes_while_another_one_rests_has_the_derivatives_of_its_runs
     let strikes = run.events.iter().filter(|event| event.what.contains("meets")).count();
     assert!(strikes >= 2 && run.warnings.is_empty(), "{:?} {:?}", run.events, run.warnings);
     agrees_with_runs(&model, &keys, (5, 0.01, 0.21), 1e-4, 1e-6);
+}
+
+/// Both fingers strike with four corners each, which are more than their velocities need, and hold the box by friction then.
+#[test]
+fn a_box_that_is_gripped_at_eight_corners_has_the_derivatives_of_its_fall() {
+    let model = Model::load(robot("gripper_holds_box.toml")).expect("a model");
+    let run = |model: &Model| Simulation::new(model).duration(1.0).without_figures();
+    let found = run(&model).sensitivity(&["gravity.z"]).expect("derivatives");
+    let height = |by: f64| {
+        let mut run = run(&model.with_params([("gravity.z", -9.81 + by)]).expect("another number"));
+        run.run().expect("a run");
+        run.coordinates().expect("coordinates").0[4]
+    };
+    let wanted = difference(&height, 1e-2);
+    let at = last(&found, 4, 0)[0];
+    // Runs are solved to 1e-15 m; over 1e-2 of a number their differences leave 1e-13.
+    assert!((at - wanted).abs() < 1e-11 && wanted > 2e-4, "{at} and {wanted}");
+}
+
+/// A ball that bounces ever lower, and rests: rebounds too low to matter are left out, and so are their derivatives.
+#[test]
+fn the_end_of_rebounds_is_told() {
+    let start = "pose = { position = [0, 0, 0.2] }\nvelocity = { linear = [0.3, 0, 0] }\n[contact]\nrestitution = 0.5";
+    let model = ball("ends_to_bounce", [0.0, 0.0, -9.81], start, 0.1);
+    // It bounces until 0.43 s.
+    for (time, told) in [(0.3, 0), (0.6, 1)] {
+        let run = derivatives(&model, 9, 0.05, time, &["velocity.linear.x"]);
+        let words = run.warnings.iter().filter(|warning| warning.contains("the rebounds of")).count();
+        assert_eq!(words, told, "{time} s: {:?}", run.warnings);
+    }
 }

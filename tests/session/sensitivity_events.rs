@@ -386,3 +386,18 @@ fn a_limit_that_a_joint_just_misses_bounds_the_change_of_its_start() {
         }
     }
 }
+
+#[test]
+fn how_far_derivatives_hold_does_not_depend_on_the_samples_at_which_steps_end() {
+    let model = Model::load(robot("bouncing_pendulum.toml")).expect("a model");
+    let keys = ["positions.hinge", "rod.mass", "gravity.z", "hinge.limit.lower"];
+    let run = || Simulation::new(&model).duration(1.5).without_figures();
+    let times: Vec<f64> = (1..30).map(|count| 0.05 * f64::from(count)).collect();
+    let alone = run().sensitivity(&keys).expect("derivatives");
+    let sampled = run().sensitivity_at(&keys, &times).expect("derivatives");
+    assert_eq!(alone.bounded_by, sampled.bounded_by);
+    for (one, other) in alone.valid_within.iter().zip(&sampled.valid_within) {
+        // Steps of other lengths have errors of 1e-6 of the motion.
+        assert!((one - other).abs() <= 1e-5 * one, "{:?} and {:?}", alone.valid_within, sampled.valid_within);
+    }
+}

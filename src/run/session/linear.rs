@@ -89,15 +89,20 @@ impl Linear {
     ///     exp(h [A B; 0 0]) = [A_d B_d; 0 1]
     /// ```
     pub fn discrete(&self, step: f64) -> (DMatrix<f64>, [DMatrix<f64>; 2]) {
-        let (states, efforts, targets) = (self.a.nrows(), self.b.ncols(), self.b_targets.ncols());
-        let mut whole = DMatrix::zeros(states + efforts + targets, states + efforts + targets);
-        whole.view_mut((0, 0), (states, states)).copy_from(&self.a);
-        whole.view_mut((0, states), (states, efforts)).copy_from(&self.b);
-        whole.view_mut((0, states + efforts), (states, targets)).copy_from(&self.b_targets);
-        let whole = (whole * step).exp();
-        let columns = |first: usize, count: usize| whole.view((0, first), (states, count)).into_owned();
-        (columns(0, states), [columns(states, efforts), columns(states + efforts, targets)])
+        discrete(&self.a, [&self.b, &self.b_targets], step)
     }
+}
+
+/// The discrete system of A and of two kinds of inputs that are held over a step (s), as [`Linear::discrete`] has it.
+pub fn discrete(a: &DMatrix<f64>, [b, b_targets]: [&DMatrix<f64>; 2], step: f64) -> (DMatrix<f64>, [DMatrix<f64>; 2]) {
+    let (states, efforts, targets) = (a.nrows(), b.ncols(), b_targets.ncols());
+    let mut whole = DMatrix::zeros(states + efforts + targets, states + efforts + targets);
+    whole.view_mut((0, 0), (states, states)).copy_from(a);
+    whole.view_mut((0, states), (states, efforts)).copy_from(b);
+    whole.view_mut((0, states + efforts), (states, targets)).copy_from(b_targets);
+    let whole = (whole * step).exp();
+    let columns = |first: usize, count: usize| whole.view((0, first), (states, count)).into_owned();
+    (columns(0, states), [columns(states, efforts), columns(states + efforts, targets)])
 }
 
 impl Model {

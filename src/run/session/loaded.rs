@@ -1,6 +1,6 @@
 //! A loaded model, and the state in which its run starts.
 
-use crate::instant::start::assembly::assemble_counted;
+use crate::instant::start::assembly::{assemble_counted, assemble_on_closures};
 use crate::instant::start::gimbal_lock::leave_gimbal_lock;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -111,6 +111,22 @@ impl Loaded {
     ) -> Result<Assembled, Error> {
         let (given, wanted) = self.given(0.0, positions, velocities, base_velocity)?;
         self.settled(given, &wanted)
+    }
+
+    /// The state of such a start on its closures alone, past limits and through other shapes.
+    ///
+    /// # Errors
+    /// As of [`Loaded::assembled`].
+    pub(crate) fn assembled_on_closures(
+        &self,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+    ) -> Result<State, Error> {
+        let (mut state, _) = self.given(0.0, positions, velocities, None)?;
+        let file = self.model.path();
+        self.model.check_representable(&state).map_err(|error| Error::from(error).in_file(file))?;
+        assemble_on_closures(&self.model.mechanism, &mut state).map_err(|error| Error::from(error).in_file(file))?;
+        Ok(state)
     }
 
     /// The same at a time (s), at which joints that are moved in time are elsewhere.

@@ -22,6 +22,7 @@ mod from_urdf_rs;
 mod halved;
 mod held_start;
 mod linear;
+mod linear_slopes;
 mod loaded;
 mod many;
 mod model;
@@ -59,7 +60,8 @@ pub use error::{ControllerFailure, Error};
 #[cfg(feature = "scene")]
 pub use held_start::mechanism_from;
 pub use held_start::{HeldTargets, Hold};
-pub use linear::{Linear, Mode, Stability};
+pub use linear::{Linear, Mode, Stability, discrete};
+pub use linear_slopes::EigenvalueSlopes;
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
 pub use many::{Rollout, Trajectories};
@@ -74,7 +76,8 @@ pub use recording::{Recording, SharedRecording};
 pub use running::{Course, Finish, Running};
 pub use sensors::{Noise, Sensed};
 pub use simulation::{
-    Backward, EventLost, EventSlope, Gradient, JointValue, Lost, SampledEvent, Samples, Sensitivity, Simulation,
+    Backward, EventLost, EventSlope, Gradient, JointValue, Lost, Multipliers, SampledEvent, Samples, Sensitivity,
+    Simulation,
 };
 pub use state::State;
 #[doc(hidden)]

@@ -16,10 +16,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 mod now;
+mod orbit;
 mod sensitivity;
 mod state;
 mod steps;
 
+pub use orbit::Multipliers;
 pub use sensitivity::{Backward, EventLost, EventSlope, Gradient, Lost, SampledEvent, Samples, Sensitivity};
 
 /// A run of a model. Its settings come first; the first step begins the run.

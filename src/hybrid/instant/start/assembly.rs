@@ -14,6 +14,7 @@ use crate::lobatto::coupled::known::Known;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::closure::JointLimit;
+use crate::mechanism::description::contact_pairs::ContactPairs;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::gaps::loop_gaps;
 use crate::mechanism::motion::kinematics::body_states;
@@ -132,21 +133,42 @@ pub fn assemble_counted(
     state: &mut State,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     match Locked::of(mechanism) {
-        Some(locked) => assemble_without(&locked, mechanism, state),
+        Some(locked) => assemble_in_place(&locked, locked.mechanism(), mechanism, state),
         None => assemble_moving(mechanism, state),
     }
 }
 
-/// Assembles the mechanism without its locked joints, which are put in their places, at rest.
-fn assemble_without(
+/// Moves a state onto all closures, as [`assemble`] does, past limits and through other shapes: how an assembled start within them follows its
+/// numbers.
+///
+/// # Errors
+/// As of [`assemble`].
+pub fn assemble_on_closures(mechanism: &Mechanism, state: &mut State) -> Result<(), AssemblyError> {
+    let unbounded = |mechanism: &Mechanism| {
+        let mut own = mechanism.clone();
+        own.limits.clear();
+        own.nonsmooth.limits.clear();
+        own.nonsmooth.pairs = ContactPairs::default();
+        own
+    };
+    match Locked::of(mechanism) {
+        Some(locked) => assemble_in_place(&locked, &unbounded(locked.mechanism()), mechanism, state),
+        None => assemble_moving(&unbounded(mechanism), state),
+    }
+    .map(|_| ())
+}
+
+/// Assembles a mechanism without its locked joints, which are put in their places, at rest; `moving` is what moves.
+fn assemble_in_place(
     locked: &Locked,
+    moving: &Mechanism,
     mechanism: &Mechanism,
     state: &mut State,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     let wanted = state.clone();
-    let mut own = State::zero(locked.mechanism());
+    let mut own = State::zero(moving);
     locked.gather(mechanism, state, &mut own);
-    let assembled = assemble_moving(locked.mechanism(), &mut own);
+    let assembled = assemble_moving(moving, &mut own);
     locked.spread(mechanism, &own, state);
     let (mut correction, _) = assembled?;
     // Closures between locked joints are not among those that were closed.

@@ -77,7 +77,7 @@ impl Sight<'_> {
         let values = |parts: &[Part]| -> Vec<f64> { parts.iter().map(|part| part.value).collect() };
         let mut state = self.at.state.clone();
         state.velocity = values(self.velocities);
-        let found = Accelerations::of(self.at.figures, &state, self.equations, &values(self.efforts))?;
+        let found = Accelerations::of(self.constant, &state, self.equations, &values(self.efforts))?;
         found.varied(&self.at, self.equations, self.velocities, self.efforts)
     }
 }

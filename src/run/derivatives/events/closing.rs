@@ -184,6 +184,9 @@ impl Walk<'_> {
             return Ok(());
         }
         self.see_unmet(traced);
+        if self.state.time == self.began {
+            self.see_opening(traced);
+        }
         self.entered = traced.mode.contacts.clone();
         if mode.rows.is_empty() {
             return Ok(());
@@ -203,7 +206,8 @@ impl Walk<'_> {
         };
         let n = self.state.velocity.len();
         let p = self.tangent.times.len();
-        let failed = || SensitivityError::Step { time: self.state.time };
+        let time = self.state.time;
+        let failed = || SensitivityError::Step { time };
         for (chunk, (closed, figures)) in closed.iter().zip(self.varied.chunks()).enumerate() {
             let first = chunk * WIDTH;
             let width = WIDTH.min(p - first);
@@ -212,11 +216,8 @@ impl Walk<'_> {
             let gaps = at.gaps();
             let right = DMatrix::from_fn(rows, width, |row, part| -gaps[mode.rows[row]].parts[part]);
             for (column, off) in right.column_iter().enumerate().filter(|(_, off)| off.amax() > STAYS) {
-                let what = format!(
-                    "a closed contact opens or is pressed at {:.6} s, off by {:.1e}",
-                    self.state.time,
-                    off.amax()
-                );
+                let off = off.amax();
+                let what = format!("a closed contact opens or is pressed at {time:.6} s, off by {off:.1e}");
                 self.validity.none(first + column, &what);
             }
             let moved = solve(right).ok_or_else(failed)?;
@@ -253,6 +254,30 @@ impl Walk<'_> {
         let moved = solve(right).ok_or_else(failed)?;
         mode.free.iter().enumerate().for_each(|(row, &freedom)| self.state.velocity[freedom] += moved[(row, 0)]);
         Ok(())
+    }
+
+    /// Tells of contacts that are closed from the start on, and open or are pressed with a parameter: corners that stick have no equations of their
+    /// gaps, nor has a body that cannot move.
+    fn see_opening(&mut self, traced: &TracedStep) {
+        let time = self.state.time;
+        for (chunk, figures) in self.varied.chunks().iter().enumerate() {
+            let first = chunk * WIDTH;
+            let rows = 0..self.state.velocity.len();
+            let offsets: Vec<Part> = rows.map(|row| with(0.0, &self.tangent.positions, row, first)).collect();
+            let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &ClosedContacts::default() };
+            let placed = at.at_rest();
+            let touches = traced.mode.contacts.iter().filter_map(|closed| self.touch(&closed.contact, &figures.laws));
+            let gaps: Vec<Part> = touches.map(|touch| touch.at(&placed).gap).collect();
+            for gap in gaps {
+                for (column, off) in
+                    (first..self.tangent.times.len()).zip(gap.parts).filter(|(_, off)| off.abs() > STAYS)
+                {
+                    let off = off.abs();
+                    let what = format!("a closed contact opens or is pressed at {time:.6} s, off by {off:.1e}");
+                    self.validity.none(column, &what);
+                }
+            }
+        }
     }
 
     /// Tells of closed contacts that change without an event, whose time would move.

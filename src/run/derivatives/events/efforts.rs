@@ -60,7 +60,8 @@ impl EffortLaws<'_> {
             let freedom = motor.coordinate.freedom;
             match *mode {
                 MotorMode::Unbounded => {
-                    self.add(&mut found, freedom, time, |laws, time| laws.motors[index].drive(since, time));
+                    let piece = self.laws.piece(index, since);
+                    self.add(&mut found, freedom, time, |laws, time| driven(laws, index, piece, time));
                 }
                 MotorMode::Saturated(sign) => {
                     let sign = f64::from(sign);
@@ -88,7 +89,8 @@ impl EffortLaws<'_> {
     pub fn drive(&self, motor: usize, since: f64, time: f64) -> (f64, DVector<f64>, f64) {
         let p = self.parameters.len();
         let mut found = Efforts { values: DVector::zeros(1), slopes: DMatrix::zeros(1, p), rates: DVector::zeros(1) };
-        self.add(&mut found, 0, time, |laws, time| laws.motors[motor].drive(since, time));
+        let piece = self.laws.piece(motor, since);
+        self.add(&mut found, 0, time, |laws, time| driven(laws, motor, piece, time));
         (found.values[0], found.slopes.row(0).transpose(), found.rates[0])
     }
 
@@ -107,4 +109,9 @@ impl EffortLaws<'_> {
     fn each(&self, mut each: impl FnMut(usize, usize, usize)) {
         (0..self.parameters.len()).for_each(|column| each(column / WIDTH, column % WIDTH, column));
     }
+}
+
+/// The part of the effort of a motor that depends on time alone, in a piece of its target, whose instants move with the parameters.
+fn driven(laws: &TimeLaws, motor: usize, piece: usize, time: f64) -> f64 {
+    laws.motors[motor].drive(laws.beginning(motor, piece), time)
 }

@@ -32,14 +32,15 @@ pub(super) struct Impact<'i> {
 type Before<'b> = (&'b [Option<InPlace<Part>>], &'b Moving<Part>, &'b [Part]);
 
 impl Impact<'_> {
-    /// The velocities after all rounds, with their derivatives.
-    pub fn after(&self, before: &[Part], rounds: &[StruckRound]) -> Option<Vec<Part>> {
+    /// The velocities after all rounds, with their derivatives, and the most that laws of redundant contacts lack by each parameter.
+    pub fn after(&self, before: &[Part], rounds: &[StruckRound]) -> Option<(Vec<Part>, [f64; WIDTH])> {
+        let mut lacking = [0.0; WIDTH];
         let mut velocities = before.to_vec();
         for round in rounds {
             let meet = Meet { at: &self.at, met: self.met, part: &round.part };
             let places = meet.in_place();
             let begun = meet.moving(&places, &velocities);
-            let answer = |of: &Struck| self.answer(&meet, (&places, &begun, &velocities), of);
+            let mut answer = |of: &Struck| self.answer(&meet, (&places, &begun, &velocities), of, &mut lacking);
             let plastic = answer(&round.plastic)?;
             velocities = match &round.rebound {
                 None => plastic,
@@ -52,11 +53,17 @@ impl Impact<'_> {
                 }
             };
         }
-        Some(velocities)
+        Some((velocities, lacking))
     }
 
     /// One answer, with its derivatives, from the places and the motion before it.
-    fn answer(&self, meet: &Meet<Part>, (places, begun, before): Before, of: &Struck) -> Option<Vec<Part>> {
+    fn answer(
+        &self,
+        meet: &Meet<Part>,
+        (places, begun, before): Before,
+        of: &Struck,
+        lacking: &mut [f64; WIDTH],
+    ) -> Option<Vec<Part>> {
         let (velocities, impulses): (Vec<Part>, Vec<Part>) = (constant(&of.velocities), constant(&of.impulses));
         let mut multipliers = vec![Part::zero(); self.row_count];
         self.closed.iter().zip(&of.multipliers).for_each(|(&row, &value)| multipliers[row] = Part::of(value));
@@ -69,6 +76,8 @@ impl Impact<'_> {
         rows.extend(self.closed.iter().map(|&row| rates[row]));
         let right = DMatrix::from_fn(rows.len(), WIDTH, |row, part| -rows[row].parts[part]);
         let found = of.factors.solve(&right)?;
+        let lacks = of.factors.lacking(&found, &right, velocities.len());
+        lacking.iter_mut().zip(lacks).for_each(|(most, own)| *most = most.max(own));
         let part = |(row, &value): (usize, &f64)| {
             let mut part = Part::of(value);
             (0..WIDTH).for_each(|index| part.parts[index] = found[(row, index)]);

@@ -12,6 +12,7 @@ use crate::derivatives::equations::closures::{closures, push, with_rates};
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::equations::placed::{Offsets, Placed, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms, residual, still};
+use crate::derivatives::forward::elimination::Elimination;
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, momentum};
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH, constant};
 use crate::derivatives::forward::twelve::{Twelve, rate_of};
@@ -19,7 +20,7 @@ use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
 use crate::mechanism::motion::state::State;
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::DMatrix;
 
 /// A mechanism at an instant.
 #[derive(Clone, Copy)]
@@ -204,11 +205,11 @@ pub struct Accelerations {
     pub values: Vec<f64>,
     /// λ, an entry for each closure.
     pub multipliers: Vec<f64>,
-    factors: LU<f64, Dyn, Dyn>,
+    factors: Elimination,
 }
 
 impl Accelerations {
-    /// Of a state with velocities v under efforts (n); `None` if some motion moves no mass.
+    /// Of a state with velocities v under efforts (n), with constant figures; `None` if some motion moves no mass.
     pub fn of(figures: &BothFigures<Part>, state: &State, mode: &StepMode, efforts: &[f64]) -> Option<Self> {
         let n = state.velocity.len();
         let still = vec![Part::zero(); n];
@@ -217,7 +218,7 @@ impl Accelerations {
         let drives = mode.drives(&figures.laws);
         let (free, count) = (mode.free.len(), mode.free.len() + mode.rows.len());
         let mut matrix = DMatrix::zeros(count, count);
-        let mut right = DVector::zeros(count);
+        let mut right = vec![0.0; count];
         for first in (0..count).step_by(WIDTH) {
             let mut accelerations = vec![Part::zero(); n];
             let mut multipliers = vec![Part::zero(); mode.row_count];
@@ -239,8 +240,8 @@ impl Accelerations {
                 (0..WIDTH.min(count - first)).for_each(|part| matrix[(row, first + part)] = value.parts[part]);
             }
         }
-        let factors = matrix.lu();
-        let found = factors.is_invertible().then(|| factors.solve(&right))??;
+        let factors = Elimination::new(&matrix)?;
+        let found = factors.solve(&right);
         let (mut values, mut multipliers) = (vec![0.0; n], vec![0.0; mode.row_count]);
         mode.free.iter().zip(found.iter()).for_each(|(&freedom, &value)| values[freedom] = value);
         mode.rows.iter().zip(found.iter().skip(free)).for_each(|(&row, &value)| multipliers[row] = value);
@@ -262,7 +263,7 @@ impl Accelerations {
             Moved { velocities, accelerations: &accelerations, multipliers: &multipliers, efforts, drives: &drives };
         let rows = selected(mode, &at.equations(&moved));
         let right = DMatrix::from_fn(rows.len(), WIDTH, |row, part| -rows[row].parts[part]);
-        let found = self.factors.solve(&right)?;
+        let found = self.factors.solve_all(&right);
         for (row, &freedom) in mode.free.iter().enumerate() {
             (0..WIDTH).for_each(|part| accelerations[freedom].parts[part] = found[(row, part)]);
         }

@@ -33,6 +33,9 @@ const ATTEMPTS: usize = 12;
 /// Lengths of steps have this part of their time as roundings.
 const ROUNDINGS: f64 = 2.0 * f64::EPSILON;
 
+/// Second differences of places over this time (s) have roundings of 1e-8 m/s².
+const SOON: f64 = 1e-4;
+
 /// A direction in which a state varies: by the length of its step, or by some parameters.
 struct Varying<'v> {
     /// The parameters among all that are meant; `None` for the length of the step.
@@ -67,7 +70,6 @@ impl Walk<'_> {
         let Located { kept, efforts, rate, along } = self.locate(traced, mode, of, &words)?;
         let (step, solved) = (kept.step, &kept.solved);
         let start = self.state.clone();
-        let at_start = self.value(traced, mode, &start, since, of).unwrap_or(0.0);
         let still = DVector::zeros(self.tangent.times.len());
         self.carry(mode, step, solved, &efforts, closed, &still)?;
         self.take_end(solved, since + step);
@@ -88,7 +90,12 @@ impl Walk<'_> {
         let by = self.tangent.times.iter().copied().collect();
         let (state, tangent) = (self.state.clone(), self.tangent.clone());
         let event = MetEvent { time: state.time, what: words, by, rate, state, tangent };
-        self.validity.see_event(&event, at_start, step, self.events.last());
+        let bend = match trigger {
+            Watched::Gap(..) | Watched::Approach(_) => self.bend(traced, mode, since, &along, of),
+            // Such functions have no second derivative without a third one of the motion: the mean over the step.
+            _ => self.value(traced, mode, &start, since, of).map(|begun| 2.0 * (begun + rate * step) / (step * step)),
+        };
+        self.validity.see_event(&event, bend.unwrap_or(0.0), self.events.last());
         self.events.push(event);
         Ok(())
     }
@@ -164,6 +171,24 @@ impl Walk<'_> {
         Some((value.value, value.parts[0], along))
     }
 
+    /// φ̈ of a function of places where the state is now, which moves with these rates.
+    fn bend(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        since: f64,
+        rates: &Tangent,
+        of: (Watched, Option<&Contact>),
+    ) -> Option<f64> {
+        let at = |time: f64| {
+            let moved = &rates.positions * time + &rates.velocities * (0.5 * time * time);
+            let mut state = self.state.clone();
+            state.displace(self.subject.mechanism, moved.as_slice());
+            self.value(traced, mode, &state, since, of)
+        };
+        Some((at(SOON)? + at(-SOON)? - 2.0 * at(0.0)?) / (SOON * SOON))
+    }
+
     /// φ in a state.
     fn value(
         &self,
@@ -227,6 +252,7 @@ impl Walk<'_> {
         let at = Instant { figures, state, offsets: &own, closed };
         let sight = Sight {
             at,
+            constant: &self.constant,
             velocities: &rates,
             elements,
             mode: &traced.mode,

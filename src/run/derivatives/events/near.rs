@@ -7,16 +7,49 @@
 //!
 //! The gap is least where its rate is zero, so that the change of c* has no part in its derivative.
 
+use crate::derivatives::events::looks::Looks;
 use crate::derivatives::events::walk::Walk;
 use crate::derivatives::forward::tangent::Tangent;
 use crate::events::trace::{JointMode, TracedStep};
 use crate::instant::holding::elements::inward;
+use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
-/// Places at which the polynomial is looked at before its least value is refined: many more than it has extremes.
-const LOOKED_AT: usize = 256;
+/// A start this close to a limit is on it (rad or m): assembly leaves as much.
+const ON_LIMIT: f64 = 1e-9;
 
 impl Walk<'_> {
+    /// Notes limits that the start is on, if it leaves them with a parameter: such a start is put back on one side, and on the other it is not. And
+    /// joints that friction holds from the start on, if they begin to move with a parameter.
+    pub(super) fn see_start(&mut self, traced: &TracedStep) {
+        let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);
+        for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
+            let what = format!("joint {:?} starts at rest and is held", body.joint.name);
+            for column in 0..self.tangent.times.len() {
+                let rates = self.tangent.velocities.column(column);
+                if rates.rows_range(body.joint.velocity_range()).amax() > ON_LIMIT {
+                    self.validity.none(column, &what);
+                }
+            }
+        }
+        for (index, joint) in elements.joints.iter().enumerate().filter(|(_, joint)| !joint.is_locked()) {
+            for side in joint.sides().filter(|&side| joint.gap(side, joint.position(&self.state)).abs() <= ON_LIMIT) {
+                let slopes = self.varied.slopes();
+                let bound = |column: usize| {
+                    let laws = slopes[column].as_ref().map(|slopes| &slopes.laws.joints[index]);
+                    laws.map_or(0.0, |laws| if side == Side::Lower { laws.lower } else { laws.upper })
+                };
+                let row = joint.coordinate.freedom;
+                let leaves = (0..slopes.len()).filter(|&column| {
+                    let off = self.tangent.positions[(row, column)] - bound(column);
+                    off.abs() > ON_LIMIT
+                });
+                let what = format!("joint {:?} starts on its limit", mechanism.bodies[joint.owner(side)].joint.name);
+                leaves.collect::<Vec<usize>>().into_iter().for_each(|column| self.validity.none(column, &what));
+            }
+        }
+    }
+
     /// Notes limits that a joint has turned back from within a step, from its start with its derivatives and its stages i = 2..s.
     pub(super) fn see_near(&mut self, traced: &TracedStep, (before, was): (&State, &Tangent), stages: &[State]) {
         let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);
@@ -30,7 +63,7 @@ impl Walk<'_> {
                 }
                 let gap = |state: &State| joint.gap(side, joint.position(state));
                 let gaps: Vec<f64> = std::iter::once(before).chain(stages).map(gap).collect();
-                let (place, least) = least_between(&self.subject.tableau.nodes, &gaps);
+                let (place, least) = self.looks.get_or_init(|| Looks::new(&self.subject.tableau.nodes)).least(&gaps);
                 let row = joint.coordinate.freedom;
                 let (one, two) = (place * place, place * place * place);
                 let by = (was.positions.row(row) * (1.0 - 3.0 * one + 2.0 * two)
@@ -43,40 +76,5 @@ impl Walk<'_> {
                 self.validity.see_near(&what, before.time + place * step, least.max(0.0), &by);
             }
         }
-    }
-}
-
-/// The place and the least value of the polynomial through some values at nodes between 0 and 1.
-fn least_between(nodes: &[f64], values: &[f64]) -> (f64, f64) {
-    let at = |place: f64| -> f64 {
-        let base = |i: usize| -> f64 {
-            let others = (0..nodes.len()).filter(|&other| other != i);
-            others.map(|other| (place - nodes[other]) / (nodes[i] - nodes[other])).product()
-        };
-        values.iter().enumerate().map(|(i, value)| value * base(i)).sum()
-    };
-    let width = 1.0 / LOOKED_AT as f64;
-    let seen = (0..=LOOKED_AT).map(|index| index as f64 * width);
-    let best = seen.min_by(|&one, &other| at(one).total_cmp(&at(other))).unwrap_or_default();
-    // The vertex of the parabola through the neighbours.
-    let [before, here, after] = [best - width, best, best + width].map(at);
-    let bend = before - 2.0 * here + after;
-    let place = if bend > 0.0 { best + 0.5 * width * (before - after) / bend } else { best };
-    let place = place.clamp(0.0, 1.0);
-    (place, at(place).min(here))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_least_value_of_a_polynomial_through_stages_is_found_to_rounding() {
-        let nodes = [0.0, 0.172_673_164_646_011_4, 0.5, 0.827_326_835_353_988_6, 1.0];
-        let of = |place: f64| (place - 0.37).powi(2) * (1.0 + place * place) + 1e-9;
-        let values = nodes.map(of);
-        let (place, least) = least_between(&nodes, &values);
-        // The parabola of three places 1/256 apart is off by the third derivative, 1e-5 of a place, and its square in value.
-        assert!((place - 0.37).abs() < 1e-4 && (least - 1e-9).abs() < 1e-9, "{place} {least}");
     }
 }

@@ -61,4 +61,23 @@ impl TimeLaws {
     pub fn new(motors: &[Motor], forces: &Forces) -> Self {
         TimeLaws { motors: motors.to_vec(), courses: forces.joint_courses.clone() }
     }
+
+    /// The given instants of the target of a motor, in their order (s).
+    fn knots(&self, motor: usize) -> impl Iterator<Item = f64> + '_ {
+        let target = &self.motors[motor].target;
+        let next = |time: f64| Some(target.next_knot(time)).filter(|knot| knot.is_finite());
+        std::iter::successors(next(f64::MIN), move |&knot| next(knot))
+    }
+
+    /// The number of given instants of the target of a motor that are reached at a time (s).
+    pub fn piece(&self, motor: usize, time: f64) -> usize {
+        let target = &self.motors[motor].target;
+        let ahead = target.next_knot(time);
+        self.knots(motor).take_while(|knot| *knot < ahead).count()
+    }
+
+    /// When a piece of the target of a motor begins (s).
+    pub fn beginning(&self, motor: usize, piece: usize) -> f64 {
+        piece.checked_sub(1).and_then(|before| self.knots(motor).nth(before)).unwrap_or(f64::MIN)
+    }
 }

@@ -15,18 +15,24 @@ use nalgebra::{DMatrix, DVector};
 
 /// Solved steps end this close to the steps of the run (rad or m, per s, and s): roundings of both, and where an event is found.
 const SAME: f64 = 1e-11;
+/// Solved steps that end this far from the steps of the run have drifted away from them.
+const DRIFTED: f64 = 1e-9;
 
 impl Walk<'_> {
-    /// Goes to the start of a step of a run, if roundings lie between, and stops the joints that are held: the stages of the run are solved then.
+    /// Goes to the start of a step of a run, if roundings lie between, or if both have drifted apart: motions that amplify errors would part for
+    /// good. Stops the joints that are held. The stages of the run are solved then.
     pub(super) fn begin(&mut self, traced: &TracedStep) {
         let (own, start) = (&self.state, &traced.start);
-        let near = |one: &[f64], other: &[f64]| {
-            one.iter().zip(other).all(|(one, other)| (one - other).abs() <= SAME * other.abs().max(1.0))
+        let apart = |one: &[f64], other: &[f64]| {
+            let each = one.iter().zip(other).map(|(one, other)| (one - other).abs() / other.abs().max(1.0));
+            each.fold(0.0, f64::max)
         };
-        let is_near = near(&own.position, &start.position) && near(&own.velocity, &start.velocity);
-        if is_near && near(&[own.time], &[start.time]) {
+        let places = apart(&own.position, &start.position);
+        let apart = places.max(apart(&own.velocity, &start.velocity)).max(apart(&[own.time], &[start.time]));
+        if apart <= SAME || apart > DRIFTED {
             self.state = start.clone();
         }
+        self.drift = self.drift.max(places);
         for (body, _) in self.subject.mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
             body.joint.velocity_range().for_each(|freedom| self.state.velocity[freedom] = 0.0);
         }

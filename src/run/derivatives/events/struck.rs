@@ -8,11 +8,12 @@
 //!
 //! M, W and G do not depend on the unknowns: they are found once.
 
+use crate::derivatives::events::impulse_factors::ImpulseFactors;
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::meet::{Meet, Met};
 use crate::instant::cone::impact::Round;
 pub use crate::instant::cone::problem::{Answer, BlockState};
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::{DMatrix, DVector};
 
 /// Iterations; two or three are made.
 const ITERATIONS: usize = 30;
@@ -30,7 +31,7 @@ pub(super) struct Struck {
     pub multipliers: Vec<f64>,
     /// M (n × n).
     pub mass: DMatrix<f64>,
-    pub factors: LU<f64, Dyn, Dyn>,
+    pub factors: ImpulseFactors,
 }
 
 /// The answers of a round.
@@ -113,12 +114,9 @@ impl Linear<'_> {
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let (matrix, residual) = self.equations(&before, &unknowns, &answer.states, rebounds);
-            let factors = matrix.lu();
-            if !factors.is_invertible() {
-                return None;
-            }
+            let factors = ImpulseFactors::of(matrix)?;
             let correction = factors.solve(&residual)?;
-            unknowns -= &correction;
+            unknowns -= &correction.column(0);
             let size = correction.rows(0, n).amax() / speed;
             if !size.is_finite() {
                 return None;
@@ -160,12 +158,12 @@ impl Linear<'_> {
         unknowns: &DVector<f64>,
         states: &[BlockState],
         rebounds: bool,
-    ) -> (DMatrix<f64>, DVector<f64>) {
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
         let (n, impulses, m) = (before.len(), self.rows.nrows(), self.closures.nrows());
         let (velocities, pushes) = (unknowns.rows(0, n), unknowns.rows(n, impulses));
         let multipliers = unknowns.rows(n + impulses, m);
         let mut matrix = DMatrix::zeros(unknowns.len(), unknowns.len());
-        let mut residual = DVector::zeros(unknowns.len());
+        let mut residual = DMatrix::zeros(unknowns.len(), 1);
         matrix.view_mut((0, 0), (n, n)).copy_from(self.mass);
         matrix.view_mut((0, n), (n, impulses)).copy_from(&-self.rows.transpose());
         matrix.view_mut((0, n + impulses), (n, m)).copy_from(&-self.closures.transpose());

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     two events change their order     |δθ| = |t₂ − t₁| / |∂t₂/∂θ − ∂t₁/∂θ|
-//!     an event is missed (grazing)      |δθ| = |φ̇| / (2 |φ̈| |∂t/∂θ|)               φ̈ = 2 (φ₀ + φ̇ h)/h², the mean over its step
+//!     an event is missed (grazing)      |δθ| = |φ̇| / (2 |φ̈| |∂t/∂θ|)               φ̈ of gaps at the event, of other functions over its step
 //!     a limit is met that was missed    |δθ| = φ / |∂φ/∂θ|                          where a joint turns back before it
 //! ```
 //!
@@ -54,9 +54,8 @@ impl Validity {
         self.see(parameter, 0.0, || cause.to_string());
     }
 
-    /// An event, with its function at the start of its step of length h (s), after another event.
-    pub(crate) fn see_event(&mut self, event: &MetEvent, at_start: f64, step: f64, last: Option<&MetEvent>) {
-        let second = 2.0 * (at_start + event.rate * step) / (step * step);
+    /// An event with φ̈, after another event.
+    pub(crate) fn see_event(&mut self, event: &MetEvent, second: f64, last: Option<&MetEvent>) {
         for (parameter, by) in event.by.iter().enumerate() {
             if *by != 0.0 {
                 let size = event.rate.abs() / (2.0 * second.abs() * by.abs());

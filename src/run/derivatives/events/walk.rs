@@ -13,6 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::LoopFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
 use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::looks::Looks;
 use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
@@ -28,10 +29,14 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// A tick or an instant of a law is this close to its time, in parts of it.
 pub(super) const AT_TICK: f64 = 1e-9;
+
+/// Solved steps that end further than this from the steps of the run are other steps.
+const MOST_DRIFT: f64 = 1e-6;
 
 /// The model of a run whose derivatives are wanted.
 pub(crate) struct Subject<'w> {
@@ -65,6 +70,8 @@ pub(crate) struct Walk<'w> {
     pub(super) figures: BothFigures<f64>,
     pub(super) constant: BothFigures<Part>,
     pub(super) varied: Varied,
+    /// Made when it is first asked for.
+    pub(super) looks: OnceCell<Looks>,
     /// Where it is.
     pub state: State,
     pub tangent: Tangent,
@@ -78,6 +85,8 @@ pub(crate) struct Walk<'w> {
     pub(super) fastest: f64,
     /// Points of contacts that stick, with their derivatives for each [`WIDTH`] parameters.
     pub(super) anchored: Vec<Anchored>,
+    /// The most that a solved step ended from the step of the run (rad or m; or this part of larger positions).
+    pub(super) drift: f64,
     /// The closed contacts of the last step.
     pub(super) entered: Vec<Closed>,
     /// Whether the last step is kept, and the step.
@@ -106,6 +115,7 @@ impl<'w> Walk<'w> {
             figures: BothFigures::taken(mechanism, elements, frames, |_, value| value),
             constant: BothFigures::taken(mechanism, elements, frames, |_, value| Part::of(value)),
             varied: Varied::new(mechanism, elements, frames, &slopes),
+            looks: OnceCell::new(),
             state: start.clone(),
             tangent: Tangent {
                 positions: column(&|parameter| &parameter.position),
@@ -117,6 +127,7 @@ impl<'w> Walk<'w> {
             begun: false,
             fastest: fastest(&start.velocity),
             anchored: Vec::new(),
+            drift: 0.0,
             entered: Vec::new(),
             keeps: false,
             kept: None,
@@ -208,7 +219,13 @@ impl<'w> Walk<'w> {
 
     fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
         let Subject { mechanism, .. } = *self.subject;
+        if !self.begun {
+            self.see_start(traced);
+        }
         self.begin(traced);
+        if self.drift > MOST_DRIFT {
+            return Err(SensitivityError::Apart { apart: self.drift });
+        }
         let since = self.state.time;
         self.meet_ticks(&traced.mode, since);
         for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
@@ -240,7 +257,8 @@ impl<'w> Walk<'w> {
         Ok(())
     }
 
-    /// ∂T/∂θ of the end of a step to a given instant (p): the ticks of a motor move with its period. The end of the run does not move.
+    /// ∂T/∂θ of the end of a step to a given instant (p): the ticks of a motor move with its period, and the instants of its target with their times.
+    /// The end of the run does not move.
     ///
     /// # Errors
     /// [`SensitivityError::Ticks`] where ticks of two motors fall together that move apart.
@@ -254,8 +272,13 @@ impl<'w> Walk<'w> {
         let here = |instant: f64| (instant - time).abs() <= AT_TICK * time.abs().max(1.0);
         let mut known = false;
         for (index, motor) in laws.motors.iter().enumerate().filter(|(_, motor)| here(motor.next_instant(since))) {
-            let ticks = if motor.period > 0.0 { (time / motor.period).round() } else { 0.0 };
-            let own = parameters.iter().map(|parameter| ticks * parameter.slope(|laws| laws.motors[index].period));
+            let ticks = (time / motor.period).round();
+            let piece = laws.piece(index, time);
+            let instant = |laws: &TimeLaws| match motor.period > 0.0 {
+                true => ticks * laws.motors[index].period,
+                false => laws.beginning(index, piece),
+            };
+            let own = parameters.iter().map(|parameter| parameter.slope(instant));
             let own = DVector::from_iterator(parameters.len(), own);
             if known && (&own - &later).amax() > AT_TICK * own.amax().max(later.amax()) {
                 return Err(SensitivityError::Ticks { time });

@@ -9,6 +9,7 @@
 
 use crate::derivatives::equations::contacts::TouchFigures;
 use crate::derivatives::events::instant::{Instant, Moved};
+use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, StepMode};
 use crate::derivatives::numbers::number::Number;
 use crate::events::trace::{JointMode, Mode, MotorMode, Watched};
@@ -18,6 +19,8 @@ use crate::mechanism::motion::event::Side;
 /// A state with its derivatives, in which a function is asked for.
 pub(crate) struct Sight<'s> {
     pub at: Instant<'s, Part>,
+    /// The figures without derivatives.
+    pub constant: &'s BothFigures<Part>,
     pub velocities: &'s [Part],
     pub elements: &'s Elements,
     pub mode: &'s Mode,

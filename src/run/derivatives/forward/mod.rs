@@ -1,9 +1,10 @@
 //! Derivatives of a run by its start and its numbers, through its own steps.
 
 pub(crate) mod between;
-mod elimination;
+pub(in crate::derivatives) mod elimination;
 pub mod failure;
 pub(in crate::derivatives) mod figure_slopes;
+mod first_stages;
 mod spatial;
 pub mod stage_equations;
 pub mod step;

@@ -1,7 +1,7 @@
 //! One step of the scheme solved to rounding, with the factors of its exact derivatives.
 //!
-//! Newton's method on [`crate::derivatives::forward::stage_equations`] begins with stages on straight lines. Its matrix comes from dual numbers, and
-//! is kept while it shrinks the residuals fast. The matrix at the solution is the one of the implicit function theorem:
+//! Newton's method on [`crate::derivatives::forward::stage_equations`] begins with the stages of the run, and with the multipliers that balance them.
+//! Its matrix comes from dual numbers, and is kept while it shrinks the residuals fast. The matrix at the solution is the one of the implicit function theorem:
 //!
 //! ```text
 //!     R(u; x) = 0        R_u δu = −R_x δx
@@ -13,6 +13,7 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::elimination::Elimination;
+use crate::derivatives::forward::first_stages::{NearStep, first_stages};
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
 use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::derivatives::numbers::dual::Dual;
@@ -41,6 +42,10 @@ pub(super) const ROUNDING: f64 = 1e-10;
 pub(super) const SQUARE: f64 = 1e-19;
 /// Factors with less drift belong to the solution: derivatives are off by up to a hundred times as large a part.
 pub(super) const KEPT: f64 = 1e-14;
+/// Multipliers have fewer digits than displacements, and less part in the matrix: a part of theirs counts by this part.
+const SMALLER: f64 = 1e-3;
+/// Singular values of the directions of multipliers below this are zero (m, or N m s² of unit forces).
+const MULTIPLIED: f64 = 1e-14;
 
 /// A step that is solved.
 pub struct SolvedStep {
@@ -165,7 +170,7 @@ pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
 impl StepProblem<'_> {
     /// Solves it by the equations of all mechanisms; `None` if the iteration does not converge.
     pub(super) fn solve_whole(&self, known: Option<(SolvedStep, f64)>) -> Option<SolvedStep> {
-        let (s, StepMode { free, rows, row_count, .. }) = (self.tableau.stages, self.mode);
+        let (s, StepMode { free, rows, .. }) = (self.tableau.stages, self.mode);
         let (n, m) = (free.len(), rows.len());
         let all = self.start.velocity.len();
         let spread = |moved: &[f64]| {
@@ -174,20 +179,25 @@ impl StepProblem<'_> {
             whole
         };
         let (mut stages, mut velocities, mut multipliers, mut factors) = match known {
-            Some((SolvedStep { stages, multipliers, factors: Factors::Whole(factors), .. }, _)) => {
+            Some((SolvedStep { stages, multipliers, factors: Factors::Whole(factors), drift }, change)) => {
                 let velocities = stages.last()?.velocity.clone();
-                (stages, velocities, multipliers, Some(factors))
+                (stages, velocities, multipliers, Some((factors, drift + change)))
             }
             _ => {
-                let started: Vec<f64> = free.iter().map(|&freedom| self.start.velocity[freedom]).collect();
-                (self.on_a_line(&started, &spread), spread(&started), vec![vec![0.0; *row_count]; s], None)
+                let stages = self.first_stages();
+                let faster = |&freedom: &usize| self.start.velocity[freedom] - self.begun.velocity[freedom];
+                let ended: Vec<f64> =
+                    free.iter().map(|freedom| self.toward.velocity[*freedom] + faster(freedom)).collect();
+                let velocities = spread(&ended);
+                let multipliers = self.first_multipliers(&stages, &velocities);
+                (stages, velocities, multipliers, None)
             }
         };
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
-            let matrix = match factors.take() {
+            let (matrix, drift) = match factors.take() {
                 Some(kept) => kept,
-                None => self.factors(&stages, &velocities, &multipliers)?,
+                None => (self.factors(&stages, &velocities, &multipliers)?, 0.0),
             };
             let residual = self.residual(&stages, &velocities, &multipliers);
             let correction = DVector::from_vec(matrix.solve(residual.as_slice()));
@@ -201,36 +211,54 @@ impl StepProblem<'_> {
             }
             let faster = correction.rows((s - 1) * n, n);
             free.iter().zip(faster.iter()).for_each(|(&freedom, part)| velocities[freedom] -= part);
+            let most = multipliers.iter().flatten().fold(f64::MIN_POSITIVE, |most: f64, push| most.max(push.abs()));
             for (stage, multipliers) in multipliers.iter_mut().enumerate() {
                 let pushed = correction.rows(s * n + stage * m, m);
                 rows.iter().zip(pushed.iter()).for_each(|(&row, part)| multipliers[row] -= part);
             }
-            if size < ROUNDING && size >= 0.25 * last || size == 0.0 {
-                let factors = self.factors(&stages, &velocities, &multipliers)?;
+            // Multipliers have the roundings of forces over h².
+            let pushed = if m > 0 { correction.rows(s * n, s * m).amax() / most } else { 0.0 };
+            let drift = drift + size + SMALLER * pushed;
+            if size < ROUNDING && (size >= 0.25 * last || size * drift <= SQUARE) || size == 0.0 {
+                let (factors, drift) = match drift <= KEPT {
+                    true => (matrix, drift),
+                    false => (self.factors(&stages, &velocities, &multipliers)?, 0.0),
+                };
                 let end = stages.last_mut()?;
                 end.velocity = velocities;
                 end.time = self.start.time + self.step;
-                return Some(SolvedStep { stages, multipliers, factors: Factors::Whole(factors), drift: 0.0 });
+                return Some(SolvedStep { stages, multipliers, factors: Factors::Whole(factors), drift });
             }
             if size <= SLOW * last {
-                factors = Some(matrix);
+                factors = Some((matrix, drift));
             }
             last = size;
         }
         None
     }
 
-    /// Stages i = 2..s on a straight line.
-    fn on_a_line(&self, started: &[f64], spread: &dyn Fn(&[f64]) -> Vec<f64>) -> Vec<State> {
-        let at = |node: &f64| {
-            let gone = self.step * node;
-            let mut stage = self.start.clone();
-            let along: Vec<f64> = started.iter().map(|rate| gone * rate).collect();
-            stage.displace(self.mechanism, &spread(&along));
-            stage.time = self.start.time + gone;
-            stage
-        };
-        self.tableau.nodes[1..].iter().map(at).collect()
+    /// The first guess of the stages i = 2..s.
+    pub(super) fn first_stages(&self) -> Vec<State> {
+        let StepProblem { mechanism, tableau, start, step, begun, toward, inside, .. } = *self;
+        first_stages(&NearStep { mechanism, tableau, start, step, begun, toward, inside, free: &self.mode.free })
+    }
+
+    /// Multipliers that balance the forces at some stages best, and solve the equations if these are its stages: equations are linear in them.
+    fn first_multipliers(&self, stages: &[State], velocities: &[f64]) -> Vec<Vec<f64>> {
+        let StepMode { free, rows, row_count, .. } = self.mode;
+        let (s, n, m) = (self.tableau.stages, free.len(), rows.len());
+        let mut multipliers = vec![vec![0.0; *row_count]; s];
+        if m == 0 || n == 0 {
+            return multipliers;
+        }
+        let off = -self.residual(stages, velocities, &multipliers).rows(0, s * n);
+        let mut matrix = DMatrix::zeros(self.mode.size(s), s * m);
+        self.fill(stages, velocities, &multipliers, s * n, &mut matrix);
+        let found = matrix.rows(0, s * n).svd(true, true).solve(&off, MULTIPLIED).ok();
+        for (index, push) in found.iter().flat_map(|found| found.iter()).enumerate() {
+            multipliers[index / m][rows[index % m]] = *push;
+        }
+        multipliers
     }
 
     pub(super) fn residual(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DVector<f64> {
@@ -260,15 +288,29 @@ impl StepProblem<'_> {
 
     /// R_u at some stages.
     pub(super) fn matrix(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DMatrix<f64> {
+        let count = self.mode.size(self.tableau.stages);
+        let mut matrix = DMatrix::zeros(count, count);
+        self.fill(stages, velocities, multipliers, 0, &mut matrix);
+        matrix
+    }
+
+    /// Fills the columns of R_u from an unknown on.
+    fn fill(
+        &self,
+        stages: &[State],
+        velocities: &[f64],
+        multipliers: &[Vec<f64>],
+        begin: usize,
+        matrix: &mut DMatrix<f64>,
+    ) {
         let StepMode { free, rows, .. } = self.mode;
         let (s, n, m, all) = (self.tableau.stages, free.len(), rows.len(), velocities.len());
         let count = self.mode.size(s);
-        let mut matrix = DMatrix::zeros(count, count);
         let start_velocities: Vec<Part> = constant(&self.start.velocity);
         let efforts: Vec<Vec<Part>> = self.efforts.iter().map(|efforts| constant(efforts.as_slice())).collect();
         let drives = self.mode.drives(&self.constant.laws);
         let still = vec![Part::zero(); all];
-        for first in (0..count).step_by(WIDTH) {
+        for first in (begin..count).step_by(WIDTH) {
             let width = WIDTH.min(count - first);
             let mut offsets = vec![still.clone(); stages.len()];
             let mut end_velocities: Vec<Part> = constant(velocities);
@@ -299,10 +341,9 @@ impl StepProblem<'_> {
                 mode: InMode { drives: &drives, closed: &self.mode.constant, multipliers: &pushes },
             };
             for (row, value) in self.mode.select(&motion.residual(), all).into_iter().enumerate() {
-                (0..width).for_each(|part| matrix[(row, first + part)] = value.parts[part]);
+                (0..width).for_each(|part| matrix[(row, first - begin + part)] = value.parts[part]);
             }
         }
-        matrix
     }
 }
 

@@ -19,6 +19,7 @@ use nalgebra::DMatrix;
 mod gradient;
 mod parameters;
 mod prepared;
+mod starts;
 
 pub use gradient::{Backward, EventLost, Gradient, Lost, SampledEvent, Samples};
 use prepared::Prepared;

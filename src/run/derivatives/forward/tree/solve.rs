@@ -1,19 +1,11 @@
 //! A step of a tree solved to rounding.
 //!
-//! Newton's method begins with the stages of the run, or on the cubic curve through both ends of its step:
-//!
-//! ```text
-//!     y(c) = h v₀ c + (3Δ − 2 h v₀ − h v₁) c² + (h v₀ + h v₁ − 2Δ) c³        Δ = y₁ − y₀
-//! ```
-//!
-//! A correction δv̄ of the velocities at the end counts as h δv̄: the matrix depends on them.
+//! Newton's method begins with the stages of the run, or on a cubic curve ([`crate::derivatives::forward::first_stages`]). A correction δv̄ of the velocities at the end counts as h δv̄: the matrix depends on them.
 
-use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::step::{Factors, ITERATIONS, KEPT, ROUNDING, SLOW, SQUARE, SolvedStep, StepProblem};
 use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
 use crate::derivatives::forward::tree::step::{TreeStep, efforts};
-use crate::mechanism::motion::state::State;
 use nalgebra::DMatrix;
 
 /// Solves a step of a tree, from the same step with another length if it is known, and the part of the length by which it differs; `None` if the
@@ -35,7 +27,7 @@ pub(in crate::derivatives::forward) fn solve_tree(
             velocities.copy_from_slice(&stages.last()?.velocity);
             (stages, Some((factors, drift + change)))
         }
-        _ => (first_stages(problem), None),
+        _ => (problem.first_stages(), None),
     };
     let made = |step: &TreeStep| Some(Box::new(TreeMatrix::new(step).factors()?));
     let mut last = f64::INFINITY;
@@ -77,54 +69,4 @@ pub(in crate::derivatives::forward) fn solve_tree(
         last = size;
     }
     None
-}
-
-/// Stages i = 2..s: the known ones of the run, moved along with the start, otherwise on a cubic curve through both ends.
-fn first_stages(problem: &StepProblem) -> Vec<State> {
-    let StepProblem { mechanism, tableau, start, begun, toward, inside, .. } = *problem;
-    let mut stages = if inside.len() + 2 == tableau.stages {
-        let moved = motion_between(mechanism, begun, start);
-        let mut stages: Vec<State> = inside.iter().chain([toward]).cloned().collect();
-        for (stage, node) in stages.iter_mut().zip(&tableau.nodes[1..]) {
-            let gone = problem.step * node;
-            let faster = |freedom: usize| start.velocity[freedom] - begun.velocity[freedom];
-            let along: Vec<f64> = (0..moved.len()).map(|freedom| moved[freedom] + gone * faster(freedom)).collect();
-            stage.displace(mechanism, &along);
-        }
-        stages
-    } else {
-        on_a_cubic(problem)
-    };
-    for (stage, node) in stages.iter_mut().zip(&tableau.nodes[1..]) {
-        stage.time = start.time + problem.step * node;
-    }
-    stages
-}
-
-/// Stages i = 2..s on a cubic curve through both ends.
-fn on_a_cubic(problem: &StepProblem) -> Vec<State> {
-    let (tableau, h, start) = (problem.tableau, problem.step, problem.start);
-    let whole = motion_between(problem.mechanism, start, problem.toward);
-    let is_near = problem.toward.time > start.time;
-    let mut free = vec![false; start.velocity.len()];
-    problem.mode.free.iter().for_each(|&freedom| free[freedom] = true);
-    let at = |i: usize| {
-        let c = tableau.nodes[i];
-        let along = |freedom: usize| {
-            let first = h * start.velocity[freedom];
-            if !free[freedom] {
-                return 0.0;
-            }
-            if !is_near {
-                return c * first;
-            }
-            let (all, last) = (whole[freedom], h * problem.toward.velocity[freedom]);
-            c * (first + c * (3.0 * all - 2.0 * first - last + c * (first + last - 2.0 * all)))
-        };
-        let moved: Vec<f64> = (0..free.len()).map(along).collect();
-        let mut stage = start.clone();
-        stage.displace(problem.mechanism, &moved);
-        stage
-    };
-    (1..tableau.stages).map(at).collect()
 }

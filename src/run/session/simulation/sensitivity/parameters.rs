@@ -12,7 +12,7 @@ use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::contact::Shape;
-use crate::mechanism::description::joint::{FreeRotation, Pose, rotation_from_wxyz, wxyz_from_rotation};
+use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::model::Model as Description;
@@ -20,11 +20,10 @@ use crate::scene::{Parameter as Number, Problem, Scene, UrdfJointKind};
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
+use crate::session::simulation::sensitivity::starts::{Bounds, WIDTH};
 use crate::session::tangents::Tangents;
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
-const WIDTH: f64 = 4e-3;
 /// Or by these parts of it, if they cannot vary as much.
 const NARROWER: [f64; 2] = [1e-2, 1e-4];
 /// Frames whose entries move by less than this, while a number varies by its width, stay: a few roundings (m, or 1 for axes).
@@ -34,12 +33,13 @@ const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 pub(super) struct Numbers {
     scene: Scene,
     all: Vec<Number>,
+    bounds: Bounds,
 }
 
 impl Numbers {
-    fn of(model: &Model) -> Result<Self, Error> {
-        let scene = model.scene_with_numbers()?;
-        Ok(Numbers { all: scene.parameters(), scene })
+    fn of(simulation: &Simulation) -> Result<Self, Error> {
+        let scene = simulation.model.scene_with_numbers()?;
+        Ok(Numbers { all: scene.parameters(), scene, bounds: simulation.bounds_of_start() })
     }
 }
 
@@ -49,6 +49,7 @@ struct Varying<'v> {
     scene: &'v Scene,
     number: &'v Number,
     value: f64,
+    bounds: Bounds,
 }
 
 impl Simulation {
@@ -69,7 +70,7 @@ impl Simulation {
         let Some((of, word, joint)) = of else {
             let numbers = match numbers {
                 Some(known) => known,
-                none => none.insert(Numbers::of(&self.model)?),
+                none => none.insert(Numbers::of(self)?),
             };
             return Ok(vec![(key.to_string(), self.by_number(key, numbers, start)?)]);
         };
@@ -100,38 +101,6 @@ impl Simulation {
         Ok(freedoms.into_iter().map(|freedom| (format!("{word}.{}", names[freedom]), unit(freedom, of))).collect())
     }
 
-    /// The parameter of a start on closures, which other joints follow: by differences of assembled starts.
-    fn by_start(&self, freedom: usize, of_position: bool, name: &str, start: &State) -> Result<Parameter, Error> {
-        let mechanism = &self.model.description().mechanism;
-        let unknown = || SensitivityError::Unknown { key: name.to_string() };
-        let joint = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body].joint).ok_or_else(unknown)?;
-        let (q, v) = self.model.flat(start);
-        let place = self.model.coordinates().joint(&joint.name).ok_or_else(unknown)?;
-        let entry = freedom - joint.velocity_index;
-        let slides = joint.kind.translation_axes().len();
-        let mut parameter = Parameter::none(start.velocity.len());
-        for (index, weight) in WEIGHTS.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                let by = sign * (index + 1) as f64 * WIDTH;
-                let mut numbers = if of_position { q[place.q.clone()].to_vec() } else { v[place.v.clone()].to_vec() };
-                if of_position && joint.kind.rotation() == FreeRotation::Ball && entry >= slides {
-                    turn_about(entry - slides, by, &mut numbers[slides..]);
-                } else {
-                    numbers[entry] += by;
-                }
-                let [mut positions, mut velocities] = [self.positions.clone(), self.velocities.clone()];
-                let given = if of_position { &mut positions } else { &mut velocities };
-                given.retain(|(known, _)| *known != joint.name);
-                given.push((joint.name.clone(), numbers));
-                let state = self.model.loaded().assembled(&positions, &velocities, None)?.state;
-                let weight = sign * weight / WIDTH;
-                parameter.position += weight * motion_between(mechanism, start, &state);
-                parameter.velocity += weight * DVector::from_column_slice(&state.velocity);
-            }
-        }
-        Ok(parameter)
-    }
-
     /// The parameter of a number by its key path.
     fn by_number(&self, key: &str, numbers: &Numbers, start: &State) -> Result<Parameter, Error> {
         let own = || key.to_string();
@@ -142,7 +111,7 @@ impl Simulation {
         })?;
         let said = found.said().filter(|value| value.is_finite());
         let value = said.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
-        let number = Varying { key, scene: &numbers.scene, number: found, value };
+        let number = Varying { key, scene: &numbers.scene, number: found, value, bounds: numbers.bounds };
         // Some numbers are close to one that they cannot be.
         let mut tried = self.by_differences(&number, start, WIDTH);
         for narrower in NARROWER {
@@ -213,11 +182,8 @@ impl Simulation {
         let (own, value) = (|| of.key.to_string(), of.value);
         let edge = |reason: String| SensitivityError::Edge { key: own(), value, other, reason };
         let model = self.model.of_numbers(of.scene, of.number, other).map_err(|error| edge(error.to_string()))?;
-        let begun = model
-            .loaded()
-            .assembled(&self.positions, &self.velocities, None)
-            .map_err(|error| edge(error.to_string()))?;
-        let mut state = begun.state;
+        let begun = self.begun(&model, [&self.positions, &self.velocities], of.bounds);
+        let mut state = begun.map_err(|error| edge(error.to_string()))?;
         state.time = start.time;
         let mut other = model.description().mechanism.clone();
         let arms = in_same_frames([self.model.description(), model.description()], &mut other, &mut state);
@@ -312,14 +278,6 @@ fn in_same_frames(of: [&Description; 2], mechanism: &mut Mechanism, state: &mut 
         arms.rows_mut(first, 3).copy_from(&arm);
     }
     arms
-}
-
-/// Turns a quaternion w, x, y, z about an axis of the parent by an angle (rad).
-fn turn_about(axis: usize, angle: f64, quaternion: &mut [f64]) {
-    let mut by = Vector3::zeros();
-    by[axis] = angle;
-    let rotation = Rotation3::new(by).matrix() * rotation_from_wxyz(quaternion);
-    quaternion.copy_from_slice(&wxyz_from_rotation(&rotation));
 }
 
 /// All figures of a mechanism and of its elements, in their order; zero for infinite bounds.
