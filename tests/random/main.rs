@@ -36,15 +36,19 @@ fn folder(of: &str, seed: u64) -> PathBuf {
     std::env::temp_dir().join(format!("catena-{of}-{}-{seed}", std::process::id()))
 }
 
+/// How many sets of seeds have been judged: scenes and crowds have the same seeds.
+static SETS: AtomicU64 = AtomicU64::new(0);
+
 /// Judges all scenes of these seeds on as many threads as there are processors. Files of scenes that are right are removed.
 fn judged(seeds: Range<u64>, of: fn(u64) -> Scene) -> BTreeMap<u64, Vec<judge::Fault>> {
+    let set = format!("random-{}", SETS.fetch_add(1, Ordering::Relaxed));
     let (next, wrong) = (AtomicU64::new(seeds.start), Mutex::new(BTreeMap::new()));
     let work = || loop {
         let seed = next.fetch_add(1, Ordering::Relaxed);
         if seed >= seeds.end {
             break;
         }
-        let (scene, folder) = (of(seed), folder("random", seed));
+        let (scene, folder) = (of(seed), folder(&set, seed));
         let faults = judge::judge(&scene, &folder);
         if faults.is_empty() {
             let _ = std::fs::remove_dir_all(&folder);
