@@ -67,12 +67,13 @@ impl Eventful {
             let of = &self.model.touching.pairs[pair];
             let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
             let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
+            let [speed, changing] = self.fastest_of(pair, &speeds, end - since);
             let measure = Measure {
                 closed: if self.trial.fresh_pairs.holds(pair) { f64::INFINITY } else { zero },
                 zero,
-                speed: speeds.closing_of(of),
+                speed,
                 resolution,
-                changing: speeds.changing_of(of, end - since),
+                changing,
             };
             // A gap of more than can close in a stretch that is searched is as open as that of a pair that was open before.
             let mut gap = GapInside::new(self, [since, end], (watched, pair), resolution);
@@ -127,7 +128,7 @@ impl Eventful {
     }
 
     /// Whether a contact of a pair is closed.
-    fn is_closed(&self, pair: usize) -> bool {
+    pub(super) fn is_closed(&self, pair: usize) -> bool {
         self.mode.contacts.iter().any(|closed| closed.contact.pair == pair)
     }
 
@@ -193,8 +194,13 @@ impl Eventful {
         was_open || self.trial.loose.are_loose(self.model.touching.pairs[pair].all_bodies())
     }
 
-    /// The most that a pair can close by in the last step [m/s].
-    pub(super) fn fastest_of(&self, pair: usize) -> f64 {
-        self.trial.speeds.closing_of(&self.model.touching.pairs[pair])
+    /// The most that a pair can close by in the last step, of this length (s), by the speeds in it [m/s], and the most that this changes by in a
+    /// second [m/s²].
+    pub(super) fn fastest_of(&self, pair: usize, speeds: &Speeds, length: f64) -> [f64; 2] {
+        let of = &self.model.touching.pairs[pair];
+        match self.is_closed(pair) {
+            true => speeds.beside_contacts(of, length),
+            false => [speeds.closing_of(of), speeds.changing_of(of, length)],
+        }
     }
 }

@@ -27,7 +27,7 @@ use crate::events::effects::seizing::Seized;
 use crate::events::effects::unpressed::unpressed;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
-use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
+use crate::events::modes::tolerances::{AT_EVENT, BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::problem::ROUGH;
 use crate::instant::holding::blocks::{Of, Row, row_of_freedom};
 use crate::instant::holding::elements::Elements;
@@ -99,7 +99,10 @@ pub(crate) fn transit(
         done.speed_of_unsolved = impulses.residual * change_of_speed(scene, &velocity, state);
     }
     let known = |state: &State| efforts(mode, state);
-    let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, found.height);
+    let touching = scene.touching;
+    let seen = |pair: usize| found.height.max(touching.pairs[pair].within(AT_EVENT));
+    let height = |of: Of| contacts.pair_of(of).map_or(found.height, seen);
+    let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, height);
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left += low.left;
     let mut flights = ends.clone();

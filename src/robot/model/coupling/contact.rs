@@ -15,6 +15,7 @@ use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
 use crate::model::description::never_touch::NeverTouch;
 use crate::model::description::robot_model::Model;
+use crate::model::description::wheel::turned_onto_axes;
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Warning, listed};
 use nalgebra::Vector3;
@@ -45,6 +46,7 @@ impl Model {
                 surfaces.push(Surface { friction, restitution, moments: obstacle.moments, velocity: None });
             }
         }
+        let wheels = turned_onto_axes(&self.mechanism, &mut colliders);
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
         let (mut pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
@@ -81,7 +83,8 @@ impl Model {
         self.warnings.extend(of_rules);
         self.warnings.extend(self.nothing_to_touch(settings));
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
-        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes, ropes };
+        self.contact =
+            ContactRecord { settings: settings.clone(), owners, wheels, left_out, meshes: reader.meshes, ropes };
         Ok(())
     }
 
