@@ -100,8 +100,19 @@ pub(crate) fn transit(
     }
     let known = |state: &State| efforts(mode, state);
     let touching = scene.touching;
-    let seen = |pair: usize| found.height.max(touching.pairs[pair].within(AT_EVENT));
-    let height = |of: Of| contacts.pair_of(of).map_or(found.height, seen);
+    let fastest = |pair: usize| {
+        let own = meetings.iter().zip(&rates).filter(|(meeting, _)| contacts.pair_of(meeting.block.of) == Some(pair));
+        own.map(|(_, rate)| -rate).fold(0.0, f64::max)
+    };
+    // Where the last flight was too low to be seen, the next ones are, too.
+    let (time, flights_before) = (state.time, &memory.pairs);
+    let height = |of: Of| {
+        let unseen = contacts.pair_of(of).and_then(|pair| {
+            let gap = touching.pairs[pair].within(AT_EVENT);
+            flights_before.get(pair)?.is_low(time, fastest(pair), gap).then_some(gap)
+        });
+        unseen.map_or(found.height, |gap| found.height.max(gap))
+    };
     let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, height);
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left += low.left;

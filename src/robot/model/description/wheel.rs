@@ -97,3 +97,82 @@ impl Model {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::description::joint::Joint;
+    use crate::mechanism::description::mechanism::Body;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// A body on a joint about y, 0.2 m beside its centre of mass.
+    fn on_joint(kind: JointKind) -> Mechanism {
+        let across = Rotation3::from_axis_angle(&Vector3::x_axis(), -FRAC_PI_2);
+        let frame = Pose::from_parts(Translation3::new(0.2, 0.0, 0.0), across);
+        let joint = Joint::new("axle", kind, Pose::identity(), frame);
+        let body = Body { name: "wheel".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
+        Mechanism::new("cart", Vector3::zeros(), vec![body]).expect("a mechanism")
+    }
+
+    /// A shape at (0.2, 0.3, `beside`) turned by `roll` about x.
+    fn placed(shape: Shape, roll: f64, beside: f64) -> Collider {
+        let turned = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
+        Collider::still("wheel", Some(0), Pose::from_parts(Translation3::new(0.2, 0.3, beside), turned), shape)
+    }
+
+    const CYLINDER: Shape = Shape::Cylinder { radius: 0.3, half: 0.4 };
+
+    #[test]
+    fn a_wheel_is_turned_onto_the_axis_of_its_hinge_and_its_points_move_by_no_more_than_is_told() {
+        for (roll, beside) in [(1.57, 0.0), (-1.5707963, 0.0), (1.5712, 1e-7), (FRAC_PI_2, -2e-7)] {
+            for shape in [CYLINDER, Shape::Capsule { radius: 0.3, half: 0.4 }] {
+                let mut colliders = vec![placed(shape, roll, beside)];
+                let written = colliders[0].pose;
+                let wheels = turned_onto_axes(&on_joint(JointKind::Revolute), &mut colliders);
+                let [Wheel { angle, moved, written: known, .. }] = wheels[..] else { panic!("{roll}: {wheels:?}") };
+                let pose = colliders[0].pose;
+                assert_eq!((known, (angle - (FRAC_PI_2 - roll.abs()).abs()).abs() < 1e-15), (written, true));
+                let axis = pose.rotation * Vector3::z();
+                // The sine of the last of these angles is 6e-17.
+                assert!(axis.x.abs() + axis.z.abs() < 1e-16 && pose.translation.z.abs() < 1e-16, "{roll}: {pose}");
+                assert_eq!(axis.y.signum(), (written.rotation * Vector3::z()).y.signum());
+                let off = |point: Vector3<f64>| {
+                    (pose * nalgebra::Point3::from(point) - written * nalgebra::Point3::from(point)).norm()
+                };
+                let farthest = off(Vector3::new(0.0, 0.3, 0.4)).max(off(Vector3::new(0.0, -0.3, 0.4)));
+                assert!(farthest <= moved * (1.0 + 1e-9), "{roll}: {farthest} m, not {moved} m");
+                assert!(pose.rotation.matrix().determinant() > 1.0 - 1e-14, "{roll}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_wheel_stays_as_it_is_written() {
+        let ball = Shape::Sphere { radius: 0.3 };
+        let cuboid = Shape::Box { half: Vector3::repeat(0.3) };
+        for (kind, shape, roll, beside) in [
+            (JointKind::Revolute, CYLINDER, 1.569, 0.0),
+            (JointKind::Revolute, CYLINDER, 1.57, 1e-6),
+            (JointKind::Revolute, CYLINDER, FRAC_PI_2, 0.0),
+            (JointKind::Revolute, ball, 0.7, 0.0),
+            (JointKind::Revolute, cuboid, 1.57, 0.0),
+            (JointKind::Floating, CYLINDER, 1.57, 0.0),
+            (JointKind::Prismatic, CYLINDER, 1.57, 0.0),
+        ] {
+            let mut colliders = vec![placed(shape, roll, beside)];
+            let before = colliders.clone();
+            assert_eq!(turned_onto_axes(&on_joint(kind), &mut colliders), vec![], "{before:?}");
+            assert_eq!(colliders, before);
+        }
+    }
+
+    #[test]
+    fn a_ball_beside_its_axis_by_a_rounding_is_moved_onto_it_and_not_turned() {
+        let mut colliders = vec![placed(Shape::Sphere { radius: 0.3 }, 0.7, 1e-8)];
+        let rotation = colliders[0].pose.rotation;
+        let wheels = turned_onto_axes(&on_joint(JointKind::Revolute), &mut colliders);
+        assert_eq!((wheels.len(), wheels[0].angle), (1, 0.0));
+        assert!((wheels[0].moved - 1e-8).abs() < 1e-16, "{:?}", wheels[0]);
+        assert_eq!((colliders[0].pose.translation.vector.z, colliders[0].pose.rotation), (0.0, rotation));
+    }
+}
