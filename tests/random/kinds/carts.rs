@@ -35,12 +35,13 @@ pub fn cart(draw: &mut Draw, mut scene: Scene) -> Scene {
     start.linear = Vector3::x() * speed;
     let mut motors = Vec::new();
     for (name, x, y) in [("fl", 0.3, 0.2), ("fr", 0.3, -0.2), ("rl", -0.3, 0.2), ("rr", -0.3, -0.2)] {
-        robot.solid(name, mass, wheel.clone());
-        // The axis of the shape is z of its link. That of the hinge is beside it by the rounding of seven digits and more.
-        let off = draw.log(1e-10, 1e-7);
-        let (axle, axis) = (format!("axle_{name}"), Vector3::new(0.0, draw.pick(&[off, -off]), 1.0));
+        // The shape is turned on its axle by the rounding of seven digits and more.
+        let (off, towards) = (draw.log(1e-10, 1e-7), draw.range(0.0, 6.0));
+        let turned = Vector3::new(off * towards.cos(), off * towards.sin(), 0.0);
+        robot.turned_solid(name, mass, wheel.clone(), &turned);
+        let axle = format!("axle_{name}");
         let (origin, rpy) = (Vector3::new(x, y, -below), Vector3::new(-roll, 0.0, 0.0));
-        robot.joint(&Joint { origin, rpy, axis, ..Joint::new(&axle, "continuous", "chassis", name) });
+        robot.joint(&Joint { origin, rpy, ..Joint::new(&axle, "continuous", "chassis", name) });
         start.velocities.push((axle.clone(), speed / radius));
         let torque = 0.25 * acceleration * radius * rolling;
         motors.push(format!("[[motor]]\njoint = \"{axle}\"\nkind = \"effort\"\ntarget = {torque:?}"));
