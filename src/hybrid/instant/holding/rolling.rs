@@ -70,7 +70,8 @@ mod tests {
         let along = shape.normal.cross(&Vector3::new(1.0, 2.0, 3.0));
         let moves = body(rotation, along - turning.cross(&centre), turning);
         let [moving, tilting] = wheel().motion(&moves);
-        assert!(moving.norm() < 1e-14 && tilting.norm() < 1e-14, "{moving} {tilting}");
+        // Some roundings of 20 rad/s.
+        assert!(moving.norm() < 1e-13 && tilting.norm() < 1e-13, "{moving} {tilting}");
     }
 
     #[test]
