@@ -6,6 +6,7 @@
 use crate::geometry::kind;
 use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::description::nonsmooth::Reeving;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::coupling::overlaps::number;
@@ -98,6 +99,17 @@ impl Model {
             self.link_colliders(number, &self.contact.settings, &mut reader, &mut colliders, &mut Vec::new())?;
         }
         Ok((colliders, reader.warnings))
+    }
+
+    /// Simulates the model without the rules that have simplified it already, as far as they are among these.
+    pub fn keep(&mut self, rules: &[Rule]) {
+        if rules.contains(&Rule::Wheels) && !self.contact.wheels.is_empty() {
+            for wheel in std::mem::take(&mut self.contact.wheels) {
+                self.mechanism.nonsmooth.colliders[wheel.collider].pose = wheel.written;
+            }
+            // Shapes that are out of reach of each other are so where they were turned to.
+            self.forget_reach();
+        }
     }
 
     /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds, and joints that were locked move.
