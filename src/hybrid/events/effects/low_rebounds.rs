@@ -5,9 +5,9 @@
 //!     ends:      t + 2 γ⁺/(|a| (1 − e))                         the last of the flights that would follow (s)
 //! ```
 //!
-//! A flight of a contact that is lower than the gap at which its shapes count as closed ([`crate::events::modes::tolerances::AT_EVENT`]) is not seen: its
-//! impact is late by up to that gap, and a can that rocks gains the energy of that fall in each round. So the height is at least this gap after such a
-//! flight.
+//! A contact without restitution that is kicked open, as of a can that rocks, may fly lower than the gap at which its shapes count as closed
+//! ([`crate::events::modes::tolerances::AT_EVENT`]). Its impact is then late by up to that gap, and it gains the energy of that fall in each round. So after
+//! one such flight the height is at least this gap.
 //!
 //! The impulses of all such flights and of the rest after them have the sum that an impact without restitution and the rest have, and so does their
 //! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, which takes back the friction of its rebound:

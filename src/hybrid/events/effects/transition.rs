@@ -104,12 +104,15 @@ pub(crate) fn transit(
         let own = meetings.iter().zip(&rates).filter(|(meeting, _)| contacts.pair_of(meeting.block.of) == Some(pair));
         own.map(|(_, rate)| -rate).fold(0.0, f64::max)
     };
-    // Where the last flight was too low to be seen, the next ones are, too.
+    // Where the last flight of what does not rebound was too low to be seen, the next ones are, too.
     let (time, flights_before) = (state.time, &memory.pairs);
     let height = |of: Of| {
         let unseen = contacts.pair_of(of).and_then(|pair| {
-            let gap = touching.pairs[pair].within(AT_EVENT);
-            flights_before.get(pair)?.is_low(time, fastest(pair), gap).then_some(gap)
+            let of = &touching.pairs[pair];
+            let gap = of.within(AT_EVENT);
+            // Rebounds accumulate with a ratio that is known.
+            let is_low = of.restitution == 0.0 && flights_before.get(pair)?.is_low(time, fastest(pair), gap);
+            is_low.then_some(gap)
         });
         unseen.map_or(found.height, |gap| found.height.max(gap))
     };
