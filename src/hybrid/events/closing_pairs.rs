@@ -154,6 +154,12 @@ impl Eventful {
         least.is_some_and(|least| length * speeds.turning_of(&self.model.touching.pairs[pair]) < least)
     }
 
+    /// Whether a round shape has a closed contact with a plane.
+    fn rolls(&self) -> bool {
+        let pairs = &self.model.touching.pairs;
+        self.mode.contacts.iter().any(|closed| pairs[closed.contact.pair].rolling.is_some())
+    }
+
     /// Whether the last step is a span that is short beside the steps of the motion.
     pub(super) fn is_short_span(&self) -> bool {
         self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span())
@@ -177,7 +183,8 @@ impl Eventful {
         let first = FIRST_SAMPLES.len();
         let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
         for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
-            if count == first && speeds.are_steady() {
+            // The tilt of what rolls may swing unseen beside its speed.
+            if count == first && speeds.are_steady() && !self.rolls() {
                 break;
             }
             if !ENDS.contains(&sample) {

@@ -4,16 +4,19 @@
 //! centre o of the shape moves with `v_o`, and its farthest point is R from it (m):
 //!
 //! ```text
-//!     V = |n · v_o| + |(1 − n nᵀ)(1 − a aᵀ) ω| R  [m/s]
-//!     φ = n · o ± h sin ε − ρ cos ε,   φ̇ = n · v_o + (± h cos ε + ρ sin ε) ε̇      of a rim of radius ρ, h from o (m);   sin ε = n · a
+//!     V = |n · v_o| + |ε̇| R  [m/s],     ε̇ = ω · (a × n)/|a × n|       the tilt of the axis, sin ε = n · a
+//!     φ = n · o ± h sin ε − ρ cos ε,   φ̇ = n · v_o + (± h cos ε + ρ sin ε) ε̇      of a rim of radius ρ, h from o (m)
 //! ```
 //!
-//! The tilt ε changes by `|ε̇| = |ω · (a × n)|/|a × n|`, which is at most the second term over R, because `a × n` is across both. The bound is for pairs
-//! with a closed contact: the other rim of a wheel with a camber is micrometres above the floor for as long as it rolls.
+//! Where the shape all but stands on its end, every turning across the normal counts. The bound is for pairs with a closed contact: the other rim of a wheel
+//! with a camber is micrometres above the floor for as long as it rolls.
 
 use crate::geometry::RoundOnPlane;
 use crate::mechanism::description::body_state::BodyState;
 use nalgebra::Vector3;
+
+/// The direction `a × n` is known while it is longer than this.
+const SLANTED: f64 = 0.1;
 
 /// A round shape of a body on a plane of the world.
 #[derive(Clone, Copy, Debug)]
@@ -32,14 +35,17 @@ impl Rolling {
         round.filter(|_| plane.is_none()).map(|body| Rolling { body, shape })
     }
 
-    /// n (n · v_o) and `(1 − n nᵀ)(1 − a aᵀ) ω` of its body in this state [m/s, rad/s].
+    /// n (n · v_o) and the turning of its body that tilts the axis, in this state [m/s, rad/s].
     pub fn motion(&self, body: &BodyState) -> [Vector3<f64>; 2] {
         let RoundOnPlane { normal, centre, axis, .. } = &self.shape;
         let (centre, axis) = (body.rotation * centre, body.rotation * axis);
         let turning = body.angular_velocity;
         let moving = body.velocity + turning.cross(&centre);
-        let across = turning - axis * axis.dot(&turning);
-        [normal * normal.dot(&moving), across - normal * normal.dot(&across)]
+        let tilting = match axis.cross(normal).try_normalize(SLANTED) {
+            Some(across) => across * across.dot(&turning),
+            None => turning - normal * normal.dot(&turning),
+        };
+        [normal * normal.dot(&moving), tilting]
     }
 }
 
