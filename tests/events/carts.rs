@@ -8,6 +8,8 @@
 //! axle (kg m²), the camber ε (rad), and the angle s that a wheel has turned. A wheel with a camber rolls on one rim, whose radius is ρ too.
 
 use crate::scene_files::{joint, report, scene_of};
+use catena::mechanism::description::rules::Rule;
+use catena::prelude::*;
 use catena::report::{LinkReport, Report};
 use std::path::Path;
 
@@ -127,4 +129,20 @@ fn a_cart_whose_axles_have_a_camber_rolls_on_four_rims() {
         let (turned, _) = joint(&end, "axle_fl");
         assert!((turned * RADIUS - x).abs() < 1e-9, "{axle}: {turned} rad over {x} m");
     }
+}
+
+#[test]
+fn a_cart_whose_wheels_stay_as_they_are_written_stands_on_their_lower_rims() {
+    let file = scene_of("cart_as_written", &cart("1.57", "0", "0 1 0"), &scene(BELOW + RADIUS, 0.0, 0.0));
+    let model = Model::load(&file).expect("a model");
+    let height = |rules: &[Rule]| {
+        let simulation = rules.iter().fold(Simulation::new(&model), |simulation, rule| simulation.keep(*rule));
+        let mut simulation = simulation.tolerance(1e-6).duration(0.01);
+        simulation.run().expect("a run");
+        chassis(&simulation.finish().expect("a report")).position[2]
+    };
+    assert!((height(&[]) - BELOW - RADIUS).abs() < 1e-12, "{}", height(&[]));
+    let tilt = std::f64::consts::FRAC_PI_2 - 1.57;
+    let right = BELOW + RADIUS * tilt.cos() + HALF * tilt.sin();
+    assert!((height(&[Rule::Wheels]) - right).abs() < 1e-9, "{}, not {right}", height(&[Rule::Wheels]));
 }
