@@ -61,7 +61,8 @@ impl Recorded {
         let path = log.join(&main.name);
         let text = as_text(main.data, &path).map_err(anyhow::Error::from);
         let loaded = text.and_then(|text| load(&path, &text, files, &arguments.input.world));
-        let loaded = loaded.with_context(|| format!("{}: its input", log.display()))?;
+        let mut loaded = loaded.with_context(|| format!("{}: its input", log.display()))?;
+        loaded.model.keep(&arguments.input.keep);
         Ok(Recorded { arguments, loaded, simulation })
     }
 }

@@ -38,6 +38,21 @@ pub struct PairGeometry {
     extents: Extents,
 }
 
+/// A shape of revolution on a half space, each in the frame of its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoundOnPlane {
+    /// Which collider of the pair it is.
+    pub side: usize,
+    /// Unit normal out of the half space.
+    pub normal: Vector3<f64>,
+    /// The middle of the shape (m).
+    pub centre: Vector3<f64>,
+    /// Unit vector along its axis.
+    pub axis: Vector3<f64>,
+    /// Distance of its farthest point from the middle (m).
+    pub reach: f64,
+}
+
 /// The distance of two colliders at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
@@ -102,6 +117,13 @@ impl PairGeometry {
             *ball = (*ball - self.second.radius).max(0.0);
         }
         reach
+    }
+
+    /// The round shape on a half space that the pair is, if it is one.
+    pub fn round_on_plane(&self) -> Option<RoundOnPlane> {
+        let (First::HalfSpace(plane), Some(axis)) = (&self.first, self.second.axis()) else { return None };
+        let (side, round) = (usize::from(!self.exchanged), &self.second);
+        Some(RoundOnPlane { side, normal: plane.normal, centre: round.centre, axis, reach: round.size })
     }
 
     /// Lower bound of the translations (m) along which the shapes overlap from start to end while one of them passes through the other: the sum of

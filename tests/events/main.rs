@@ -5,6 +5,7 @@ mod common;
 
 mod belts;
 mod blocked;
+mod carts;
 mod closed;
 mod contacts;
 mod contacts_arch;

@@ -91,3 +91,54 @@ fn a_rule_that_does_not_exist_is_refused_with_the_list() {
         }
     }
 }
+
+const WHEEL: &str = "<robot name='r'><link name='base'/>\
+    <link name='wheel'><inertial><mass value='1'/><inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial>\
+    <collision><origin rpy='1.57 0 0'/><geometry><cylinder radius='0.3' length='0.8'/></geometry></collision></link>\
+    <joint name='axle' type='continuous'><parent link='base'/><child link='wheel'/><axis xyz='0 1 0'/></joint></robot>";
+
+#[test]
+fn a_wheel_that_was_turned_onto_its_axle_is_told_and_stays_as_it_is_written_where_the_rule_is_switched_off() {
+    let folder = folder("wheels");
+    std::fs::write(folder.join("wheel.urdf"), WHEEL).expect("written");
+    let catena = |verb: &str, more: &[&str]| {
+        let output = run(&folder, &[&[verb, "wheel.urdf", "--floor=-0.5"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout).to_string()
+    };
+    let json = |text: String| serde_json::from_str::<serde_json::Value>(&text).expect("one JSON object");
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    // π/2 − 1.57 = 7.963e-4 rad, at √(0.3² + 0.4²) = 0.5 m from the middle.
+    let (angle, moved) = (7.9632679e-4, 3.98163e-4);
+    let model = json(catena("model", &["--json"]));
+    let wheel = &model["contact"]["wheels"][0];
+    assert_eq!((&wheel["name"], &wheel["joint"]), (&"wheel".into(), &"axle".into()));
+    assert!(
+        (number(&wheel["angle"]) - angle).abs() < 1e-10 && (number(&wheel["moved"]) - moved).abs() < 1e-8,
+        "{wheel}"
+    );
+    for part in ["turned", "onto the axis of", "8.0e-4", "4.0e-4", "--keep wheels", "1 shape, turned onto the axis"] {
+        let text = catena("model", &[]);
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+    let roll = |model: &serde_json::Value| {
+        let shapes = model["contact"]["shapes"].as_array().expect("shapes");
+        2.0 * number(&shapes[0]["orientation"][1]).asin()
+    };
+    assert!((roll(&model) - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{}", roll(&model));
+    let kept = json(catena("model", &["--json", "--keep", "wheels"]));
+    assert!((roll(&kept) - 1.57).abs() < 1e-15, "{}", roll(&kept));
+    assert_eq!(kept["contact"]["wheels"], serde_json::json!([]));
+    let told = json(catena("simulate", &["--json", "--no-log", "--duration", "0.1"]));
+    assert_eq!(told["model"]["wheels"]["shapes"], 1);
+    let lines = catena("simulate", &["--duration", "0.1", "-o", "kept.mcap", "--keep", "wheels"]);
+    assert!(!lines.contains("turned onto"), "{lines}");
+    // Its log says how it was made.
+    let again = run(&folder, &["replay", "kept.mcap"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    let lines = catena("simulate", &["--no-log", "--duration", "0.1"]);
+    assert!(
+        lines.contains("1 shape was turned onto the axes of their joints, by up to 8.0e-4 rad and 4.0e-4 m"),
+        "{lines}"
+    );
+}

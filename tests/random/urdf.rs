@@ -54,9 +54,22 @@ impl Robot {
 
     /// A link with principal moments of inertia (kg m²) about its centre of mass.
     pub fn link(&mut self, name: &str, mass: f64, inertia: Vector3<f64>, centre: Vector3<f64>, shape: Option<Shape>) {
-        let collision = shape
-            .as_ref()
-            .map_or(String::new(), |shape| format!("<collision><geometry>{}</geometry></collision>", shape.urdf()));
+        self.turned_link(name, (mass, inertia, centre), shape, &Vector3::zeros());
+    }
+
+    /// The same with a shape that is turned by these roll, pitch and yaw (rad). Overlaps are judged without the turn.
+    fn turned_link(
+        &mut self,
+        name: &str,
+        (mass, inertia, centre): (f64, Vector3<f64>, Vector3<f64>),
+        shape: Option<Shape>,
+        turned: &Vector3<f64>,
+    ) {
+        let origin =
+            if *turned == Vector3::zeros() { String::new() } else { format!("<origin rpy=\"{}\"/>", three(turned)) };
+        let collision = shape.as_ref().map_or(String::new(), |shape| {
+            format!("<collision>{origin}<geometry>{}</geometry></collision>", shape.urdf())
+        });
         self.parts.push(format!(
             "<link name=\"{name}\"><inertial><origin xyz=\"{}\"/><mass value=\"{mass:?}\"/><inertia ixx=\"{:?}\" iyy=\"{:?}\" izz=\"{:?}\" \
              ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>{collision}</link>",
@@ -71,6 +84,11 @@ impl Robot {
     /// A link that is a solid shape about its origin.
     pub fn solid(&mut self, name: &str, mass: f64, shape: Shape) {
         self.link(name, mass, inertia(mass, &shape), Vector3::zeros(), Some(shape));
+    }
+
+    /// The same with a shape that is turned by a little (rad).
+    pub fn turned_solid(&mut self, name: &str, mass: f64, shape: Shape, turned: &Vector3<f64>) {
+        self.turned_link(name, (mass, inertia(mass, &shape), Vector3::zeros()), Some(shape), turned);
     }
 
     /// A link of some size (m) with a random mass, centre and inertia, with or without a random shape.

@@ -93,7 +93,9 @@ impl InputArgs {
     /// # Errors
     /// The defect of the file, with file, line, and link, joint or key.
     pub fn load(&self) -> anyhow::Result<Loaded> {
-        self.world.load(&self.input)
+        let mut loaded = self.world.load(&self.input)?;
+        loaded.model.keep(&self.keep);
+        Ok(loaded)
     }
 
     /// Refuses warnings, if they are to be errors.

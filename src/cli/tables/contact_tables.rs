@@ -4,7 +4,7 @@ use crate::cli::tables::table::{Table, number, triple};
 use catena::mechanism::description::contact::{Collider, ContactPair, MomentLengths, Shape};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::ground::words::counted;
-use catena::model::{Model, Owner, RopeRecord};
+use catena::model::{Model, Owner, RopeRecord, Wheel};
 use catena::scene::Touching;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -50,10 +50,15 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
         let because = left.because;
         json!({"a": name(left.pair.a), "b": name(left.pair.b), "rule": because.name(), "reason": because.reason()})
     });
+    let wheels = contact.wheels.iter().map(|wheel| {
+        let Wheel { collider, angle, moved, .. } = *wheel;
+        json!({"name": name(collider), "joint": joint_of(model, collider), "angle": angle, "moved": moved})
+    });
     let contact = json!({
         "touching": contact.settings.touching().name(),
         "shapes": shapes.collect::<Value>(),
         "pairs": pairs.collect::<Value>(),
+        "wheels": wheels.collect::<Value>(),
         "never_touch": left_out.collect::<Value>(),
     });
     let ropes = model.contact.ropes.iter().map(|rope| {
@@ -66,6 +71,12 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
         value
     });
     vec![("contact", contact), ("ropes", ropes.collect())]
+}
+
+/// The name of the joint by which the body of a collider hangs on others.
+fn joint_of(model: &Model, collider: usize) -> &str {
+    let mechanism = &model.mechanism;
+    mechanism.nonsmooth.colliders[collider].body.map_or("", |body| &mechanism.bodies[body].joint.name)
 }
 
 /// Whether a collider is an end of a rope.
@@ -88,7 +99,7 @@ pub fn write_note(model: &Model, text: &mut String) {
 }
 
 /// Shapes, obstacles and pairs as tables for people.
-pub fn tables(model: &Model) -> [Table; 5] {
+pub fn tables(model: &Model) -> [Table; 6] {
     let colliders = &model.mechanism.nonsmooth.colliders;
     let contact = &model.contact;
     let shapes = [("Shapes", "shape of", false), ("Obstacles", "obstacle", true)].map(|(title, first, is_obstacle)| {
@@ -114,6 +125,14 @@ pub fn tables(model: &Model) -> [Table; 5] {
     let heads = &heads[..if turns { 6 } else { 4 }];
     let never = contact.left_out.iter();
     let never = never.map(|left| vec![name(left.pair.a), name(left.pair.b), left.because.reason()]);
+    let mut wheels = Table::new(
+        "Shapes that were turned onto the axes of their joints",
+        &["turned", "onto the axis of", "by [rad]", "moved by up to [m]"],
+    );
+    for &Wheel { collider, angle, moved, .. } in &contact.wheels {
+        let (angle, moved) = (format!("{angle:.1e}"), format!("{moved:.1e}"));
+        wheels.row(vec![name(collider), joint_of(model, collider).to_string(), angle, moved]);
+    }
     let [shapes, obstacles] = shapes;
     let is_reeved = contact.ropes.iter().any(|rope| rope.links.len() > 2);
     let mut ropes = match is_reeved {
@@ -131,6 +150,7 @@ pub fn tables(model: &Model) -> [Table; 5] {
     [
         ropes,
         shapes,
+        wheels,
         obstacles,
         pairs(Table::new("Pairs that may touch", heads), may),
         pairs(Table::new("Pairs that never touch", &["never touches", "with", "because"]), never),

@@ -39,6 +39,7 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
     };
     let optional = |rule: Rule| {
         let count = match rule {
+            Rule::Wheels => model.contact.wheels.len(),
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
@@ -55,6 +56,7 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),
             _ if count == 0 => String::new(),
+            Rule::Wheels => format!("{}, {}", counted(count, "shape", "shapes"), rule.saving()),
             Rule::Islands => format!("{count} islands, {}", rule.saving()),
             Rule::Sleep => {
                 let sleeping = plan.islands.iter().filter(|(_, asleep)| *asleep);

@@ -170,6 +170,17 @@ impl Convex {
         matches!(&self.core, Core::Polytope(polytope) if polytope.vertices.len() == 1)
     }
 
+    /// Unit vector along the axis of a cylinder or capsule.
+    pub fn axis(&self) -> Option<Vector3<f64>> {
+        match &self.core {
+            Core::Cylinder(cylinder) => Some(cylinder.axis),
+            Core::Polytope(Polytope { vertices, .. }) if vertices.len() == 2 => {
+                Some((vertices[1] - vertices[0]).normalize())
+            }
+            Core::Polytope(_) | Core::Ellipsoid(_) => None,
+        }
+    }
+
     /// Whether it has many vertices.
     pub fn is_dense(&self) -> bool {
         matches!(&self.core, Core::Polytope(polytope) if polytope.vertices.len() > DENSE)

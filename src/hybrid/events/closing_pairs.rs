@@ -67,12 +67,13 @@ impl Eventful {
             let of = &self.model.touching.pairs[pair];
             let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
             let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
+            let [speed, changing] = self.fastest_of(pair, &speeds, end - since);
             let measure = Measure {
                 closed: if self.trial.fresh_pairs.holds(pair) { f64::INFINITY } else { zero },
                 zero,
-                speed: speeds.closing_of(of),
+                speed,
                 resolution,
-                changing: speeds.changing_of(of, end - since),
+                changing,
             };
             // A gap of more than can close in a stretch that is searched is as open as that of a pair that was open before.
             let mut gap = GapInside::new(self, [since, end], (watched, pair), resolution);
@@ -127,7 +128,7 @@ impl Eventful {
     }
 
     /// Whether a contact of a pair is closed.
-    fn is_closed(&self, pair: usize) -> bool {
+    pub(super) fn is_closed(&self, pair: usize) -> bool {
         self.mode.contacts.iter().any(|closed| closed.contact.pair == pair)
     }
 
@@ -153,6 +154,12 @@ impl Eventful {
         least.is_some_and(|least| length * speeds.turning_of(&self.model.touching.pairs[pair]) < least)
     }
 
+    /// Whether a round shape has a closed contact with a plane.
+    fn rolls(&self) -> bool {
+        let pairs = &self.model.touching.pairs;
+        self.mode.contacts.iter().any(|closed| pairs[closed.contact.pair].rolling.is_some())
+    }
+
     /// Whether the last step is a span that is short beside the steps of the motion.
     pub(super) fn is_short_span(&self) -> bool {
         self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.is_short_span())
@@ -176,7 +183,8 @@ impl Eventful {
         let first = FIRST_SAMPLES.len();
         let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
         for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
-            if count == first && speeds.are_steady() {
+            // The tilt of what rolls may swing unseen beside its speed.
+            if count == first && speeds.are_steady() && !self.rolls() {
                 break;
             }
             if !ENDS.contains(&sample) {
@@ -193,8 +201,13 @@ impl Eventful {
         was_open || self.trial.loose.are_loose(self.model.touching.pairs[pair].all_bodies())
     }
 
-    /// The most that a pair can close by in the last step [m/s].
-    pub(super) fn fastest_of(&self, pair: usize) -> f64 {
-        self.trial.speeds.closing_of(&self.model.touching.pairs[pair])
+    /// The most that a pair can close by in the last step, of this length (s), by the speeds in it [m/s], and the most that this changes by in a
+    /// second [m/s²].
+    pub(super) fn fastest_of(&self, pair: usize, speeds: &Speeds, length: f64) -> [f64; 2] {
+        let of = &self.model.touching.pairs[pair];
+        match self.is_closed(pair) {
+            true => speeds.beside_contacts(of, length),
+            false => [speeds.closing_of(of), speeds.changing_of(of, length)],
+        }
     }
 }

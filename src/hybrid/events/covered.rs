@@ -7,7 +7,7 @@
 use crate::events::finding::approach::Approaching;
 use crate::events::finding::cover::{Cover, are_checked};
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
-use crate::events::finding::speeds::speed_of;
+use crate::events::finding::speeds::{speed_beside_contacts, speed_of};
 use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
@@ -34,6 +34,8 @@ pub(super) struct GapInside<'e> {
     since: f64,
     /// Whether the dense output is used as interpolated.
     roughly: bool,
+    /// Whether the pair has a closed contact, so that its gap is that of its other features.
+    beside_contacts: bool,
     /// Its number among the watched functions, and among the pairs.
     watched: usize,
     pair: usize,
@@ -52,8 +54,9 @@ impl<'e> GapInside<'e> {
     /// open as interpolated (m).
     pub fn new(eventful: &'e mut Eventful, [since, end]: [f64; 2], (watched, pair): (usize, usize), open: f64) -> Self {
         let roughly = eventful.is_known_roughly(pair);
+        let beside_contacts = eventful.is_closed(pair);
         let (seen_open, before, at_end) = (None, f64::INFINITY, None);
-        GapInside { eventful, since, roughly, watched, pair, open, seen_open, before, end, at_end }
+        GapInside { eventful, since, roughly, beside_contacts, watched, pair, open, seen_open, before, end, at_end }
     }
 
     /// An instant of the step, as accurate as the pair needs it there.
@@ -110,7 +113,9 @@ impl Approaching for GapInside<'_> {
     fn speed(&mut self, time: f64) -> f64 {
         let number = self.eventful.look_at(self.inside(time));
         let Eventful { model: HybridModel { touching, .. }, trial: StepTrial { inside, .. }, .. } = &*self.eventful;
-        speed_of(&touching.pairs[self.pair], inside.bodies(number))
+        let of = &touching.pairs[self.pair];
+        let speed = if self.beside_contacts { speed_beside_contacts } else { speed_of };
+        speed(of, inside.bodies(number))
     }
 }
 
@@ -222,7 +227,10 @@ impl Eventful {
             let looked_at = self.trial.covers.iter().find(|(known, _)| *known == watched).map(|(_, cover)| *cover);
             let cover = looked_at.unwrap_or_else(|| Cover { until: end, least: self.trial.reserves.at_end(pair) });
             // A step of first order may have left as much.
-            let (allowed, most) = (self.model.touching.pairs[pair].closed_anew(), self.fastest_of(pair));
+            let (allowed, most) = (
+                self.model.touching.pairs[pair].closed_anew(),
+                self.fastest_of(pair, &self.trial.speeds, end - since)[0],
+            );
             // A pair that waits is far apart: its bound holds at the ends and halfway.
             let asked = if looked_at.is_some() { ASKED } else { 2 };
             for part in 0..=asked {

@@ -8,6 +8,8 @@ use std::str::FromStr;
 /// A rule that can be switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
+    /// A round shape that all but turns about its axis, the axis of its joint, turns about it exactly.
+    Wheels,
     /// Unconnected parts of the mechanism are simulated apart.
     Islands,
     /// An island at rest in equilibrium is not simulated.
@@ -39,7 +41,8 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 11] = [
+    pub const ALL: [Rule; 12] = [
+        Rule::Wheels,
         Rule::Islands,
         Rule::Sleep,
         Rule::Locked,
@@ -56,6 +59,7 @@ impl Rule {
     /// The name, for the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Rule::Wheels => "wheels",
             Rule::Islands => "islands",
             Rule::Sleep => "sleep",
             Rule::Locked => "locked",
@@ -73,6 +77,7 @@ impl Rule {
     /// When it applies, for people.
     pub fn condition(self) -> &'static str {
         match self {
+            Rule::Wheels => "shape of revolution on a hinge, its axis within 1e-3 rad of the hinge's",
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and all accelerations are zero",
             Rule::Locked => "limits of the joint and of those that follow it leave one position",
@@ -90,6 +95,7 @@ impl Rule {
     /// The saved work, for people.
     pub fn saving(self) -> &'static str {
         match self {
+            Rule::Wheels => "turned onto the axis: no wobble",
             Rule::Islands => "each with its own steps, on several cores, small ones together",
             Rule::Sleep => "not simulated",
             Rule::Locked => "simulated as fixed",

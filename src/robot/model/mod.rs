@@ -22,5 +22,6 @@ pub use description::never_touch::NeverTouch;
 pub use description::robot_model::{
     JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile,
 };
+pub use description::wheel::Wheel;
 pub use description::without::{Left, UnknownLeft};
 pub use reduction::reduce::{Base, ModelOptions};

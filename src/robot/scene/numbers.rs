@@ -64,6 +64,34 @@ pub(crate) fn check_friction(number: f64) -> Result<(), String> {
     }
 }
 
+/// Angles of the file that are rounded from multiples of this are these multiples: π/12, a twelfth of a half turn.
+const SHARES: f64 = 12.0;
+/// They have this many digits or more: 1.57 may be meant.
+const DIGITS: i32 = 7;
+/// Multiples are known to this part of them.
+const KNOWN: f64 = 1e-15;
+
+/// The roll, pitch or yaw (rad) that a file means: `1.5707963` is π/2. A number of seven digits or more that is a multiple of π/12, rounded or cut off at its
+/// last digit, is that multiple.
+///
+/// Hinges that are parallel but for 2.7e-8 rad are not in one plane, and close no loop. By chance one angle in some 100 000 is this near to a multiple.
+pub(crate) fn unrounded(angle: f64) -> f64 {
+    use std::f64::consts::PI;
+    let multiple = PI * ((angle / PI * SHARES).round() / SHARES);
+    let off = (angle - multiple).abs();
+    if off <= KNOWN * multiple.abs() || off >= 1e-5 * multiple.abs() {
+        return angle;
+    }
+    // The shortest number that is read as this one: `1.5707963e0`.
+    let text = format!("{:e}", angle.abs());
+    let Some((digits, exponent)) = text.split_once('e') else { return angle };
+    let count = digits.chars().filter(char::is_ascii_digit).count() as i32;
+    let exponent: i32 = exponent.parse().unwrap_or_default();
+    let last = 10_f64.powi(exponent + 1 - count);
+    let is_cut = angle.abs() < multiple.abs();
+    if count >= DIGITS && off < if is_cut { last } else { 0.5 * last } { multiple } else { angle }
+}
+
 /// The rotation with this roll, pitch and yaw (rad).
 pub(crate) fn turn([roll, pitch, yaw]: [f64; 3]) -> Rotation3<f64> {
     Rotation3::from_euler_angles(roll, pitch, yaw)
@@ -83,4 +111,43 @@ pub(crate) fn shown(text: &str) -> String {
         shown.push('…');
     }
     shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, PI};
+
+    #[test]
+    fn angles_of_seven_digits_that_are_rounded_multiples_are_these_and_others_stay_as_they_are() {
+        for (written, meant) in [
+            ("1.5707963", Some(FRAC_PI_2)),
+            ("-1.570796", Some(-FRAC_PI_2)),
+            ("1.5707964", None),
+            ("1.570796326795", Some(FRAC_PI_2)),
+            ("3.1415926", Some(PI)),
+            ("3.1415927", Some(PI)),
+            ("-3.14159265", Some(-PI)),
+            ("0.78539816", Some(FRAC_PI_4)),
+            ("1.0471976", Some(FRAC_PI_3)),
+            ("6.2831853", Some(2.0 * PI)),
+            // Fewer digits stay as they are written, and so do other numbers.
+            ("1.5708", None),
+            ("3.14159", None),
+            ("1.57", None),
+            ("0.0", None),
+            ("1.5707", None),
+            ("1.5707903", None),
+            ("0.3", None),
+        ] {
+            let written: f64 = written.parse().expect("a number");
+            let meant = meant.unwrap_or(written);
+            // Thirds of a half turn are known to their last digit but one.
+            assert!((unrounded(written) - meant).abs() <= 2.3e-16, "{written}");
+        }
+        // No multiple loses its last digit.
+        for exact in [FRAC_PI_2, FRAC_PI_4, FRAC_PI_3, PI, 2.0 * PI / 3.0, -7.0 * PI / 12.0] {
+            assert_eq!(unrounded(exact), exact);
+        }
+    }
 }

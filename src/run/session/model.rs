@@ -3,6 +3,7 @@
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
@@ -162,6 +163,13 @@ impl Model {
     pub fn of_loaded(loaded: Loaded, path: PathBuf, world: World) -> Self {
         let coordinates = Coordinates::of(&loaded.model);
         Model { shared: Arc::new(Shared { loaded, coordinates, path, world, scene: OnceLock::new() }) }
+    }
+
+    /// The same model without the rules that have simplified it already, as far as they are among these.
+    pub(crate) fn keeping(&self, rules: &[Rule]) -> Self {
+        let mut shared = Shared::clone(&self.shared);
+        shared.loaded.model.keep(rules);
+        Model { shared: Arc::new(shared) }
     }
 
     /// The same model, whose numbers are found in this scene and in no file.

@@ -158,6 +158,10 @@ impl Simulation {
     #[must_use]
     pub fn keep(mut self, rule: Rule) -> Self {
         self.kept.push(rule);
+        if rule == Rule::Wheels {
+            self.model = self.model.keeping(&[rule]);
+            self.started = OnceCell::new();
+        }
         self
     }
 

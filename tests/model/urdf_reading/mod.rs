@@ -5,6 +5,7 @@ mod meshes;
 mod refusals;
 mod repairs;
 mod rotors;
+mod rounded_angles;
 mod surface_friction;
 
 use catena::scene::{Element, PackagePath, Problem, Robot, SceneError, Warning, robot_from_text};

@@ -1,6 +1,7 @@
 //! The kinds of scenes. Each takes its numbers from a [`Draw`] alone.
 
 mod balls;
+mod carts;
 mod edges;
 mod heaps;
 mod hinges;
@@ -47,12 +48,13 @@ const KINDS: [Kind; 20] = [
 /// The scene of a seed.
 pub fn scene(seed: u64) -> Scene {
     let (turn, place) = (seed as usize / KINDS.len(), seed as usize % KINDS.len());
-    // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, and one in four slides off a table; a heap
-    // stands for every other stack, a limp robot for one of three pairs of robots.
+    // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, and one in four slides off a table; every
+    // other ball that rolls is a cart; a heap stands for every other stack, a limp robot for one of three pairs of robots.
     let (kind, make) = match KINDS[place] {
         ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
         ("slides", _) if turn % 4 == 2 => ("over an edge", edges::over_an_edge as fn(&mut Draw, Scene) -> Scene),
         ("slides", _) if turn % 2 == 1 => ("lands", balls::lands as fn(&mut Draw, Scene) -> Scene),
+        ("rolls", _) if turn % 2 == 1 => ("cart", carts::cart as fn(&mut Draw, Scene) -> Scene),
         ("stack", _) if turn % 2 == 1 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
         ("two robots", _) if turn % 3 == 1 => ("limp robot", heaps::limp as fn(&mut Draw, Scene) -> Scene),
         kind => kind,

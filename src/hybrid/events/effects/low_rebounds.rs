@@ -5,6 +5,10 @@
 //!     ends:      t + 2 γ⁺/(|a| (1 − e))                         the last of the flights that would follow (s)
 //! ```
 //!
+//! A contact without restitution that is kicked open, as of a can that rocks, may fly lower than the gap at which its shapes count as closed
+//! ([`crate::events::modes::tolerances::AT_EVENT`]). Its impact is then late by up to that gap, and it gains the energy of that fall in each round. So after
+//! one such flight the height is at least this gap.
+//!
 //! The impulses of all such flights and of the rest after them have the sum that an impact without restitution and the rest have, and so does their
 //! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, which takes back the friction of its rebound:
 //!
@@ -46,7 +50,7 @@ fn too_low(
     meetings: &[Meeting],
     before: &[f64],
     efforts: &[f64],
-    height: f64,
+    height: impl Fn(Of) -> f64,
 ) -> Low {
     let is_rebound = |index: usize| {
         let meeting = &meetings[index];
@@ -69,7 +73,7 @@ fn too_low(
     let mut low = Low::default();
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height {
+        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height(meeting.block.of) {
             low.stopped.push(index);
             low.until.push(state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution)));
             low.left += rate * rate / (2.0 * pull);
@@ -87,12 +91,12 @@ pub(crate) fn bring_low_to_rest(
     impulses: &mut Impulses,
     before: &[f64],
     mut efforts: impl FnMut(&State) -> Vec<f64>,
-    height: f64,
+    height: impl Fn(Of) -> f64,
 ) -> Low {
     let mut all = Low::default();
     for _ in 0..CALMING {
         let known = efforts(state);
-        let Low { stopped: low, until, left } = too_low(scene, state, meetings, before, &known, height);
+        let Low { stopped: low, until, left } = too_low(scene, state, meetings, before, &known, &height);
         if low.is_empty() {
             break;
         }

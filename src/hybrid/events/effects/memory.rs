@@ -141,6 +141,11 @@ impl Memory {
 }
 
 impl ImpactMemory {
+    /// Whether the flight since the last impact, which ends at this time (s) with this rate, was no higher than a gap (rad or m): `γ T/4`.
+    pub(crate) fn is_low(&self, time: f64, rate: f64, gap: f64) -> bool {
+        self.last.is_some_and(|(_, last, _)| time > last && 0.25 * rate * (time - last) <= gap)
+    }
+
     /// Predicted end of an infinite sequence of impacts, the last one at this time (s) with this rate: the best prediction so far, and the last.
     /// Early impacts know less of the later ratios, and late ones less of their flight times; two consecutive predictions that agree most are the
     /// best.

@@ -62,7 +62,7 @@ impl Speeds {
     }
 
     /// The known samples, in the order of their times.
-    fn samples(&self) -> impl Iterator<Item = usize> + '_ {
+    fn samples(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         (0..=SAMPLES).filter(|&sample| self.known[sample])
     }
 
@@ -94,10 +94,18 @@ impl Speeds {
         pair.parts.iter().map(|(bodies, reach)| self.changing(*bodies, *reach, length)).sum()
     }
 
+    /// V of a pair with a closed contact [m/s], and the most that it changes by in a second [m/s²]; `length` is the length of the step (s).
+    pub fn beside_contacts(&self, pair: &Pair, length: f64) -> [f64; 2] {
+        let Some(rolling) = &pair.rolling else { return [self.closing_of(pair), self.changing_of(pair, length)] };
+        let motions = self.samples().map(|sample| rolling.motion(self.at(sample, Some(rolling.body))));
+        let weights = [1.0, rolling.shape.reach];
+        [fastest(motions.clone(), weights), self.changes(motions, weights, length)]
+    }
+
     /// The same bound of the angular speed of the bodies of a pair seen from each other [rad/s].
     pub fn turning_of(&self, pair: &Pair) -> f64 {
         let [a, b] = pair.bodies;
-        fastest(self.samples().map(|sample| [self.at(sample, a), self.at(sample, b)]), [0.0, 1.0])
+        fastest(self.samples().map(|sample| relative([self.at(sample, a), self.at(sample, b)])), [0.0, 1.0])
     }
 
     /// V of two bodies with their reaches [m/s].
@@ -113,12 +121,8 @@ impl Speeds {
     /// (s).
     pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
         let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
-            let later = self.samples().skip(1);
-            let rates = self.samples().zip(later).map(|(from, to)| {
-                let states = [from, to].map(|sample| [self.at(sample, own), self.at(sample, other)]);
-                change(states.map(relative), [1.0, reach]) * SAMPLES as f64 / ((to - from) as f64 * length)
-            });
-            rates.fold(0.0, f64::max)
+            let motions = self.samples().map(|sample| relative([self.at(sample, own), self.at(sample, other)]));
+            self.changes(motions, [1.0, reach], length)
         };
         match (a, b) {
             (Some(_), None) => seen(a, b, reach[0]),
@@ -127,19 +131,29 @@ impl Speeds {
         }
     }
 
+    /// The largest change of u and ω at the known samples, with these weights, from one to the next, over the time between them [m/s²].
+    fn changes(&self, motions: impl Iterator<Item = Motion> + Clone, weights: [f64; 2], length: f64) -> f64 {
+        let times = self.samples().zip(self.samples().skip(1));
+        let rates = motions.clone().zip(motions.skip(1)).zip(times).map(|((before, after), (from, to))| {
+            change([before, after], weights) * SAMPLES as f64 / ((to - from) as f64 * length)
+        });
+        rates.fold(0.0, f64::max)
+    }
+
     /// V of a body with its reach, seen from another, or from the world [m/s].
     pub fn seen_from(&self, body: Option<usize>, other: Option<usize>, reach: f64) -> f64 {
-        let states = self.samples().map(|sample| [self.at(sample, body), self.at(sample, other)]);
-        fastest(states, [1.0, reach])
+        fastest(self.samples().map(|sample| relative([self.at(sample, body), self.at(sample, other)])), [1.0, reach])
     }
 }
 
-/// V over the time between states of a body, and of another from which it is seen [m/s]; u counts with a weight of 1, and ω with the reach (m).
-fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, weights: [f64; 2]) -> f64 {
+/// u and ω of a body, seen from another [m/s, rad/s].
+type Motion = [Vector3<f64>; 2];
+
+/// V over the time between motions of a body, seen from another [m/s]; u counts with a weight of 1, and ω with the reach (m).
+fn fastest(motions: impl Iterator<Item = Motion>, weights: [f64; 2]) -> f64 {
     let (mut speed, mut turning, mut changes) = (0.0_f64, 0.0_f64, 0.0_f64);
-    let mut before: Option<[Vector3<f64>; 2]> = None;
-    for states in states {
-        let [moves, turns] = relative(states);
+    let mut before: Option<Motion> = None;
+    for [moves, turns] in motions {
         (speed, turning) = (speed.max(moves.norm()), turning.max(turns.norm()));
         if let Some(before) = before {
             changes = changes.max(change([before, [moves, turns]], weights));
@@ -151,7 +165,7 @@ fn fastest<'s>(states: impl Iterator<Item = [&'s BodyState; 2]>, weights: [f64; 
 }
 
 /// The change of u and ω between two instants, with these weights [m/s].
-fn change([[moved, turned], [moves, turns]]: [[Vector3<f64>; 2]; 2], [along, reach]: [f64; 2]) -> f64 {
+fn change([[moved, turned], [moves, turns]]: [Motion; 2], [along, reach]: [f64; 2]) -> f64 {
     along * (moves - moved).norm() + times_reach((turns - turned).norm(), reach)
 }
 
@@ -161,7 +175,7 @@ fn times_reach(turning: f64, reach: f64) -> f64 {
 }
 
 /// u and ω of a body, seen from another [m/s, rad/s].
-fn relative([own, from]: [&BodyState; 2]) -> [Vector3<f64>; 2] {
+fn relative([own, from]: [&BodyState; 2]) -> Motion {
     let carried = from.velocity + from.angular_velocity.cross(&(own.position - from.position));
     [own.velocity - carried, own.angular_velocity - from.angular_velocity]
 }
@@ -178,6 +192,13 @@ pub(crate) fn speed_of(pair: &Pair, bodies: &[BodyState]) -> f64 {
         speed_at(ends.map(|body| body.map_or(WORLD, |body| bodies[body])), reach)
     };
     pair.parts.iter().map(of_part).sum()
+}
+
+/// V of a pair with a closed contact at one instant [m/s].
+pub(crate) fn speed_beside_contacts(pair: &Pair, bodies: &[BodyState]) -> f64 {
+    let Some(rolling) = &pair.rolling else { return speed_of(pair, bodies) };
+    let [moves, turns] = rolling.motion(&bodies[rolling.body]);
+    moves.norm() + times_reach(turns.norm(), rolling.shape.reach)
 }
 
 /// V of two bodies with their reaches at one instant [m/s].

@@ -4,6 +4,7 @@
 //! [`crate::instant::holding::near`] says which of them are to be asked.
 
 use crate::geometry::{Extents, PairGeometry, PreparedShape};
+use crate::instant::holding::rolling::Rolling;
 use crate::instant::holding::rope::{Part, Rope};
 use crate::instant::holding::sparse::{Sparse, seconds};
 use crate::mechanism::description::contact::{Collider, ContactPair, MomentLengths, Shape};
@@ -32,6 +33,8 @@ pub(crate) struct Pair {
     pub reach: [f64; 2],
     /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or all parts of a rope through several points.
     pub parts: Vec<Part>,
+    /// The round shape on a plane of the world that it is, if it is one.
+    pub rolling: Option<Rolling>,
     /// The rope through several points that it is, if it is one.
     pub(super) rope: Option<Rope>,
     /// μ and e.
@@ -200,6 +203,7 @@ impl Pairs {
             surfaces: [a.surface, b.surface],
             parts: rope.as_ref().map_or_else(|| vec![(bodies, geometry.closing_reach())], Rope::parts),
             reach,
+            rolling: Rolling::of(bodies, geometry.round_on_plane()),
             rope,
             extents: geometry.extents(),
             breadth: geometry.breadth(),

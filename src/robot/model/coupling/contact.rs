@@ -6,6 +6,7 @@
 use crate::geometry::kind;
 use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::description::nonsmooth::Reeving;
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::coupling::overlaps::number;
@@ -15,6 +16,7 @@ use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
 use crate::model::description::never_touch::NeverTouch;
 use crate::model::description::robot_model::Model;
+use crate::model::description::wheel::turned_onto_axes;
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Surface, Warning, listed};
 use nalgebra::Vector3;
@@ -45,6 +47,7 @@ impl Model {
                 surfaces.push(Surface { friction, restitution, moments: obstacle.moments, velocity: None });
             }
         }
+        let wheels = turned_onto_axes(&self.mechanism, &mut colliders);
         let placed = body_states(&self.mechanism, &self.zero_state());
         let reach = ContactReach::new(&self.mechanism, placed);
         let (mut pairs, left_out) = contact_pairs(settings, &colliders, &owners, &surfaces, robots, &reach);
@@ -81,7 +84,8 @@ impl Model {
         self.warnings.extend(of_rules);
         self.warnings.extend(self.nothing_to_touch(settings));
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
-        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes, ropes };
+        self.contact =
+            ContactRecord { settings: settings.clone(), owners, wheels, left_out, meshes: reader.meshes, ropes };
         Ok(())
     }
 
@@ -95,6 +99,17 @@ impl Model {
             self.link_colliders(number, &self.contact.settings, &mut reader, &mut colliders, &mut Vec::new())?;
         }
         Ok((colliders, reader.warnings))
+    }
+
+    /// Simulates the model without the rules that have simplified it already, as far as they are among these.
+    pub fn keep(&mut self, rules: &[Rule]) {
+        if rules.contains(&Rule::Wheels) && !self.contact.wheels.is_empty() {
+            for wheel in std::mem::take(&mut self.contact.wheels) {
+                self.mechanism.nonsmooth.colliders[wheel.collider].pose = wheel.written;
+            }
+            // Shapes that are out of reach of each other are so where they were turned to.
+            self.forget_reach();
+        }
     }
 
     /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds, and joints that were locked move.

@@ -12,6 +12,7 @@ use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::kinship::Kinship;
 use crate::model::description::never_touch::NeverTouch;
+use crate::model::description::wheel::Wheel;
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, MeshSource, PairRule, Surface, Touching};
 
@@ -70,6 +71,8 @@ pub struct ContactRecord {
     pub settings: ContactSettings,
     /// To whom each collider of the mechanism belongs.
     pub owners: Vec<Owner>,
+    /// The shapes that turn exactly about the axes of their joints, and where the files put them.
+    pub wheels: Vec<Wheel>,
     /// The pairs that never touch, and why.
     pub left_out: Vec<LeftOutPair>,
     /// The meshes of links that were read.

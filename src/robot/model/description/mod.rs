@@ -13,4 +13,5 @@ pub(crate) mod never_touch;
 pub(crate) mod reported;
 pub(crate) mod robot_model;
 pub(crate) mod start_checks;
+pub(crate) mod wheel;
 pub(crate) mod without;

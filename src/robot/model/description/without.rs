@@ -76,6 +76,7 @@ impl Model {
                     // The obstacles and their meshes stay: the log carries them, so that the run can be made again.
                     self.contact.settings.touching = Some(Touching::None);
                     self.contact.owners.clear();
+                    self.contact.wheels.clear();
                     self.contact.left_out.clear();
                 }
             }

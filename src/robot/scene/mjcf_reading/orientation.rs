@@ -2,7 +2,7 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::tree::Element;
-use crate::scene::numbers::{normalised, turn_of_z};
+use crate::scene::numbers::{normalised, turn_of_z, unrounded};
 use crate::scene::robot::Pose;
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3, Vector4};
 
@@ -37,7 +37,7 @@ impl Angles {
         }
         if let Some(given) = element.list("axisangle", 4, 4)? {
             let axis = normalised(&Vector3::new(given[0], given[1], given[2])).ok_or_else(|| zero("axisangle"))?;
-            return Ok(Rotation3::from_axis_angle(&Unit::new_unchecked(axis), given[3] * self.unit));
+            return Ok(Rotation3::from_axis_angle(&Unit::new_unchecked(axis), unrounded(given[3] * self.unit)));
         }
         if let Some(angles) = element.vector("euler")? {
             let mut turned = Rotation3::identity();
@@ -47,7 +47,7 @@ impl Angles {
                     'y' => Vector3::y_axis(),
                     _ => Vector3::z_axis(),
                 };
-                let one = Rotation3::from_axis_angle(&axis, angle * self.unit);
+                let one = Rotation3::from_axis_angle(&axis, unrounded(angle * self.unit));
                 turned = if letter.is_ascii_lowercase() { turned * one } else { one * turned };
             }
             return Ok(turned);

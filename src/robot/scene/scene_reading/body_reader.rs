@@ -83,7 +83,7 @@ impl CouplingReader<'_> {
         };
         let body = SceneBody { shape, weight, color, surface };
         let line = self.text.line(&span);
-        let rpy = table.pose.rpy.map(|angle| angle.0);
+        let rpy = table.pose.angles();
         let keys = CopyKeys { count: &table.count, grid: &table.grid, spacing: &table.spacing };
         let mut bodies = Vec::new();
         for (number, displacement) in copies(self.text, &keys, &owner)? {

@@ -108,7 +108,7 @@ impl CouplingReader<'_> {
                 name,
                 shape,
                 pose: in_world,
-                rpy: pose.rpy.map(|angle| angle.0),
+                rpy: pose.angles(),
                 turn,
                 normal,
                 friction: friction.map(|friction| friction.0),
@@ -282,5 +282,5 @@ fn half_of(number: &Positive) -> f64 {
 }
 
 fn placed(table: &PoseTable) -> Pose {
-    Pose::from_parts(Translation3::from(vector(&table.position)), turn(table.rpy.map(|number| number.0)))
+    Pose::from_parts(Translation3::from(vector(&table.position)), turn(table.angles()))
 }

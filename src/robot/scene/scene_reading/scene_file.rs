@@ -224,7 +224,7 @@ fn robot(
         Some(velocity) => Some(base_velocity(text, &velocity)),
         None => None,
     };
-    let rpy = table.pose.rpy.map(|angle| angle.0);
+    let rpy = table.pose.angles();
     let reader = RobotReader { text, robot: &robot, owner: Element::Robot(name.clone()) };
     let positions = reader.joint_values(table.positions, false)?;
     let velocities = reader.joint_values(table.velocities, true)?;

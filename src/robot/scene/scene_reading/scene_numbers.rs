@@ -2,7 +2,7 @@
 //!
 //! Angles and rates of angles may be written in degrees, as `"30 deg"` and `"30 deg/s"`.
 
-use crate::scene::numbers::check_friction;
+use crate::scene::numbers::{check_friction, unrounded};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::fmt;
 
@@ -35,6 +35,13 @@ pub(crate) struct Positive(pub f64);
 pub(crate) struct PoseTable {
     pub position: [Finite; 3],
     pub rpy: [Angle; 3],
+}
+
+impl PoseTable {
+    /// Roll, pitch and yaw as they are meant (rad).
+    pub fn angles(&self) -> [f64; 3] {
+        self.rpy.map(|angle| unrounded(angle.0))
+    }
 }
 
 /// Velocity of a frame in the world [m/s, rad/s].

@@ -1,7 +1,7 @@
 //! Links and joints of a [`Robot`], from the elements of a valid URDF.
 
 use crate::scene::error::{Element, Problem, SceneError};
-use crate::scene::numbers::{normalised, turn, unit};
+use crate::scene::numbers::{normalised, turn, unit, unrounded};
 use crate::scene::robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, Surface, UrdfJoint,
     UrdfJointKind, UrdfLoop, UrdfLoopEnd,
@@ -192,7 +192,7 @@ impl Converter<'_> {
             let given = end.numbers(attribute);
             given.map_or([0.0; 3], |given| [given[0], given[1], given[2]])
         };
-        let (xyz, rpy) = (numbers("xyz"), numbers("rpy"));
+        let (xyz, rpy) = (numbers("xyz"), numbers("rpy").map(unrounded));
         Ok(UrdfLoopEnd { link, origin: Pose::from_parts(Translation3::from(xyz), turn(rpy)), rpy })
     }
 
@@ -251,7 +251,7 @@ impl Converter<'_> {
     fn origin(&mut self, parent: &CleanElement, owner: &Element) -> Result<(Pose, [f64; 3]), SceneError> {
         let Some(origin) = parent.child("origin") else { return Ok((Pose::identity(), [0.0; 3])) };
         let [xyz, rpy] = ["xyz", "rpy"].map(|name| origin.vector(name).unwrap_or_default());
-        let translation = Translation3::from(xyz);
+        let (translation, rpy) = (Translation3::from(xyz), rpy.map(unrounded));
         let by_angles = (Pose::from_parts(translation, turn(rpy)), rpy);
         let Some(q) = origin.numbers("quat_xyzw") else { return Ok(by_angles) };
         if !self.quaternions {

@@ -140,6 +140,33 @@ pub struct ModelReport {
     pub islands: usize,
     /// The number of them that start at rest in equilibrium and are not simulated.
     pub sleeping_islands: usize,
+    /// The shapes that were turned onto the axes of their joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wheels: Option<WheelsReport>,
+}
+
+/// Shapes that turn about the axes of their joints exactly, and not about those that the files give them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct WheelsReport {
+    /// How many there are.
+    pub shapes: usize,
+    /// The largest angle by which one was turned (rad).
+    pub angle: f64,
+    /// The most that a point of a surface was moved (m).
+    pub moved: f64,
+}
+
+impl WheelsReport {
+    /// Those of a model, if it has any.
+    fn of(model: &Model) -> Option<Self> {
+        let wheels = &model.contact.wheels;
+        let most = wheels.iter().fold(WheelsReport::default(), |most, wheel| WheelsReport {
+            shapes: most.shapes + 1,
+            angle: most.angle.max(wheel.angle),
+            moved: most.moved.max(wheel.moved),
+        });
+        (most.shapes > 0).then_some(most)
+    }
 }
 
 /// The result of a part of the mechanism that is not connected with the rest, or of several small ones together.
@@ -248,6 +275,7 @@ impl ModelReport {
             redundant_constraints: redundancy.count(),
             islands,
             sleeping_islands,
+            wheels: WheelsReport::of(model),
         }
     }
 }

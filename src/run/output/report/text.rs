@@ -2,7 +2,7 @@
 
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::output::report::method::OverSlipsReport;
-use crate::output::report::{Report, StepErrorReport};
+use crate::output::report::{Report, StepErrorReport, WheelsReport};
 use crate::simulation::StepChoice;
 use std::fmt;
 
@@ -53,6 +53,13 @@ impl fmt::Display for Report {
             (islands, asleep) => {
                 writeln!(out, "  islands     {islands}, of which {asleep} at rest in equilibrium: not simulated")?;
             }
+        }
+        if let Some(WheelsReport { shapes, angle, moved }) = model.wheels {
+            writeln!(
+                out,
+                "  wheels      {} turned onto the axes of their joints, by up to {angle:.1e} rad and {moved:.1e} m (--keep wheels)",
+                counted(shapes, "shape was", "shapes were")
+            )?;
         }
         let method = &self.method;
         write!(
