@@ -2,6 +2,8 @@
 
 #[path = "../shared/common/mod.rs"]
 mod common;
+#[path = "../shared/tipping/mod.rs"]
+mod tipping;
 
 mod belts;
 mod blocked;

@@ -11,6 +11,8 @@
 
 #[path = "../shared/common/mod.rs"]
 mod common;
+#[path = "../shared/tipping/mod.rs"]
+mod tipping;
 
 mod alike;
 mod crowd;
