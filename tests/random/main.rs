@@ -59,6 +59,7 @@ fn judged(seeds: Range<u64>, of: fn(u64) -> Scene) -> BTreeMap<u64, Vec<judge::F
         for judge::Fault { verdict, words } in &faults {
             println!("{seed:6} {:<24} {verdict:<12} {words}", scene.kind);
         }
+        println!("its files: {}", folder.display());
         wrong.lock().expect("the other threads have not panicked").insert(seed, faults);
     };
     let threads = std::thread::available_parallelism().map_or(2, usize::from);
@@ -85,7 +86,6 @@ fn assert_right(seeds: Range<u64>, of: fn(u64) -> Scene) {
     println!("{} of {count} scenes are wrong", wrong.len());
     if let Some(seed) = wrong.keys().next() {
         println!("{}", of(*seed).listing());
-        println!("its files: {}", folder("random", *seed).display());
         println!("again: SEED={seed} cargo test --release --test random one_seed -- --ignored --nocapture");
     }
     assert!(wrong.is_empty(), "{} of {count} scenes are wrong: seeds {:?}", wrong.len(), wrong.keys());
