@@ -45,6 +45,8 @@ const OPTIMISTIC: f64 = 100.0;
 const PARTED: f64 = 0.1;
 /// Distances above this share of the size are no part of a companion's error any more: they are the error.
 const LARGE: f64 = 1e-2;
+/// Such a distance counts at most this often: both motions may be as far off.
+const BOTH: f64 = 2.0;
 /// Runs that meet other events part if they are this share of the size apart: steps over events are no worse. Less is an error of rebounds that were left out.
 const FAR: f64 = 1e-4;
 /// Number of estimates in a run with a carried companion, and in one with a separate companion.
@@ -238,7 +240,7 @@ impl<'a> ErrorEstimate<'a> {
         let placed = run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
         let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
         self.horizon.see(state.time, apart.min(LARGE * self.size));
-        let share = if apart <= LARGE * self.size { share } else { share.clamp(1.0, OWN_ROUNDINGS) };
+        let share = if apart <= LARGE * self.size { share } else { share.clamp(1.0, BOTH) };
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
