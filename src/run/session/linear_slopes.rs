@@ -10,16 +10,13 @@
 //!
 //! Source: P. Lancaster, On eigenvalues of matrices dependent on a parameter, Numerische Mathematik 6 (1964).
 
-use crate::derivatives::events::parameter::WEIGHTS;
+use crate::derivatives::events::parameter::{WEIGHTS, WIDTH};
 use crate::derivatives::forward::failure::SensitivityError;
-use crate::scene::Problem;
 use crate::session::error::Error;
 use crate::session::linear::Linear;
-use crate::session::model::Model;
+use crate::session::model::{Model, number_of};
 use nalgebra::{Complex, DMatrix};
 
-/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
-const WIDTH: f64 = 4e-3;
 /// Singular values of A − λ below this part of the largest are zero: matrices of poorly scaled mechanisms have roundings of 1e-12.
 const SMALL: f64 = 1e-9;
 /// Left and right vectors with a smaller product meet.
@@ -50,12 +47,7 @@ impl Model {
         let vectors: Vec<_> = linear.modes.iter().map(|mode| vectors(&linear.a, mode.eigenvalue)).collect();
         let slopes = |key: &&str| {
             let own = || (*key).to_string();
-            let number = scene.parameter_among(&all, key).map_err(|error| match *error.problem {
-                Problem::UnknownParameter { .. } => Error::from(SensitivityError::Unknown { key: own() }),
-                _ => Error::from(error),
-            })?;
-            let said = number.said().filter(|value| value.is_finite());
-            let value = said.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
+            let (number, value) = number_of(&scene, &all, key)?;
             let width = if value == 0.0 { WIDTH } else { WIDTH * value.abs() };
             let at = |count: f64| -> Result<DMatrix<f64>, Error> {
                 let other = value + count * width;

@@ -1,5 +1,6 @@
 //! A model in the library: read from a file once, run many times.
 
+use crate::derivatives::forward::failure::SensitivityError;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -8,7 +9,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
 use crate::output::report::{pair_count, pair_name};
-use crate::scene::{Parameter, Scene, Touching, Warning};
+use crate::scene::{Parameter, Problem, Scene, Touching, Warning};
 use crate::session::between_ticks::hold;
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
@@ -390,4 +391,18 @@ impl Model {
 
 pub(crate) fn pose_of(link: &LinkState) -> Pose {
     Pose::from_parts(Translation3::from(link.position), Rotation3::from_matrix_unchecked(link.rotation))
+}
+
+/// The number with this key path among all numbers of a scene, from which derivatives are taken, and its finite value.
+///
+/// # Errors
+/// Numbers that are not there, that are several, or that have no value. Starts and efforts have key paths of their own.
+pub(crate) fn number_of<'n>(scene: &Scene, all: &'n [Parameter], key: &str) -> Result<(&'n Parameter, f64), Error> {
+    let own = || key.to_string();
+    let number = scene.parameter_among(all, key).map_err(|error| match *error.problem {
+        Problem::UnknownParameter { .. } => Error::from(SensitivityError::Unknown { key: own() }),
+        _ => Error::from(error),
+    })?;
+    let said = number.said().filter(|value| value.is_finite());
+    Ok((number, said.ok_or_else(|| SensitivityError::NoValue { key: own() })?))
 }

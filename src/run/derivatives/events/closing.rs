@@ -29,8 +29,8 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Gaps whose derivatives are this small have none (m per unit).
-const STAYS: f64 = 1e-8;
+/// Gaps and rates of contacts whose derivatives are this small have none (m, and m/s, per unit).
+pub(super) const STAYS: f64 = 1e-8;
 /// A slip below this is none [m/s].
 const NO_SPEED: f64 = 1e-12;
 /// A slip that turns by less than this in a step is straight (rad): roundings and tolerances are smaller.
@@ -216,9 +216,7 @@ impl Walk<'_> {
             let gaps = at.gaps();
             let right = DMatrix::from_fn(rows, width, |row, part| -gaps[mode.rows[row]].parts[part]);
             for (column, off) in right.column_iter().enumerate().filter(|(_, off)| off.amax() > STAYS) {
-                let off = off.amax();
-                let what = format!("a closed contact opens or is pressed at {time:.6} s, off by {off:.1e}");
-                self.validity.none(first + column, &what);
+                self.validity.none(first + column, &opens(time, off.amax()));
             }
             let moved = solve(right).ok_or_else(failed)?;
             for (row, &freedom) in mode.free.iter().enumerate() {
@@ -272,9 +270,7 @@ impl Walk<'_> {
                 for (column, off) in
                     (first..self.tangent.times.len()).zip(gap.parts).filter(|(_, off)| off.abs() > STAYS)
                 {
-                    let off = off.abs();
-                    let what = format!("a closed contact opens or is pressed at {time:.6} s, off by {off:.1e}");
-                    self.validity.none(column, &what);
+                    self.validity.none(column, &opens(time, off.abs()));
                 }
             }
         }
@@ -333,4 +329,9 @@ impl Walk<'_> {
 fn same(one: &LoopFigures<f64>, other: &LoopFigures<f64>) -> bool {
     let ends = |joint: &LoopFigures<f64>| [joint.a.body, joint.b.body];
     ends(one) == ends(other) && one.a.frame == other.a.frame && one.b.frame == other.b.frame
+}
+
+/// What is said of a closed contact whose gap has this derivative (m per unit).
+fn opens(time: f64, off: f64) -> String {
+    format!("a closed contact opens or is pressed at {time:.6} s, off by {off:.1e}")
 }

@@ -1,6 +1,7 @@
 //! Velocities that jump at one instant: the impact of the run at its active set, with its derivatives.
 
 use crate::derivatives::equations::laws::Laws;
+use crate::derivatives::events::closing::STAYS;
 use crate::derivatives::events::impact::Impact;
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::limit_impact::{LimitImpact, is_on_limits};
@@ -27,9 +28,6 @@ const AT_REST: f64 = 1e-6;
 const AMPLIFIED: f64 = 4.0;
 /// Velocities after an impact are those of the run to this part of the largest so far: laws of impact are solved to 1e-11, and rates at rest are removed.
 const SAME_IMPACT: f64 = 1e-7;
-
-/// Laws of redundant contacts whose derivatives lack less than this agree with each other (m/s per unit).
-const STAYS: f64 = 1e-8;
 
 impl Walk<'_> {
     /// Goes through what happens at an instant.
@@ -160,6 +158,7 @@ impl Walk<'_> {
             let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &mode.constant };
             let impact = Impact { at, met: &met.ok_or_else(lost)?, closed: &closed, row_count: gradient.nrows() };
             let (after, lacking) = impact.after(&before, &found).ok_or_else(lost)?;
+            // Laws of redundant contacts that lack less agree with each other.
             for (column, _) in (first..tangent.ncols()).zip(lacking).filter(|(_, lacking)| *lacking > STAYS) {
                 let what =
                     format!("contacts that strike together at {:.6} s strike one after the other", self.state.time);

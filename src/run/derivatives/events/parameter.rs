@@ -12,6 +12,8 @@ use nalgebra::DVector;
 
 /// Weights of differences over k widths, k = 1..4: the derivative is their sum over both signs, over the width.
 pub const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
+pub const WIDTH: f64 = 4e-3;
 
 /// Efforts that follow time.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,6 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::elimination::Elimination;
-use crate::derivatives::forward::first_stages::{NearStep, first_stages};
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
 use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::derivatives::numbers::dual::Dual;
@@ -235,12 +234,6 @@ impl StepProblem<'_> {
             last = size;
         }
         None
-    }
-
-    /// The first guess of the stages i = 2..s.
-    pub(super) fn first_stages(&self) -> Vec<State> {
-        let StepProblem { mechanism, tableau, start, step, begun, toward, inside, .. } = *self;
-        first_stages(&NearStep { mechanism, tableau, start, step, begun, toward, inside, free: &self.mode.free })
     }
 
     /// Multipliers that balance the forces at some stages best, and solve the equations if these are its stages: equations are linear in them.

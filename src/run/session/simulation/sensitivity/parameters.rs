@@ -7,7 +7,7 @@
 
 use crate::derivatives::equations::figures::{Figures, frame_entries};
 use crate::derivatives::equations::laws::Laws;
-use crate::derivatives::events::parameter::{Parameter, TimeLaws, WEIGHTS};
+use crate::derivatives::events::parameter::{Parameter, TimeLaws, WEIGHTS, WIDTH};
 use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::instant::holding::elements::Elements;
@@ -16,11 +16,11 @@ use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_r
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::model::Model as Description;
-use crate::scene::{Parameter as Number, Problem, Scene, UrdfJointKind};
+use crate::scene::{Parameter as Number, Scene, UrdfJointKind};
 use crate::session::error::Error;
-use crate::session::model::Model;
+use crate::session::model::{Model, number_of};
 use crate::session::simulation::Simulation;
-use crate::session::simulation::sensitivity::starts::{Bounds, WIDTH};
+use crate::session::simulation::sensitivity::starts::Bounds;
 use crate::session::tangents::Tangents;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -83,8 +83,10 @@ impl Simulation {
         }
         let mechanism = &self.model.description().mechanism;
         if mechanism.has_closures() && of < 2 {
+            let bounds = self.bounds_of_start();
             let of_start = |freedom: usize| {
-                Ok((format!("{word}.{}", names[freedom]), self.by_start(freedom, of == 0, &names[freedom], start)?))
+                let parameter = self.by_start(freedom, of == 0, &names[freedom], start, bounds)?;
+                Ok((format!("{word}.{}", names[freedom]), parameter))
             };
             return freedoms.into_iter().map(of_start).collect();
         }
@@ -103,15 +105,8 @@ impl Simulation {
 
     /// The parameter of a number by its key path.
     fn by_number(&self, key: &str, numbers: &Numbers, start: &State) -> Result<Parameter, Error> {
-        let own = || key.to_string();
-        let found = numbers.scene.parameter_among(&numbers.all, key).map_err(|error| match *error.problem {
-            // Starts and efforts are parameters, too.
-            Problem::UnknownParameter { .. } => Error::from(SensitivityError::Unknown { key: own() }),
-            _ => Error::from(error),
-        })?;
-        let said = found.said().filter(|value| value.is_finite());
-        let value = said.ok_or_else(|| SensitivityError::NoValue { key: own() })?;
-        let number = Varying { key, scene: &numbers.scene, number: found, value, bounds: numbers.bounds };
+        let (number, value) = number_of(&numbers.scene, &numbers.all, key)?;
+        let number = Varying { key, scene: &numbers.scene, number, value, bounds: numbers.bounds };
         // Some numbers are close to one that they cannot be.
         let mut tried = self.by_differences(&number, start, WIDTH);
         for narrower in NARROWER {

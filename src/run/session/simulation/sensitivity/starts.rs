@@ -7,7 +7,7 @@
 //! Limits and shapes have no part in it, unless they moved the start of the run itself: a start between narrow limits varies by less than the width of
 //! differences, which would be pushed back.
 
-use crate::derivatives::events::parameter::{Parameter, WEIGHTS};
+use crate::derivatives::events::parameter::{Parameter, WEIGHTS, WIDTH};
 use crate::derivatives::forward::between::motion_between;
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::mechanism::description::joint::{FreeRotation, rotation_from_wxyz, wxyz_from_rotation};
@@ -17,8 +17,6 @@ use crate::session::model::Model;
 use crate::session::simulation::Simulation;
 use nalgebra::{DVector, Rotation3, Vector3};
 
-/// Numbers vary by this part of themselves, and up to four times of it; numbers that are zero by this much.
-pub(super) const WIDTH: f64 = 4e-3;
 /// Starts this close to each other are the same (rad or m, per s): closing loops leaves as much.
 const SAME: f64 = 1e-10;
 
@@ -60,6 +58,7 @@ impl Simulation {
         of_position: bool,
         name: &str,
         start: &State,
+        bounds: Bounds,
     ) -> Result<Parameter, Error> {
         let mechanism = &self.model.description().mechanism;
         let unknown = || SensitivityError::Unknown { key: name.to_string() };
@@ -68,7 +67,6 @@ impl Simulation {
         let place = self.model.coordinates().joint(&joint.name).ok_or_else(unknown)?;
         let entry = freedom - joint.velocity_index;
         let slides = joint.kind.translation_axes().len();
-        let bounds = self.bounds_of_start();
         let mut parameter = Parameter::none(start.velocity.len());
         for (index, weight) in WEIGHTS.iter().enumerate() {
             for sign in [1.0, -1.0] {
