@@ -362,8 +362,8 @@ fn cost_of_exact(rates: usize, contacts: usize) -> f64 {
     CALM_STEPS * ITERATION * (rates as f64 + 3.0 * contacts as f64).powi(2) + decision(contacts)
 }
 
-/// Whether exact steps with so many rates and closed contacts are expected to cost little for a calm second of the motion: those of a robot do, and those
-/// of a pile of eight boxes do not.
+/// Whether exact steps with so many rates and closed contacts are expected to cost little for a calm second of the motion. Steps of a robot do, and steps of
+/// a pile of eight boxes do not.
 pub fn is_cheap(rates: usize, contacts: usize) -> bool {
     cost_of_exact(rates, contacts) < LITTLE
 }

@@ -27,8 +27,9 @@ const ATTEMPTS: usize = 12;
 const NOT_LOCATED: f64 = 1e-9;
 /// Force roots are located to this part of the rounding error, past the bound, so that the constraint releases immediately.
 const WITHIN: f64 = 0.1;
-/// Forces that end with the margin of all are below this many of their roundings and of what is left of the margin, which is at most so many roundings.
+/// A force has ended with the margin of all if it is below this many times its rounding and the rest of the margin together.
 const TWICE: f64 = 2.0;
+/// The rest of a located margin counts up to this many roundings.
 const LEFT: f64 = 50.0;
 /// The smallest value of a function has fallen if it is less than this part of its value before. The search for a root ends after `STALE` attempts in
 /// which it has not fallen.
@@ -184,7 +185,7 @@ impl Eventful {
         let meets = |index: usize| {
             let watched = self.trial.watched[index];
             let allowed = match (watched, margin) {
-                // Forces that are the margin are zero where it is, up to their roundings and to what is left of it: these contacts part together.
+                // The smallest forces are the margin, and end with it: these contacts part together.
                 (Watched::Presses(_), Some(left)) => {
                     let rounding = watched.rounding(&self.trial.holding);
                     TWICE * (rounding + left.min(LEFT * rounding))

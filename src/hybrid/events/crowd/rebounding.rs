@@ -41,10 +41,10 @@ pub(super) struct Rebounding<'r> {
 impl Rebounding<'_> {
     /// An approach below this has no rebound [m/s]: gravity along the normal makes it in a step. Bodies that roll into each other on a floor part again.
     fn slowest(&self, number: usize) -> f64 {
-        let candidate = &self.contacts.list[number];
+        let (candidate, fall) = (&self.contacts.list[number], self.fall.norm());
         match candidate.key {
-            Key::Touch(..) => candidate.frame[0].dot(&self.fall).abs().max(ACROSS * self.fall.norm()),
-            _ => self.fall.norm(),
+            Key::Touch(..) => candidate.frame[0].dot(&self.fall).abs().max(ACROSS * fall),
+            _ => fall,
         }
     }
 

@@ -57,6 +57,7 @@ pub(super) fn settle(
     let mut settled = Settled { work: vec![0.0; velocity.len()], ..Settled::default() };
     velocity.copy_from_slice(free);
     let fall = 2.0 * step * scene.whole.gravity;
+    let slow = fall.norm();
     let mut places = vec![0; trees.trees.len()];
     let mut kept = Vec::new();
     let contacts = &*next;
@@ -108,7 +109,7 @@ pub(super) fn settle(
                 continue;
             }
             let approach = problem.moved(place, &before).x;
-            if approach < -fall.norm() {
+            if approach < -slow {
                 settled.closed += 1;
                 // (A) has taken only a part of the approach from it.
                 let taken = (approach + candidate.closing).min(approach / FULL);

@@ -16,11 +16,15 @@
 //!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N of what slides, and n of what does not
 //! ```
 
+use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::impact::{Impulses, Meeting, collide};
+use crate::events::effects::memory::Memory;
 use crate::events::effects::resting::{bring_rows_to_rest, energy};
+use crate::events::modes::tolerances::AT_EVENT;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::holding::blocks::{Of, Row, Rows};
+use crate::instant::holding::touching::Touching;
 use crate::mechanism::motion::state::State;
 use nalgebra::DVector;
 
@@ -38,6 +42,22 @@ pub(crate) struct Low {
     pub until: Vec<f64>,
     /// The sum of their heights (m or rad).
     pub left: f64,
+}
+
+/// The gap at which the shapes of a pair count as closed (m), if it has no restitution and its last flight, which ends at this time (s), was too low to be
+/// seen: the next flights are as low. Rebounds accumulate instead, with a ratio that is known. `rates` are those before the impacts [m/s or rad/s].
+pub(crate) fn unseen_flight(
+    (touching, memory, contacts): (&Touching, &Memory, &Contacts),
+    meetings: &[Meeting],
+    rates: &[f64],
+    time: f64,
+    pair: usize,
+) -> Option<f64> {
+    let of = &touching.pairs[pair];
+    let (gap, last) = (of.within(AT_EVENT), memory.pairs.get(pair)?);
+    let own = meetings.iter().zip(rates).filter(|(meeting, _)| contacts.pair_of(meeting.block.of) == Some(pair));
+    let fastest = own.map(|(_, rate)| -rate).fold(0.0, f64::max);
+    (of.restitution == 0.0 && last.is_low(time, fastest, gap)).then_some(gap)
 }
 
 /// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest

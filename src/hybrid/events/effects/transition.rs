@@ -18,7 +18,7 @@ use crate::events::effects::decision::{Scene, Undecided, Yielding};
 use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
 use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
-use crate::events::effects::low_rebounds::bring_low_to_rest;
+use crate::events::effects::low_rebounds::{bring_low_to_rest, unseen_flight};
 use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs, note_seized};
 use crate::events::effects::omitted_flights::{change_of_speed, speed_in_doubt};
@@ -27,7 +27,7 @@ use crate::events::effects::seizing::Seized;
 use crate::events::effects::unpressed::unpressed;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
-use crate::events::modes::tolerances::{AT_EVENT, BEYOND_LIMIT, rate_at_rest};
+use crate::events::modes::tolerances::{BEYOND_LIMIT, rate_at_rest};
 use crate::instant::cone::problem::ROUGH;
 use crate::instant::holding::blocks::{Of, Row, row_of_freedom};
 use crate::instant::holding::elements::Elements;
@@ -99,23 +99,9 @@ pub(crate) fn transit(
         done.speed_of_unsolved = impulses.residual * change_of_speed(scene, &velocity, state);
     }
     let known = |state: &State| efforts(mode, state);
-    let touching = scene.touching;
-    let fastest = |pair: usize| {
-        let own = meetings.iter().zip(&rates).filter(|(meeting, _)| contacts.pair_of(meeting.block.of) == Some(pair));
-        own.map(|(_, rate)| -rate).fold(0.0, f64::max)
-    };
-    // Where the last flight of what does not rebound was too low to be seen, the next ones are, too.
-    let (time, flights_before) = (state.time, &memory.pairs);
-    let height = |of: Of| {
-        let unseen = contacts.pair_of(of).and_then(|pair| {
-            let of = &touching.pairs[pair];
-            let gap = of.within(AT_EVENT);
-            // Rebounds accumulate with a ratio that is known.
-            let is_low = of.restitution == 0.0 && flights_before.get(pair)?.is_low(time, fastest(pair), gap);
-            is_low.then_some(gap)
-        });
-        unseen.map_or(found.height, |gap| found.height.max(gap))
-    };
+    let (of, time) = ((scene.touching, &*memory, &contacts), state.time);
+    let unseen = |pair: usize| unseen_flight(of, &meetings, &rates, time, pair);
+    let height = |of: Of| contacts.pair_of(of).and_then(unseen).map_or(found.height, |gap| found.height.max(gap));
     let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, height);
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
     done.left += low.left;

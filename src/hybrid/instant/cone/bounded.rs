@@ -70,6 +70,11 @@ pub(crate) fn minimise_definite(matrix: &DMatrix<f64>, offset: &[f64], bounds: &
     primal_dual(matrix, offset, bounds).unwrap_or_else(|| primal(matrix, offset, bounds))
 }
 
+/// The lower bound for −1, the upper one for 1.
+fn bound_at((lower, upper): (f64, f64), side: i8) -> f64 {
+    if side < 0 { lower } else { upper }
+}
+
 /// `D λ + b`.
 fn rest_of(matrix: &DMatrix<f64>, offset: &[f64], efforts: &[f64]) -> Vec<f64> {
     let product = matrix * DVector::from_column_slice(efforts);
@@ -91,13 +96,7 @@ fn primal_dual(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> 
         let mut efforts: Vec<f64> = (0..count)
             .map(|index| match at[index] {
                 0 => 0.0,
-                side => {
-                    if side < 0 {
-                        bounds[index].0
-                    } else {
-                        bounds[index].1
-                    }
-                }
+                side => bound_at(bounds[index], side),
             })
             .collect();
         let free: Vec<usize> = (0..count).filter(|&index| at[index] == 0).collect();
@@ -169,7 +168,7 @@ fn primal(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> Bound
         }
         if let Some((index, side)) = blocking {
             at[index] = side;
-            efforts[index] = if side < 0 { bounds[index].0 } else { bounds[index].1 };
+            efforts[index] = bound_at(bounds[index], side);
             continue;
         }
         let rest = rest_of(matrix, offset, &efforts);
@@ -279,8 +278,7 @@ mod tests {
                 let difference = (fast.efforts[index] - slow.efforts[index]).abs();
                 assert!(difference < 1e-8, "round {round}, {index}: {difference:e}");
                 if fast.at[index] != 0 {
-                    let bound = if fast.at[index] < 0 { bounds[index].0 } else { bounds[index].1 };
-                    assert_eq!(fast.efforts[index], bound, "round {round}, {index}");
+                    assert_eq!(fast.efforts[index], bound_at(bounds[index], fast.at[index]), "round {round}, {index}");
                 }
             }
         }

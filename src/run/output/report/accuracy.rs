@@ -219,28 +219,26 @@ impl AccuracyReport {
                     self.estimated
                 ));
             }
+            let holds = format!("{wanted:e} m holds until t = {until} s");
             let other_events = self.events_differ.map(|differ| {
                 format!(
                     "from t = {} s on runs that differ by little meet other events (impacts, sticking, motors at their bounds)",
                     rounded(differ)
                 )
             });
-            let holds = format!("chaotic motion: {wanted:e} m holds until t = {until} s");
-            return Some(if let Some(other_events) = other_events {
-                if self.parts {
-                    format!("{holds}; {other_events}")
-                } else {
-                    // They are near each other all the same: no error grows without end.
-                    format!(
-                        "{wanted:e} m holds until t = {until} s; {other_events}, and the estimated error is {:.1e} m: compare with a run of another \
-                         --tolerance",
-                        self.estimated
-                    )
+            return Some(match (other_events, self.parts) {
+                (Some(other_events), true) => format!("chaotic motion: {holds}; {other_events}"),
+                // They are near each other all the same: no error grows without end.
+                (Some(other_events), false) => format!(
+                    "{holds}; {other_events}, and the estimated error is {:.1e} m: compare with a run of another --tolerance",
+                    self.estimated
+                ),
+                (None, true) => format!(
+                    "chaotic motion: {holds}; later the trajectory is physical but not reproducible to that accuracy"
+                ),
+                (None, false) => {
+                    format!("chaotic motion: {holds}; later rounding errors grow to {:.1e} m", self.estimated)
                 }
-            } else if self.parts {
-                format!("{holds}; later the trajectory is physical but not reproducible to that accuracy")
-            } else {
-                format!("{holds}; later rounding errors grow to {:.1e} m", self.estimated)
             });
         }
         (!self.can_tell).then(|| {
