@@ -1,8 +1,8 @@
 //! A can that slides off another can or off a box, and cans that stand on each other: rims of two discs in one plane, and edges along the tangent of a rim.
 
-use crate::exact::runge_kutta;
 use crate::loose::{DOWN, cuboid, loose, meet, obstacle, on_floor, put, resting, solid};
 use crate::mechanisms::{GRAVITY, fixed, of_kind, run};
+use crate::runge_kutta::runge_kutta;
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::mechanism::Mechanism;

@@ -12,8 +12,8 @@
 //!
 //! which is here integrated on its own: α, β, γ from the first three equations, then the method of Runge and Kutta for (x, y, θ, v, ω, s).
 
-use crate::exact::after;
 use crate::mechanisms::{GRAVITY, fixed, run};
+use crate::runge_kutta::after;
 use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};

@@ -1,9 +1,10 @@
 //! Sharp corners on rims: a spindle that slides or falls on the rim of a standing can, and a box and a can that slide off over a corner and a rim.
 
 use crate::contacts_rims::distance;
-use crate::exact::{near, runge_kutta};
+use crate::exact::near;
 use crate::loose::{DOWN, cuboid, loose, meet, obstacle, put, solid};
 use crate::mechanisms::{GRAVITY, fixed, of_kind, run_within};
+use crate::runge_kutta::runge_kutta;
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::mechanism::Mechanism;

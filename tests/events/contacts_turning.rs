@@ -11,8 +11,9 @@
 //! a plane would pull is off the springs, and the plane is that of the others.
 
 use crate::contacts::{over_floor, placed};
-use crate::exact::{after, near};
+use crate::exact::near;
 use crate::mechanisms::{GRAVITY, fixed, of_kind, run};
+use crate::runge_kutta::after;
 use crate::scene_files::{apart, report, scene_of};
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::description::joint::Pose;

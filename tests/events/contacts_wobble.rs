@@ -1,8 +1,9 @@
 //! Cylinders that wobble and roll on a rim: against equations of motion of their angles.
 
-use crate::exact::{after, near};
+use crate::exact::near;
 use crate::loose::{DOWN, loose, on_floor, put, solid};
 use crate::mechanisms::{GRAVITY, fixed, run};
+use crate::runge_kutta::after;
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::kinematics::body_states;

@@ -2,7 +2,7 @@
 //! that tumble over each other. A ball that rolls over an edge keeps its contact, however large it is.
 
 use crate::common::scratch;
-use crate::exact::after;
+use crate::runge_kutta::after;
 use crate::scene_files::{apart, report};
 use crate::tipping::OverEdge;
 

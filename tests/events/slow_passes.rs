@@ -3,7 +3,7 @@
 //! On a slope of angle α the puck has `u̇ = g sin α e − μ g cos α u/|u|`, e down the slope. Where it turns round, the slip is as slow as what is left of
 //! the throw to the side, and turns by half a turn within a few milliseconds.
 
-use crate::exact::after;
+use crate::runge_kutta::after;
 use catena::prelude::{Model, Simulation};
 use catena::report::Report;
 

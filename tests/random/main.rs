@@ -11,6 +11,8 @@
 
 #[path = "../shared/common/mod.rs"]
 mod common;
+#[path = "../shared/runge_kutta/mod.rs"]
+mod runge_kutta;
 #[path = "../shared/tipping/mod.rs"]
 mod tipping;
 

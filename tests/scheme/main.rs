@@ -13,6 +13,8 @@ mod in_plane;
 mod linkage;
 #[path = "../shared/models/mod.rs"]
 mod models;
+#[path = "../shared/runge_kutta/mod.rs"]
+mod runge_kutta;
 
 mod both_ends;
 mod chord;

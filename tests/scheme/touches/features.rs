@@ -1,10 +1,11 @@
 //! Every pair of features, against motions of one or two angles.
 
 use super::*;
+use crate::runge_kutta::after;
 
 /// `L θ̈ = factor g sin θ` down from an angle at rest: what slides or rolls over a ball or a cylinder.
 fn over(factor: f64, reach: f64, angle: f64, until: f64) -> f64 {
-    runge_kutta(|&[angle, rate]: &[f64; 2]| [rate, factor * 9.81 / reach * angle.sin()], [angle, 0.0], until, 20_000)[0]
+    after(|&[angle, rate]: &[f64; 2]| [rate, factor * 9.81 / reach * angle.sin()], [angle, 0.0], until, 20_000)[0]
 }
 
 #[test]
@@ -38,7 +39,7 @@ fn a_rod_slides_across_a_fixed_rod() {
     // s: how far the middle of the rod is along its own axis d = (cos θ, 0, sin θ); n = (−sin θ, 0, cos θ); N acts at the contact along n.
     let (length, reach, mass, inertia) = (0.8, 0.05, 1.5, 1.5 * 0.64 / 12.0);
     let (until, from) = (0.5, [0.1, 0.05, 0.3, 0.2]);
-    let exact = runge_kutta(
+    let exact = after(
         |&[s, angle, slide, turn]: &[f64; 4]| {
             let (sine, cosine) = angle.sin_cos();
             let normal = 2.0 * slide * turn - reach * turn * turn + 9.81 * cosine;
@@ -109,7 +110,7 @@ fn a_disc_rolls_on_its_rim() {
     let towards = (Vector3::z() - axis * axis.z).normalize();
     let place = towards * rim;
     let start_of: Vec<f64> = turn.matrix().iter().chain(spin.iter()).chain(place.iter()).copied().collect();
-    let exact = runge_kutta(rolling_disc(mass, rim), std::array::from_fn(|i| start_of[i]), until, 20_000);
+    let exact = after(rolling_disc(mass, rim), std::array::from_fn(|i| start_of[i]), until, 20_000);
     let mut mechanism =
         free(Vector3::new(0.0, 0.0, -9.81), &[(mass, Vector3::new(0.25, 0.25, 0.5) * (mass * rim * rim))]);
     let floor = feature(None, Vector3::zeros(), Vector3::zeros());

@@ -91,25 +91,6 @@ fn run(mechanism: &Mechanism, state: &mut State, stages: usize, steps: usize, un
     Ran { iterations: iterations as f64 / made as f64, gap, rate, lost: total(state) - before + given }
 }
 
-/// Classical Runge–Kutta of order four.
-fn runge_kutta<const N: usize>(
-    f: impl Fn(&[f64; N]) -> [f64; N],
-    mut y: [f64; N],
-    until: f64,
-    steps: usize,
-) -> [f64; N] {
-    let h = until / steps as f64;
-    let moved = |y: &[f64; N], k: &[f64; N], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
-    for _ in 0..steps {
-        let k1 = f(&y);
-        let k2 = f(&moved(&y, &k1, 0.5 * h));
-        let k3 = f(&moved(&y, &k2, 0.5 * h));
-        let k4 = f(&moved(&y, &k3, h));
-        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-    }
-    y
-}
-
 /// Runs with numbers of steps that double, and asserts that errors fall to the order 2s − 2: to within half of it, or with nine stages and where
 /// they are that small to below `floor`; and that gaps, rates and what Newton's method costs stay small.
 fn assert_order(

@@ -1,6 +1,7 @@
 //! Rolling and spinning friction: moments that brake, and equations that hold.
 
 use super::*;
+use crate::runge_kutta::after;
 use catena::mechanism::description::contact::Moment;
 
 /// Radius (m), moment of inertia of 1 kg, and acceleration of gravity [m/s²] of a ball on a floor.
@@ -57,7 +58,7 @@ fn a_ball_that_slips_rolls_and_spins_in_different_directions_follows_its_equatio
     };
     let begins = [0.0, 0.0, velocity[0], velocity[1], spin[0], spin[1], spin[2]];
     // Runge–Kutta with 1.5e-5 s leaves 1e-13.
-    let exact = runge_kutta(rates, begins, until, 20_000);
+    let exact = after(rates, begins, until, 20_000);
     let error = |state: &State| {
         let place = (state.position[0] - exact[0]).hypot(state.position[1] - exact[1]);
         place + (state.velocity[0] - exact[2]).hypot(state.velocity[1] - exact[3])

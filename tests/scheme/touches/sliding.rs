@@ -1,6 +1,7 @@
 //! Sliding with and without friction.
 
 use super::*;
+use crate::runge_kutta::after;
 
 /// Block of C2 and C3 of the exact answers: 0.4 × 0.4 × 0.1 m, 1 kg, on four corners on a slope of tangent 5/12.
 fn block(grip: Grip) -> (Mechanism, State) {
@@ -42,7 +43,7 @@ fn a_block_thrown_across_a_slope_slides_on_its_curve_to_the_full_order() {
     let (mechanism, start) = block(slides(0.5));
     let g = 9.81;
     let until = 0.8;
-    let exact = runge_kutta(
+    let exact = after(
         |&[_, _, u, v]: &[f64; 4]| {
             let brake = 0.5 * g * 12.0 / 13.0 / u.hypot(v);
             [u, v, g * 5.0 / 13.0 - brake * u, -brake * v]
@@ -101,7 +102,7 @@ fn rod(friction: f64, sign: f64) -> impl Fn(&[f64; 4]) -> [f64; 4] {
 fn a_falling_rod_slides_to_the_full_order() {
     // Sliding with −1 m/s from 0.5 rad, and from rest at 0.3 rad, where it begins to slide against x.
     for (friction, angle, velocity, direction, until) in [(0.3, 0.5, -1.0, 0.0, 0.4), (0.2, 0.3, 0.0, -1.0, 0.4)] {
-        let exact = runge_kutta(rod(friction, -1.0), [0.0, angle, velocity, 0.0], until, 20_000);
+        let exact = after(rod(friction, -1.0), [0.0, angle, velocity, 0.0], until, 20_000);
         let mut mechanism = free(Vector3::new(0.0, 0.0, -9.81), &[(1.0, Vector3::new(0.25 / 3.0, 0.25 / 3.0, 1e-3))]);
         let grip = Grip::Slides { friction, direction: Vector3::new(direction, 0.0, 0.0) };
         mechanism.touches.push(on_floor(0, Vector3::new(0.0, 0.0, -0.5), 0.01, grip));

@@ -8,6 +8,8 @@
 //! n and t are the normal and the direction of the lower face (t along the slip), r goes from the centre to the edge (m), v and a are of the centre, and N
 //! is the pressure (N).
 
+use crate::runge_kutta::after;
+
 /// Acceleration of gravity (m/s²).
 const GRAVITY: f64 = 9.81;
 /// Steps while it tips.
@@ -39,19 +41,9 @@ impl OverEdge {
     /// The place of the centre [x, z] at that time (m).
     pub fn place(&self) -> [f64; 2] {
         let braked = self.speed - self.friction * GRAVITY * self.tips();
-        let mut y = [-0.5 * self.friction * self.size[2], 0.5 * self.size[2], 0.0, braked, 0.0, 0.0];
-        let step = self.rest() / STEPS as f64;
-        for _ in 0..STEPS {
-            let moved = |by: &Tipping, h: f64| std::array::from_fn(|index| y[index] + h * by[index]);
-            let first = self.slope(&y);
-            let second = self.slope(&moved(&first, 0.5 * step));
-            let third = self.slope(&moved(&second, 0.5 * step));
-            let last = self.slope(&moved(&third, step));
-            y = std::array::from_fn(|index| {
-                y[index] + step / 6.0 * (first[index] + 2.0 * second[index] + 2.0 * third[index] + last[index])
-            });
-        }
-        [y[0], y[1]]
+        let begins = [-0.5 * self.friction * self.size[2], 0.5 * self.size[2], 0.0, braked, 0.0, 0.0];
+        let [x, z, ..] = after(|y| self.slope(y), begins, self.rest(), STEPS);
+        [x, z]
     }
 
     fn slope(&self, y: &Tipping) -> Tipping {
