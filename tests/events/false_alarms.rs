@@ -62,6 +62,20 @@ fn runs_that_steps_over_events_leave_near_the_accuracy_begin_again_with_fewer_of
             along[0], along[1]
         );
     }
+    let file = scene_of("balls_in_a_box", "<link name='base'/>", &balls);
+    let run = |tolerance: f64| report(&file, &[], &[], Some(1.2), tolerance);
+    let (usual, fine) = (run(1e-3), run(1e-8));
+    let accuracy = usual.accuracy.as_ref().expect("an accuracy");
+    let off = apart(&usual, &fine);
+    println!("off by {off:e}, told {:e}, begun {} times", accuracy.estimated, accuracy.begun);
+    assert!(accuracy.begun > 1 && accuracy.reached, "told {:e}, {:?}", accuracy.estimated, usual.warnings);
+    assert!(off <= 1e-3, "{off:e}");
+}
+
+#[test]
+fn few_bodies_meet_crowds_of_a_moment_event_by_event_and_reach_what_was_asked_for() {
+    // A box that falls on a see-saw and throws another one up was called chaotic. Cans that roll into each other, and rub as they bounce, were left in steps
+    // over events until their end: 3.5e-3 m off, and told 6.8e-5.
     let plank = "<link name='b'/><link name='plank'><inertial><mass value='5.82'/>\
         <inertia ixx='0.0444' iyy='1.2426' izz='1.2855' ixy='0' ixz='0' iyz='0'/></inertial>\
         <collision><geometry><box size='1.6 0.3 0.04'/></geometry></collision></link>\
@@ -71,22 +85,38 @@ fn runs_that_steps_over_events_leave_near_the_accuracy_begin_again_with_fewer_of
         [[body]]\nname = \"thrown\"\nshape = { type = \"box\", size = [0.15, 0.15, 0.15] }\nmass = 1.1061\npose = { position = [0.3544, 0, 1.1065] }\n\
         [[body]]\nname = \"falls\"\nshape = { type = \"box\", size = [0.15, 0.15, 0.1] }\nmass = 0.8592\npose = { position = [-0.5407, 0, 0.8959] }\n\
         [[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n";
+    let mut cans =
+        "[contact]\nfriction = 0.554\nrestitution = 1\n[[contact.pair]]\na = \"*\"\nb = \"floor\"\nrestitution = 0\n\
+        [[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n"
+            .to_owned();
+    for (name, mass, at, along, spin) in [
+        ("c0", 0.883863, [-0.4, 0.01594351153], 0.650598885, 10.84331475),
+        ("c1", 0.941298, [0.1, 0.0153914572], -0.4213913331, -7.023188885),
+    ] {
+        cans += &format!(
+            "[[body]]\nname = \"{name}\"\nshape = {{ type = \"cylinder\", radius = 0.06, length = 0.12 }}\nmass = {mass}\nrestitution = 0.4\n\
+             pose = {{ position = [{}, {}, 0.06], rpy = [1.570796327, 0, 0] }}\n\
+             velocity = {{ linear = [{along}, 0, 0], angular = [0, {spin}, 0] }}\n",
+            at[0], at[1]
+        );
+    }
     for (folder, robot, text, duration) in
-        [("balls_in_a_box", "<link name='base'/>", balls.as_str(), 1.2), ("see_saw", plank, boxes, 1.5)]
+        [("cans", "<link name='base'/>", cans.as_str(), 1.5), ("see_saw", plank, boxes, 1.5)]
     {
         let file = scene_of(folder, robot, text);
         let run = |tolerance: f64| report(&file, &[], &[], Some(duration), tolerance);
-        let (usual, fine) = (run(1e-3), run(1e-8));
-        let accuracy = usual.accuracy.as_ref().expect("an accuracy");
-        let off = apart(&usual, &fine);
-        println!("{folder}: off by {off:e}, told {:e}, begun {} times", accuracy.estimated, accuracy.begun);
-        assert!(
-            accuracy.begun > 1 && accuracy.reached,
-            "{folder}: told {:e}, {:?}",
-            accuracy.estimated,
-            usual.warnings
-        );
-        assert!(off <= 1e-3, "{folder}: {off:e}");
+        let fine = run(1e-8);
+        for tolerance in [1e-3, 1e-4] {
+            let usual = run(tolerance);
+            let accuracy = usual.accuracy.as_ref().expect("an accuracy");
+            let off = apart(&usual, &fine);
+            println!(
+                "{folder} at {tolerance:e}: off by {off:e}, told {:e}, begun {} times",
+                accuracy.estimated, accuracy.begun
+            );
+            assert!(accuracy.reached, "{folder}: told {:e}, {:?}", accuracy.estimated, usual.warnings);
+            assert!(off <= tolerance, "{folder}: {off:e}");
+        }
     }
 }
 

@@ -325,7 +325,9 @@ impl Eventful {
     /// Counts the cost of a step from a time (s) on; given steps may be many between events.
     fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, ended: Ended) {
         if self.model.recipe.tolerance().is_some() {
-            self.progress.crowding.labour(since, iterations, unknowns, ended);
+            let (work, borne) = (iterations as f64 * (unknowns as f64).powi(2), self.saved_labour());
+            self.progress.crowding.labour(since, work, ended);
+            self.progress.crowding.save(since, work, ended, borne);
         }
     }
 
