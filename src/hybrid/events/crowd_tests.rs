@@ -96,6 +96,19 @@ fn run(mechanism: &Mechanism, state: &mut State, step: f64, end: f64, mut see: i
     }
 }
 
+#[test]
+fn friction_takes_no_more_than_a_step_loses_and_impacts_give_nothing_back() {
+    let (mechanism, mut state) = pile(2);
+    let (mut friction, mut impacts) = (0.0, 0.0);
+    run(&mechanism, &mut state, 2e-3, 1.0, |made, _, _| {
+        let lost = made.lost - made.dissipated - made.friction;
+        // Of some 40 J, in roundings.
+        assert!(lost >= -1e-12, "{lost:e} of {:e}", made.lost);
+        (friction, impacts) = (friction + made.friction, impacts + lost);
+    });
+    assert!(friction > 1e-2 && impacts > 1.0, "{friction} {impacts}");
+}
+
 /// Where a thrown box of 0.3 × 0.2 × 0.1 m is after 0.6 s: the run of a number, with steps of a length (s) or event by event.
 fn thrown(number: usize, step: Option<f64>) -> Vector3<f64> {
     let mechanism = boxes(1, Vector3::new(0.15, 0.1, 0.05), 0.5, 0.0);

@@ -248,7 +248,6 @@ impl Crowd {
         made.residual = made.residual.max(found.residual);
         made.unsolved += found.unsolved;
         made.closed = found.closed;
-        made.friction = found.friction;
         if self.is_interrupted() || !state.velocity.iter().all(|rate| rate.is_finite()) {
             return None;
         }
@@ -266,6 +265,8 @@ impl Crowd {
         made.work = work.iter().sum();
         made.taken = self.energies.bound(&self.trees, whole, state, &self.bodies, &work, [&self.now, &self.next]);
         made.lost = self.energies.lost(whole, start, state, made.work);
+        // A slip that stops in the step is not the one in its middle: friction takes no more than is lost.
+        made.friction = found.friction.min((made.lost - made.dissipated).max(0.0));
         made.candidates = self.next.list.len();
         made.iterations = self.room.iterations - iterations;
         let rates = self.speeds.rates().to_vec();
