@@ -4,6 +4,8 @@ use crate::common::literal_link_poses;
 use crate::exact::near;
 use crate::mechanisms::GRAVITY;
 use catena::instant::exerting::reactions::Reactions;
+use catena::mechanism::description::nonsmooth::Motor;
+use catena::mechanism::motion::contact_point::ContactPoint;
 use catena::mechanism::motion::event::EventKind;
 use catena::mechanism::motion::kinematics::body_states;
 use catena::model::Model;
@@ -140,6 +142,34 @@ fn an_arm_that_friction_holds_on_a_table_is_in_balance() {
     println!("{:?}: {left:e} N m are left, force off by {off:e} N", point);
     assert!(point.sticks && left <= 1e-8 && off <= 1e-8, "{left:e} N m, {off:e} N");
     assert!(point.cone_violation(0.5) <= 1e-10, "{point:?}");
+}
+
+#[test]
+fn contacts_whose_forces_are_told_load_joints_and_loops_as_those_that_are_worked_out() {
+    for (name, friction, duration) in [("arm_presses_table", 0.5, 6.0), ("four_bar_presses_box", 0.0, 2.0)] {
+        let (model, finished) = rests(name, friction, duration, StepChoice::Tolerance(1e-9));
+        let (mechanism, state) = (&model.mechanism, &finished.state);
+        let effort = |motor: &Motor| {
+            let at = motor.coordinate;
+            motor.effort(state.time, state.position[at.position], state.velocity[at.freedom])
+        };
+        let efforts: Vec<f64> = mechanism.nonsmooth.motors.iter().map(effort).collect();
+        let loads = |points: Option<&[ContactPoint]>| {
+            let mut reactions = Reactions::new(mechanism);
+            reactions.drive(&efforts);
+            reactions.touch(points);
+            let (joints, loops) = reactions.at(&state.position, &state.velocity);
+            let joints = joints.iter().map(|joint| (joint.force, joint.torque));
+            joints.chain(loops.iter().map(|closed| (closed.force, closed.torque))).collect::<Vec<_>>()
+        };
+        let apart = |one: &[(Vector3<f64>, Vector3<f64>)], other: &[(Vector3<f64>, Vector3<f64>)]| {
+            one.iter().zip(other).map(|(a, b)| (a.0 - b.0).norm().max((a.1 - b.1).norm())).fold(0.0, f64::max)
+        };
+        let (told, worked_out, without) = (loads(Some(&finished.contacts)), loads(None), loads(Some(&[])));
+        println!("{name}: {:e} apart, {:e} without", apart(&told, &worked_out), apart(&without, &worked_out));
+        // Some ten newtons; motors answer 1e-9 rad with 1e-6 N m.
+        assert!(apart(&told, &worked_out) <= 1e-8 && apart(&without, &worked_out) > 1.0, "{name}");
+    }
 }
 
 #[test]

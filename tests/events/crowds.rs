@@ -160,3 +160,31 @@ fn the_law_of_contact_is_solved_to_a_ten_thousandth_in_a_wall_of_64_bricks_that_
     assert!(overlap <= 1e-9, "{overlap}");
     assert!(energy <= 1e-7, "{energy}");
 }
+
+#[test]
+fn dominoes_that_have_fallen_sleep_although_corners_lie_on_borders_of_faces() {
+    let mut text = String::from(
+        "[contact]\npairs = \"all\"\nfriction = 0.5\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n",
+    );
+    for (number, (x, z, tilt)) in std::iter::once((0.022, 0.09977204116386924, 0.22))
+        .chain((1..20).map(|place| (0.1 * f64::from(place), 0.1, 0.0)))
+        .enumerate()
+    {
+        text += &format!(
+            "[[body]]\nname = \"b{number}\"\nshape = {{ type = \"box\", size = [0.02, 0.1, 0.2] }}\ndensity = 1000.0\n\
+             pose = {{ position = [{x}, 0, {z}], rpy = [0, {tilt}, 0] }}\n"
+        );
+    }
+    let file = scratch("fallen_dominoes").join("scene.toml");
+    std::fs::write(&file, text).expect("a file");
+    let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
+    let (model, start) = Model::from_scene(&scene).expect("a model");
+    let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+    let options = SimulationOptions::new(4.0, StepChoice::Unestimated(1e-3));
+    let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
+    simulation.run().expect("to the end");
+    let finished = simulation.finish();
+    println!("slept for {} s in {} steps", finished.method.first_order_asleep, finished.summary.steps);
+    // The last one falls after 1.9 s.
+    assert!(finished.method.first_order_asleep > 1.5, "{}", finished.method.first_order_asleep);
+}

@@ -58,7 +58,7 @@ const USUAL: f64 = 8.0;
 /// Exact steps that cost less than this stay (s for a second of the motion).
 const CHEAP: f64 = 1.0;
 /// The same of the decision of a start where steps over events do not keep to the tolerance (s): what rests may never move.
-const PATIENT: f64 = 3.0;
+pub(super) const PATIENT: f64 = 3.0;
 /// Exact steps that cost less than this are worth a run that begins again (s for a second of the motion).
 const LITTLE: f64 = 0.2;
 /// The same with a contact for three rates, in a scene of a few bodies: two on a floor.

@@ -44,6 +44,7 @@ pub mod crowded;
 mod effects;
 mod entering;
 mod finding;
+pub mod first_contacts;
 mod forces;
 mod foresight;
 mod integrator;

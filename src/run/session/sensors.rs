@@ -11,7 +11,7 @@
 //!
 //! Source of the normal numbers: G. E. P. Box and M. E. Muller, A note on the generation of random normal deviates, 1958.
 
-use crate::instant::exerting::exerted::Exerted;
+use crate::events::first_contacts::first_contacts;
 use crate::instant::exerting::reactions::Reactions;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
@@ -56,13 +56,14 @@ impl Sensed {
         let mut carried = Reactions::new(mechanism);
         carried.clock(state.time);
         carried.drive(&motors);
+        carried.touch(contacts.as_deref());
         let reactions = carried.at(&state.position, &state.velocity).0.to_vec();
         Sensed {
             model: model.clone(),
             bodies: body_states(mechanism, state),
             accelerations: carried.accelerated().to_vec(),
             reactions,
-            contacts: contacts.unwrap_or_else(|| Exerted::contacts(mechanism, state)),
+            contacts: contacts.unwrap_or_else(|| first_contacts(mechanism, state)),
         }
     }
 

@@ -1,9 +1,13 @@
 //! Trees at rest: a group of trees that press on each other takes part in no step while nothing reaches it.
 //!
 //! ```text
-//!     falls asleep:   |v|, |ω| ≤ 1e-6 g h  of all bodies of the group [m/s, rad/s], in three steps;  a(q, 0) = a of the last step to 1e-6 g
+//!     falls asleep:   |v|, |ω| ≤ 1e-6 g h  of all bodies of the group [m/s, rad/s], in three steps, or at the ends of fifty;
+//!                     a(q, 0) = a of the last step to 1e-6 g
 //!     wakes:          a(q, 0) at the start or the middle of a step is another in any digit,  or a contact with a tree that is awake exerts an impulse
 //! ```
+//!
+//! Rates within a step are those of its displacement (A). Where a corner lies on the border of a face, the nearest features may change in each step, and (A) closes gaps of
+//! some nm that they open again, beside the mechanics: rates that are zero at the ends of many steps are at rest.
 //!
 //! `a` are the accelerations without contacts [m/s² or rad/s²], under all forces, efforts and motors. Trees that are awake meet sleeping ones as parts of the
 //! world. A step in which one of these contacts exerts an impulse is made again with the group awake. The others are the same as if the group were awake:
@@ -25,6 +29,8 @@ pub(super) type AtRest<'a> = &'a mut dyn FnMut(&State, &mut [f64]);
 
 /// Steps in a row in which all is slower than this part of the speed of a fall in one.
 const STILL: usize = 3;
+/// Steps in a row at whose ends all is that slow.
+const HELD: usize = 50;
 const RESTS: f64 = 1e-6;
 /// Loads that differ by less than this part of gravity have not changed.
 const STEADY: f64 = 1e-6;
@@ -34,8 +40,9 @@ const JOINS: f64 = 1e-6;
 /// What is known of the trees at rest.
 #[derive(Clone, Default)]
 pub(crate) struct Resting {
-    /// Steps in a row in which a tree has hardly moved.
+    /// Steps in a row in which a tree has hardly moved, and at whose ends it has hardly moved.
     still: Vec<usize>,
+    held: Vec<usize>,
     /// The trees that sleep.
     pub asleep: Asleep,
     /// The freedoms of each tree.
@@ -55,6 +62,7 @@ impl Resting {
         let count = trees.trees.len();
         Resting {
             still: vec![0; count],
+            held: vec![0; count],
             asleep: Asleep::new(trees),
             freedoms: trees.trees.iter().map(|tree| tree.freedoms.clone()).collect(),
             restless,
@@ -88,6 +96,7 @@ impl Resting {
     /// Wakes all; their contacts are forgotten.
     pub fn wake_all(&mut self) {
         self.still.fill(0);
+        self.held.fill(0);
         self.asleep.group.fill(None);
         self.candidates.clear();
         self.count = 0;
@@ -100,7 +109,7 @@ impl Resting {
         woken.dedup();
         for tree in 0..self.asleep.group.len() {
             if self.asleep.group[tree].is_some_and(|group| woken.binary_search(&group).is_ok()) {
-                (self.asleep.group[tree], self.still[tree]) = (None, 0);
+                (self.asleep.group[tree], self.still[tree], self.held[tree]) = (None, 0, 0);
                 self.count -= 1;
             }
         }
@@ -121,6 +130,11 @@ impl Resting {
     /// Whether all trees of a candidate sleep.
     fn keeps(&self, candidate: &Candidate) -> bool {
         candidate.ends.into_iter().all(|body| self.asleep.holds(body))
+    }
+
+    /// Whether a tree has rested for long enough to fall asleep with its group.
+    fn rests(&self, tree: usize) -> bool {
+        self.still[tree] >= STILL || self.held[tree] >= HELD
     }
 
     /// The sleeping trees whose accelerations have changed since they fell asleep.
@@ -168,27 +182,31 @@ impl Resting {
     ) -> bool {
         let gravity = mechanism.gravity.norm();
         let slow = RESTS * gravity * step;
-        let mut moves = vec![false; self.asleep.group.len()];
+        let mut moves = vec![[false; 2]; self.asleep.group.len()];
         for (body, tree) in self.asleep.of_body.iter().enumerate() {
             let now = bodies[body].velocity.norm() + bodies[body].angular_velocity.norm();
-            let rests = (speeds[body].0 + speeds[body].1).max(now) <= slow && now.is_finite();
-            moves[*tree] |= !rests;
+            let rests = |fastest: f64| fastest <= slow && now.is_finite();
+            moves[*tree][0] |= !rests((speeds[body].0 + speeds[body].1).max(now));
+            moves[*tree][1] |= !rests(now);
         }
         let awake: Vec<usize> = (0..moves.len()).filter(|&tree| !self.asleep.has(tree)).collect();
         for &tree in &awake {
-            self.still[tree] = if moves[tree] || self.restless[tree] { 0 } else { self.still[tree] + 1 };
+            for (count, moves) in [&mut self.still[tree], &mut self.held[tree]].into_iter().zip(moves[tree]) {
+                *count = if moves || self.restless[tree] { 0 } else { *count + 1 };
+            }
         }
-        if awake.iter().all(|&tree| self.still[tree] < STILL) {
+        if awake.iter().all(|&tree| !self.rests(tree)) {
             return false;
         }
         // Belts work on what rests on them.
         for candidate in contacts.list.iter().filter(|candidate| candidate.belt != Vector3::zeros()) {
-            candidate.ends.into_iter().flatten().for_each(|body| self.still[self.asleep.of_body[body]] = 0);
+            for tree in candidate.ends.into_iter().flatten().map(|body| self.asleep.of_body[body]) {
+                (self.still[tree], self.held[tree]) = (0, 0);
+            }
         }
         let joining = contacts.list.iter().filter(|candidate| candidate.gap <= JOINS || candidate.settling.x > 0.0);
         let groups = groups(self.asleep.group.len(), joining.map(|candidate| candidate.sides));
-        let all_still =
-            |group: &Vec<usize>| group.iter().all(|&tree| !self.asleep.has(tree) && self.still[tree] >= STILL);
+        let all_still = |group: &Vec<usize>| group.iter().all(|&tree| !self.asleep.has(tree) && self.rests(tree));
         let groups: Vec<Vec<usize>> = groups.into_iter().filter(all_still).collect();
         if groups.is_empty() {
             return false;

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! [N m or N]; a_free are the accelerations without λ, with all forces and closures. The set is `[−τ_f, τ_f]` where friction alone holds, without
-//! bound into the allowed range on a limit. If several λ fit, the ones of least compliance are taken.
+//! bound into the allowed range on a limit. If several λ fit, the ones of least compliance are taken. Contacts whose forces the run has told are known
+//! loads, except those with moments of friction and ropes through several points, of which a point does not tell all.
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
@@ -28,6 +29,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::forces::total::BodyWrench;
 use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{TouchMotion, tangents, touch_motion};
@@ -53,6 +55,9 @@ pub struct Exerted {
     wrenches: Vec<BodyWrench>,
     /// The contacts at which there is no impact, as reports name them.
     points: Vec<ContactPoint>,
+    /// The contacts of the state that is asked for next, if they are told, and whether points tell all that contacts of this mechanism exert.
+    told: Option<Vec<ContactPoint>>,
+    tell_all: bool,
     motors: Vec<f64>,
     /// Whether any state has been asked for.
     known: bool,
@@ -65,9 +70,12 @@ impl Exerted {
     /// The workspace for a mechanism; `None` if it has neither motors nor friction nor limits nor anything that may touch.
     pub fn new(mechanism: &Mechanism) -> Option<Self> {
         (!mechanism.nonsmooth.is_empty()).then(|| {
-            let elements = Elements::new(mechanism);
+            let (elements, touching) = (Elements::new(mechanism), Touching::new(mechanism));
+            let tell_all = !touching.pairs.need_events();
             Exerted {
-                touching: Touching::new(mechanism),
+                touching,
+                told: None,
+                tell_all,
                 mechanism: mechanism.clone(),
                 response: Response::new(mechanism),
                 state: State::zero(mechanism),
@@ -88,6 +96,15 @@ impl Exerted {
     pub fn clock(&mut self, time: f64) {
         self.known &= self.state.time == time;
         self.state.time = time;
+    }
+
+    /// Takes the contacts of the states that follow, with their forces; `None` if they are to be worked out.
+    pub fn touch(&mut self, points: Option<&[ContactPoint]>) {
+        let points = points.filter(|_| self.tell_all);
+        if self.told.as_deref() != points {
+            self.told = points.map(<[ContactPoint]>::to_vec);
+            self.known = false;
+        }
     }
 
     /// The efforts at these positions and velocities, with the efforts of the motors: one entry a motor, or an empty slice if no motor drives; and
@@ -122,7 +139,14 @@ impl Exerted {
         self.points.clear();
         let bodies =
             if self.touching.pairs.is_empty() { Vec::new() } else { body_states(&self.mechanism, &self.state) };
-        let contacts = self.take_contacts(&bodies);
+        let contacts = match self.told.take() {
+            Some(points) => {
+                self.load(&points, &bodies);
+                self.told = Some(points);
+                Vec::new()
+            }
+            None => self.take_contacts(&bodies),
+        };
         if !self.blocks.is_empty() {
             self.share(&bodies, &contacts);
         }
@@ -148,6 +172,24 @@ impl Exerted {
     /// The part of the efforts that were asked for last that acts in joints: of motors, friction and limits.
     pub fn in_joints(&self) -> &[f64] {
         &self.in_joints
+    }
+
+    /// Adds the forces of contacts that are told to the efforts and wrenches.
+    fn load(&mut self, points: &[ContactPoint], bodies: &[BodyState]) {
+        let Exerted { mechanism, efforts, wrenches, .. } = self;
+        let nonsmooth = &mechanism.nonsmooth;
+        for ContactPoint { pair, position, force, .. } in points {
+            let Some(pair) = nonsmooth.pairs.with_number(*pair) else { continue };
+            for (collider, sign) in [(pair.a, 1.0), (pair.b, -1.0)] {
+                if let Some(body) = nonsmooth.colliders[collider].body {
+                    wrenches[body].0 += sign * force;
+                    wrenches[body].1 += sign * (position - bodies[body].position).cross(force);
+                }
+            }
+        }
+        let (mut on_subtrees, mut of_contacts) = (wrenches.clone(), vec![0.0; efforts.len()]);
+        efforts_of_wrenches(mechanism, bodies, &mut on_subtrees, &mut of_contacts);
+        efforts.iter_mut().zip(of_contacts).for_each(|(effort, own)| *effort += own);
     }
 
     /// The contacts that touch and do not part, as blocks after the blocks of the joints.

@@ -10,6 +10,7 @@ use crate::instant::exerting::reactions_on_tree::ReactionsOnTree;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, forward_kinematics};
 use crate::reduced::Reaction;
 use std::borrow::Borrow;
@@ -64,6 +65,14 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         match &mut self.way {
             Way::OfMechanism(reactions) => reactions.drive(motors),
             Way::Elsewhere(elsewhere) => elsewhere.drive(motors),
+        }
+    }
+
+    /// Takes the contacts of the states that follow, with their forces, as the run that meets these states knows them; `None` if they are to be worked out.
+    pub fn touch(&mut self, points: Option<&[ContactPoint]>) {
+        match &mut self.way {
+            Way::OfMechanism(reactions) => reactions.touch(points),
+            Way::Elsewhere(elsewhere) => elsewhere.touch(points),
         }
     }
 

@@ -17,6 +17,7 @@ use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::BodyWrench;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, place_bodies};
 use crate::mechanism::motion::state::State;
@@ -126,6 +127,13 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
     pub fn drive(&mut self, motors: &[f64]) {
         self.motors.clear();
         self.motors.extend_from_slice(motors);
+    }
+
+    /// Takes the contacts of the states that follow, with their forces; `None` if they are to be worked out.
+    pub fn touch(&mut self, points: Option<&[ContactPoint]>) {
+        if let Some(exerted) = &mut self.exerted {
+            exerted.touch(points);
+        }
     }
 
     /// Takes over what motors, friction, limits and contacts exert in the state that was taken last; returns whether anything of it may.

@@ -16,6 +16,7 @@ use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
 use crate::mechanism::motion::state::State;
@@ -103,6 +104,13 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
     pub fn drive(&mut self, motors: &[f64]) {
         self.motors.clear();
         self.motors.extend_from_slice(motors);
+    }
+
+    /// Takes the contacts of the states that follow, with their forces; `None` if they are to be worked out.
+    pub fn touch(&mut self, points: Option<&[ContactPoint]>) {
+        if let Some(exerted) = &mut self.exerted {
+            exerted.touch(points);
+        }
     }
 
     /// The acceleration of each body at these positions and velocities, which place the bodies, with all closures and

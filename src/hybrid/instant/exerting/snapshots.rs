@@ -10,6 +10,7 @@ use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Row, Sna
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::{JointKind, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::forward_kinematics;
 use nalgebra::Vector3;
 
@@ -47,6 +48,18 @@ impl View {
         }
     }
 
+    /// Takes the contacts of the instants that are looked at next, with their forces; `None` where they are not known.
+    pub fn touch<'p>(&mut self, contacts: impl Iterator<Item = Option<&'p [ContactPoint]>>) {
+        match self {
+            // Nothing touches in these mechanisms.
+            View::Lanes(_) => {}
+            View::Serial(serial) => {
+                serial.contacts.clear();
+                serial.contacts.extend(contacts.map(|points| points.map(<[ContactPoint]>::to_vec)));
+            }
+        }
+    }
+
     /// Takes the efforts of the motors at the instants that are looked at next [N m or N]: one entry a motor, instant after instant.
     pub fn drive(&mut self, motors: &[f64]) {
         match self {
@@ -76,6 +89,8 @@ pub struct SerialInstants {
     motors: Vec<f64>,
     /// The times of the instants (s).
     times: Vec<f64>,
+    /// The contacts of the instants, where they are known.
+    contacts: Vec<Option<Vec<ContactPoint>>>,
 }
 
 impl SerialInstants {
@@ -87,6 +102,7 @@ impl SerialInstants {
             reactions: Reactions::new(mechanism.clone()),
             motors: Vec::with_capacity(INSTANTS * mechanism.nonsmooth.motors.len()),
             times: Vec::with_capacity(INSTANTS),
+            contacts: Vec::with_capacity(INSTANTS),
             mechanism: mechanism.clone(),
         }
     }
@@ -98,9 +114,10 @@ impl SerialInstants {
     }
 
     fn look_at(&mut self, instant: usize, position: &[f64], velocity: &[f64], out: &mut Snapshots) {
-        let SerialInstants { mechanism, links, bodies, reactions, motors, times } = self;
+        let SerialInstants { mechanism, links, bodies, reactions, motors, times, contacts } = self;
         let count = mechanism.nonsmooth.motors.len();
         reactions.clock(times.get(instant).copied().unwrap_or(0.0));
+        reactions.touch(contacts.get(instant).and_then(|points| points.as_deref()));
         reactions.drive(motors.get(instant * count..(instant + 1) * count).unwrap_or_default());
         forward_kinematics(mechanism, position, velocity, bodies);
         for ((body, in_body), rows) in links.iter().zip(&mut out.poses) {

@@ -1,6 +1,6 @@
 //! The loop of a run: it makes steps, takes samples inside them, and passes both to the observers.
 
-use crate::instant::exerting::exerted::Exerted;
+use crate::events::first_contacts::first_contacts;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -171,7 +171,7 @@ impl Course {
     pub(crate) fn begin(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         self.sampled = 1;
         if let Some(start) = self.sampled_state.as_ref().filter(|_| any_looks_at_contacts(observers)) {
-            let contacts = Exerted::contacts(mechanism, start);
+            let contacts = first_contacts(mechanism, start);
             observers.iter_mut().for_each(|observer| observer.contacts(&contacts));
         }
         if let Some(held) = &self.held {

@@ -91,6 +91,7 @@ impl SampleEncoder {
     /// Adds the messages of everything in a piece. Does not allocate.
     pub(crate) fn encode(&mut self, piece: &Piece, sink: &mut dyn MessageSink) -> Result<(), LogError> {
         let mut between = piece.between.iter().peekable();
+        let mut contacts = piece.contacts().peekable();
         for (group, times) in piece.times.chunks(INSTANTS).enumerate() {
             let first = group * INSTANTS;
             let positions = &piece.positions[first * self.position_count..][..times.len() * self.position_count];
@@ -100,6 +101,10 @@ impl SampleEncoder {
                 self.instants.drive(motors.efforts());
             }
             self.instants.clock(times);
+            self.instants.touch(
+                (first..first + times.len())
+                    .map(|sample| contacts.next_if(|(own, _)| *own == sample).map(|(_, points)| points)),
+            );
             self.instants.look(positions, velocities, times.len(), &mut self.snapshots);
             for (instant, &time) in times.iter().enumerate() {
                 while let Some((_, what)) = between.next_if(|(before, _)| *before <= first + instant) {

@@ -54,6 +54,14 @@ impl Piece {
         &self.held[first * motors..]
     }
 
+    /// The contacts of the samples, each with the number of its sample, for those that have them.
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = (usize, &[ContactPoint])> {
+        self.between.iter().filter_map(|(after, what)| match what {
+            Between::Contacts(_, points) => Some((after - 1, points.as_slice())),
+            _ => None,
+        })
+    }
+
     /// Adds an item before the next sample.
     pub(crate) fn push_between(&mut self, what: Between) {
         self.between.push((self.times.len(), what));
