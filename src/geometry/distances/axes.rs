@@ -11,9 +11,7 @@
 //!
 //! Source: S. Gottschalk, Separating axis theorem, TR96-024, University of North Carolina (1996).
 
-use crate::distances::doubles::without_doubles;
-use crate::distances::inner::without_inner;
-use crate::distances::manifold::SAME;
+use crate::distances::manifold::leave_corners;
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::FeatureId;
 use crate::shapes::convex::Core;
@@ -109,8 +107,7 @@ pub fn places(both: &Both, near: f64) -> Found {
     if found.iter().all(|candidate| candidate.distance() > distance + BETTER * size) {
         return Found::Unknown;
     }
-    without_doubles(&mut found, SAME * both.a.size.min(both.b.size), [0.0; 2]);
-    without_inner(&mut found, 1e-12 * size);
+    leave_corners(both, &mut found);
     Found::Places(found)
 }
 

@@ -23,6 +23,10 @@ use nalgebra::Vector3;
 
 /// Places that are nearer than this to each other are one, relative to the size.
 pub const SAME: f64 = 1e-7;
+/// Normals that differ by less than this are those of one flat contact.
+const PARALLEL: f64 = 1e-6;
+/// A crossing is within its edges by more than this part of the size: where corners lie on edges, it is one by roundings.
+const INSIDE: f64 = 1e-13;
 /// A point that is outside both edges of a corner may be this much farther from the corner than from the edges.
 const CORNER: f64 = 20.0;
 
@@ -48,9 +52,50 @@ pub fn places_in_slabs(both: &Both, closest: Candidate, near: f64, deepest: f64)
     if found.is_empty() {
         found.push(closest);
     }
-    without_doubles(&mut found, SAME * both.a.size.min(both.b.size), [both.a.radius, both.b.radius]);
-    without_inner(&mut found, 1e-12 * both.size());
+    leave_corners(both, &mut found);
     found
+}
+
+/// Leaves one of the places at each point, those that are not inside the hull of others, and beside them the crossings that part from them.
+pub(super) fn leave_corners(both: &Both, found: &mut Vec<Candidate>) {
+    let (all, same) = (found.clone(), SAME * both.a.size.min(both.b.size));
+    without_doubles(found, same, [both.a.radius, both.b.radius]);
+    let doubles = all.len() > found.len();
+    without_inner(found, 1e-12 * both.size());
+    if !doubles {
+        return;
+    }
+    let left = found.len();
+    for crossing in &all {
+        let near = |other: &&Candidate| (other.points[0] - crossing.points[0]).norm() <= same;
+        let parts = |other: &Candidate| is_crossing_beside(both, other, crossing);
+        let is_left = found.iter().any(|other| other.features == crossing.features);
+        if !is_left && found[..left].iter().filter(near).any(parts) {
+            found.push(*crossing);
+        }
+    }
+}
+
+/// Whether a place at the same point as an earlier one parts from it, as where a corner has just passed an edge: the crossing of a side of the corner with
+/// the edge, beside the corner on the face of the edge or the crossing of its other side.
+pub(super) fn is_crossing_beside(both: &Both, earlier: &Candidate, crossing: &Candidate) -> bool {
+    let side = |side: usize| match (&[both.a, both.b][side].core, crossing.features[side], earlier.features[side]) {
+        (Core::Polytope(polytope), FeatureId::Edge(edge), other) => {
+            let point = if side == 0 { crossing.points[0] } else { both.of_b(&crossing.points[1]) };
+            let within = inside(&[both.a, both.b][side].core, crossing.features[side], &point) > INSIDE * both.size();
+            let ends = polytope.edges[edge as usize].ends;
+            within.then(|| match other {
+                FeatureId::Vertex(vertex) => ends.contains(&(vertex as usize)),
+                FeatureId::Edge(other) => {
+                    other != edge && polytope.edges[other as usize].ends.iter().any(|end| ends.contains(end))
+                }
+                _ => false,
+            })
+        }
+        _ => None,
+    };
+    let parallel = (earlier.normal - crossing.normal).norm() <= PARALLEL;
+    parallel && matches!((side(0), side(1)), (Some(a), Some(b)) if a != b)
 }
 
 /// All pairs of features that pass the tests of the module.

@@ -14,6 +14,8 @@
 //!
 //! The remaining system has one solution: multipliers begin a step at zero, and with the same ε for every row z · λ = 0 for each z with zᵀ R = 0. So
 //! pressures lie on a plane over the place of the points, as between rigid bodies with a foundation of equal springs that are as stiff as one likes.
+//! Increments mix stages, `J_i η_i + ε Σ_k Â_ik dλ_k = −g_i`, and so they have that property only if the columns of R span the same at all stages: points of
+//! a body do, crossings of edges do not. After each iteration `λ_k ← Q_k Q_kᵀ λ_k` at the rows' stages.
 //! Decisions at events follow the same law. Loops within a tree are not considered: contacts that only such loops make redundant keep their ε.
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
@@ -130,15 +132,39 @@ impl Dependent {
         self.implied
     }
 
-    /// Reduces the gaps of `stages` stages to the part that motions change, unless all rows are independent; with the gradients at the columns'
-    /// stages and the screws of freedoms (body, freedom) there. Does not allocate.
+    /// Reduces the gaps of `stages` stages to the part that motions change, unless all rows are independent; with the gradients and the screws of freedoms
+    /// (body, freedom) at the columns' stages. Does not allocate.
     pub fn keep<V: Lanes>(
         &mut self,
         stages: usize,
-        gradients: &[[[V; TWIST]; 2]],
+        gradient: impl Fn(usize) -> [V; TWIST],
         gaps: &mut [V],
         screw: impl Fn(usize, usize) -> [V; TWIST],
     ) {
+        self.implied = self.reduce(stages, gradient, gaps, screw) < self.rows.len();
+    }
+
+    /// The same for multipliers at the rows' stages, where some rows imply others.
+    pub fn share<V: Lanes>(
+        &mut self,
+        stages: usize,
+        gradient: impl Fn(usize) -> [V; TWIST],
+        multipliers: &mut [V],
+        screw: impl Fn(usize, usize) -> [V; TWIST],
+    ) {
+        if self.implied {
+            self.reduce(stages, gradient, multipliers, screw);
+        }
+    }
+
+    /// `g ← Q Qᵀ g` at every stage, unless all rows are independent at the first; returns r there.
+    fn reduce<V: Lanes>(
+        &mut self,
+        stages: usize,
+        gradient: impl Fn(usize) -> [V; TWIST],
+        values: &mut [V],
+        screw: impl Fn(usize, usize) -> [V; TWIST],
+    ) -> usize {
         let Dependent { rows, floats, joints, columns, sizes, .. } = self;
         let count = rows.len();
         let rigid = TWIST * floats.len();
@@ -152,7 +178,7 @@ impl Dependent {
         };
         for (number, moves) in floats.iter().enumerate() {
             for &(index, sign) in moves {
-                for (component, lanes) in gradients[rows[index]][0].iter().enumerate() {
+                for (component, lanes) in gradient(rows[index]).iter().enumerate() {
                     write(TWIST * number + component, index, *lanes, sign);
                 }
             }
@@ -160,11 +186,11 @@ impl Dependent {
         for (number, joint) in joints.iter().enumerate() {
             let screw = screw(joint.body, joint.freedom);
             for &(index, sign) in &joint.moves {
-                let gradient = &gradients[rows[index]][0];
+                let gradient = gradient(rows[index]);
                 let (mut rate, mut size) = (V::zero(), V::zero());
-                for (gradient, screw) in gradient.iter().zip(&screw) {
-                    rate = gradient.mul_add(*screw, rate);
-                    let part = *gradient * *screw;
+                for (&gradient, &screw) in gradient.iter().zip(&screw) {
+                    rate = gradient.mul_add(screw, rate);
+                    let part = gradient * screw;
                     size = part.mul_add(part, size);
                 }
                 write(rigid + number, index, rate, sign);
@@ -174,25 +200,27 @@ impl Dependent {
                 }
             }
         }
+        let mut first = count;
         for stage in 0..stages {
             for (gap, &row) in self.gaps.iter_mut().zip(&self.rows) {
-                *gap = gaps[row].to_array().as_ref()[stage];
+                *gap = values[row].to_array().as_ref()[stage];
             }
             let columns = &mut self.columns[stage * per_stage..][..per_stage];
             let sizes = &self.sizes[stage * self.joints.len()..][..self.joints.len()];
             let independent = project(columns, sizes, &mut self.largest, &mut self.gaps);
             if stage == 0 {
-                self.implied = independent < count;
+                first = independent;
             }
-            if !self.implied {
-                return;
+            if first == count {
+                break;
             }
             for (&row, gap) in self.rows.iter().zip(&self.gaps) {
-                let mut lanes = gaps[row].to_array();
+                let mut lanes = values[row].to_array();
                 lanes.as_mut()[stage] = *gap;
-                gaps[row] = V::from_array(lanes);
+                values[row] = V::from_array(lanes);
             }
         }
+        first
     }
 }
 

@@ -29,10 +29,34 @@ impl<V: Lanes> Coupled<V> {
     ) {
         let Coupled { dependent, even, gradients, gaps, mixing, .. } = self;
         for (rows, weight) in dependent {
-            rows.keep(mixing.active, gradients, gaps, |body, freedom| {
+            let gradient = |row: usize| gradients[row][0];
+            rows.keep(mixing.active, gradient, gaps, |body, freedom| {
                 geometry.screws(plan, start, displacement, body, freedom).columns
             });
             rows.rows().for_each(|row| even[row] = rows.is_implied().then_some(*weight));
+        }
+    }
+
+    /// Shares the multipliers of contacts that imply each other as equal springs do, at every stage where they push.
+    pub(crate) fn share_multipliers<G: Geometry<V>>(
+        &mut self,
+        geometry: &G,
+        plan: &G::Plan,
+        start: &G::Start,
+        displacement: &[V],
+    ) {
+        let Coupled { dependent, gradients, multipliers, mixing, loops, elimination, .. } = self;
+        let touching = geometry.touching();
+        let first = *loops - touching.map_or(0, Touching::len);
+        for (rows, _) in dependent {
+            // Friction pushes beside the gradient of a gap.
+            let gradient = |row: usize| match touching.zip(elimination.closure_of_row[row].checked_sub(first)) {
+                Some((touching, number)) => touching.gradient_of_rows(number),
+                None => gradients[row][1],
+            };
+            rows.share(mixing.active, gradient, multipliers, |body, freedom| {
+                geometry.screws(plan, start, displacement, body, freedom).rows
+            });
         }
     }
 

@@ -130,6 +130,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         coupled.solve(geometry, plan, start, displacement, increment);
         coupled.known.locked_freedoms().for_each(|freedom| increment[freedom] = V::zero());
         in_lanes!(V, coupled.advance_multipliers());
+        coupled.share_multipliers(geometry, plan, start, displacement);
         let largest = in_lanes!(V, largest(increment));
         if lags { largest.max(LAGS) } else { largest }
     }

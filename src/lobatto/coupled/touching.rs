@@ -148,6 +148,11 @@ impl<V: Lanes> Touching<V> {
         gradients[gaps.len()..].iter_mut().zip(pulls).for_each(|(gradient, pull)| *gradient = *pull);
     }
 
+    /// The gradient of the gap of a contact at the rows' stages.
+    pub(crate) fn gradient_of_rows(&self, number: usize) -> [V; TWIST] {
+        self.touches[number].gradient_of_rows()
+    }
+
     /// How far the slowest contact that slides does so in the step, at the fastest of its stages (m); infinite without friction.
     pub(crate) fn slowest_slide(&self) -> f64 {
         self.rubbing().map(SpatialTouch::fastest).fold(f64::INFINITY, f64::min) * self.step

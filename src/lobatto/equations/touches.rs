@@ -251,6 +251,12 @@ impl<V: Lanes> SpatialTouch<V> {
         }
     }
 
+    /// The gradient of the gap at the rows' stages.
+    pub fn gradient_of_rows(&self) -> [V; 6] {
+        let row = &self.at[1];
+        row.normal.joined(row.point.cross(row.normal))
+    }
+
     /// Finds slip, creep and braking in a step of this length (s), after [`SpatialTouch::place`], from the rates of the bodies at its ends and where
     /// their anchors are, both at the columns' and at the rows' stages.
     #[inline(always)]
