@@ -28,7 +28,7 @@ use std::ops::Range;
 
 /// More equations than this between two trees may imply each other, if contacts slide among them.
 const INDEPENDENT: usize = 3;
-/// The rest of a column is rounding below this part of the largest of its kind, or of the terms that the rate of a joint is the sum of.
+/// The rest of a column is rounding below this part of the largest of its kind, or of what the rate of a joint may be.
 const ROUNDING: f64 = 1e-9;
 
 /// The number of an equation with 1 or −1.
@@ -43,8 +43,8 @@ pub(crate) struct Dependent {
     /// their first.
     floats: Vec<Vec<Signed>>,
     joints: Vec<JointColumn>,
-    /// For every stage the columns of R, then of Q, one after the other. For every joint the sum of the squares of the terms of its rate, in the row
-    /// with the largest sum.
+    /// For every stage the columns of R, then of Q, one after the other. For every joint a bound of the square of its rate: with the force of the row in which
+    /// it is largest, and the largest torque of all rows.
     columns: Vec<f64>,
     sizes: Vec<f64>,
     /// The largest squares of the columns of forces and of torques of each twist.
@@ -183,16 +183,17 @@ impl Dependent {
                 }
             }
         }
+        let square = |of: &[V]| of.iter().fold(V::zero(), |sum, &part| part.mul_add(part, sum));
+        // A contact in the plane of the axis of a roller has an arm that is rounding in every term: the arms of the others tell how large arms are.
+        let arms = if joints.is_empty() { &[] } else { rows.as_slice() };
+        let farthest = arms.iter().fold(V::zero(), |most, &row| square(&gradient(row)[3..]).max_abs(most));
         for (number, joint) in joints.iter().enumerate() {
             let screw = screw(joint.body, joint.freedom);
+            let turning = farthest * square(&screw[3..]);
             for &(index, sign) in &joint.moves {
                 let gradient = gradient(rows[index]);
-                let (mut rate, mut size) = (V::zero(), V::zero());
-                for (&gradient, &screw) in gradient.iter().zip(&screw) {
-                    rate = gradient.mul_add(screw, rate);
-                    let part = gradient * screw;
-                    size = part.mul_add(part, size);
-                }
+                let rate = gradient.iter().zip(&screw).fold(V::zero(), |rate, (of, along)| of.mul_add(*along, rate));
+                let size = square(&gradient[..3]).mul_add(square(&screw[..3]), turning);
                 write(rigid + number, index, rate, sign);
                 for (stage, size) in size.to_array().as_ref()[..stages].iter().enumerate() {
                     let known = &mut sizes[stage * joints.len() + number];
@@ -225,7 +226,7 @@ impl Dependent {
 }
 
 /// `g ← Q Qᵀ g`: replaces the columns by Q. Of each tree that floats three columns are forces and the next three torques, and `largest` has room for
-/// the squares of both; the other columns belong to joints, and `sizes` has the sums of the squares of their terms. Returns r.
+/// the squares of both; the other columns belong to joints, and `sizes` has bounds of the squares of their entries. Returns r.
 fn project(columns: &mut [f64], sizes: &[f64], largest: &mut [f64], gaps: &mut [f64]) -> usize {
     let count = gaps.len();
     let total = columns.len() / count;
