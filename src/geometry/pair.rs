@@ -53,6 +53,17 @@ pub struct RoundOnPlane {
     pub reach: f64,
 }
 
+/// A shape of revolution, in the frame of its body: turning about its axis leaves it where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Revolved {
+    /// The middle of the shape (m).
+    pub centre: Vector3<f64>,
+    /// Unit vector along its axis; `None` for a ball, which has them all.
+    pub axis: Option<Vector3<f64>>,
+    /// Distance of its farthest point from the middle (m).
+    pub reach: f64,
+}
+
 /// The distance of two colliders at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
@@ -117,6 +128,21 @@ impl PairGeometry {
             *ball = (*ball - self.second.radius).max(0.0);
         }
         reach
+    }
+
+    /// The shapes of revolution among the two.
+    pub fn revolved(&self) -> [Option<Revolved>; 2] {
+        let of = |convex: &Convex| {
+            let axis = convex.axis();
+            (axis.is_some() || convex.is_ball()).then_some(Revolved { centre: convex.centre, axis, reach: convex.size })
+        };
+        let first = match &self.first {
+            First::Convex(convex) => of(convex),
+            First::HalfSpace(_) | First::Mesh(_) => None,
+            First::Hollow(_) => return [None; 2],
+        };
+        let second = of(&self.second);
+        if self.exchanged { [second, first] } else { [first, second] }
     }
 
     /// The round shape on a half space that the pair is, if it is one.

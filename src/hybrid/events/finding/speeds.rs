@@ -6,7 +6,8 @@
 //!     V = |u| + |ω| R_a,    u = v_a − v_b − ω_b × (c_a − c_b),   ω = ω_a − ω_b     R_a: reach of a shape from the centre of mass c_a of its body (m)
 //! ```
 //!
-//! and the same holds with a and b exchanged: bodies that fall together do not approach, however fast they fall.
+//! and the same holds with a and b exchanged: bodies that fall together do not approach, however fast they fall. Shapes of revolution do not approach by turning
+//! about their axes ([`crate::instant::holding::revolving`]).
 //!
 //! Bodies are known at the samples of a step, and between them at instants that are looked at. V is their largest speed at the samples, a quarter
 //! more, and half of its change from one sample to the next. For a stretch the speeds at its ends are enough, with half of the change that is
@@ -15,8 +16,9 @@
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2.
 
 use crate::events::finding::detection::SAMPLES;
+use crate::geometry::Revolved;
 use crate::instant::holding::pairs::Pair;
-use crate::instant::holding::rope::Part;
+use crate::instant::holding::revolving::without_spin;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::Vector3;
 
@@ -86,12 +88,12 @@ impl Speeds {
 
     /// V of a pair [m/s].
     pub fn closing_of(&self, pair: &Pair) -> f64 {
-        pair.parts.iter().map(|(bodies, reach)| self.closing(*bodies, *reach)).sum()
+        Between::all(pair).map(|between| self.closing(&between)).sum()
     }
 
     /// The most that V of a pair changes by in a second [m/s²]; `length` is the length of the step (s).
     pub fn changing_of(&self, pair: &Pair, length: f64) -> f64 {
-        pair.parts.iter().map(|(bodies, reach)| self.changing(*bodies, *reach, length)).sum()
+        Between::all(pair).map(|between| self.changing(&between, length)).sum()
     }
 
     /// V of a pair with a closed contact [m/s], and the most that it changes by in a second [m/s²]; `length` is the length of the step (s).
@@ -108,27 +110,31 @@ impl Speeds {
         fastest(self.samples().map(|sample| relative([self.at(sample, a), self.at(sample, b)])), [0.0, 1.0])
     }
 
-    /// V of two bodies with their reaches [m/s].
-    fn closing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2]) -> f64 {
-        match (a, b) {
-            (Some(_), None) => self.seen_from(a, b, reach[0]),
-            (None, Some(_)) => self.seen_from(b, a, reach[1]),
-            _ => self.seen_from(a, b, reach[0]).min(self.seen_from(b, a, reach[1])),
+    /// V of two bodies [m/s].
+    fn closing(&self, between: &Between) -> f64 {
+        let seen = |side: usize| fastest(self.motions(between, side), [1.0, between.reach[side]]);
+        match between.ends {
+            [Some(_), None] => seen(0),
+            [None, Some(_)] => seen(1),
+            _ => seen(0).min(seen(1)),
         }
     }
 
     /// The largest change of u and ω, at the reach, from a sample to the next, over the time between them [m/s²]; `length` is the length of the step
     /// (s).
-    pub fn changing(&self, [a, b]: [Option<usize>; 2], reach: [f64; 2], length: f64) -> f64 {
-        let seen = |own: Option<usize>, other: Option<usize>, reach: f64| {
-            let motions = self.samples().map(|sample| relative([self.at(sample, own), self.at(sample, other)]));
-            self.changes(motions, [1.0, reach], length)
-        };
-        match (a, b) {
-            (Some(_), None) => seen(a, b, reach[0]),
-            (None, Some(_)) => seen(b, a, reach[1]),
-            _ => seen(a, b, reach[0]).max(seen(b, a, reach[1])),
+    fn changing(&self, between: &Between, length: f64) -> f64 {
+        let seen = |side: usize| self.changes(self.motions(between, side), [1.0, between.reach[side]], length);
+        match between.ends {
+            [Some(_), None] => seen(0),
+            [None, Some(_)] => seen(1),
+            _ => seen(0).max(seen(1)),
         }
+    }
+
+    /// The motion of one of two bodies, seen from the other, at the known samples.
+    fn motions<'s>(&'s self, between: &'s Between, side: usize) -> impl Iterator<Item = Motion> + Clone + 's {
+        let at = move |sample: usize, side: usize| between.moves(side, self.at(sample, between.ends[side]));
+        self.samples().map(move |sample| relative([&at(sample, side), &at(sample, 1 - side)]))
     }
 
     /// The largest change of u and ω at the known samples, with these weights, from one to the next, over the time between them [m/s²].
@@ -148,6 +154,29 @@ impl Speeds {
 
 /// u and ω of a body, seen from another [m/s, rad/s].
 type Motion = [Vector3<f64>; 2];
+
+/// Two bodies, the reaches of what may touch of them (m), and which of these shapes are of revolution.
+struct Between {
+    ends: [Option<usize>; 2],
+    reach: [f64; 2],
+    revolved: [Option<Revolved>; 2],
+}
+
+impl Between {
+    /// The parts of a pair: one, or those of a rope through several points.
+    fn all(pair: &Pair) -> impl Iterator<Item = Self> + '_ {
+        pair.parts.iter().map(|&(ends, reach)| {
+            let revolved = pair.revolved;
+            let reach = [0, 1].map(|side: usize| revolved[side].map_or(reach[side], |shape| shape.reach));
+            Between { ends, reach, revolved }
+        })
+    }
+
+    /// A body as its shape moves.
+    fn moves(&self, side: usize, body: &BodyState) -> BodyState {
+        self.revolved[side].map_or(*body, |shape| without_spin(&shape, body))
+    }
+}
 
 /// V over the time between motions of a body, seen from another [m/s]; u counts with a weight of 1, and ω with the reach (m).
 fn fastest(motions: impl Iterator<Item = Motion>, weights: [f64; 2]) -> f64 {
@@ -187,11 +216,12 @@ pub(crate) fn speed_between(ends: [f64; 2], changing: f64, long: f64) -> f64 {
 
 /// V of a pair at one instant [m/s].
 pub(crate) fn speed_of(pair: &Pair, bodies: &[BodyState]) -> f64 {
-    let of_part = |(ends, reach): &Part| {
-        let reach = [0, 1].map(|side: usize| ends[side].map_or(f64::INFINITY, |_| reach[side]));
-        speed_at(ends.map(|body| body.map_or(WORLD, |body| bodies[body])), reach)
+    let of_part = |between: Between| {
+        let reach = [0, 1].map(|side: usize| between.ends[side].map_or(f64::INFINITY, |_| between.reach[side]));
+        let body = |side: usize| between.moves(side, between.ends[side].map_or(&WORLD, |body| &bodies[body]));
+        speed_at([body(0), body(1)], reach)
     };
-    pair.parts.iter().map(of_part).sum()
+    Between::all(pair).map(of_part).sum()
 }
 
 /// V of a pair with a closed contact at one instant [m/s].
@@ -253,7 +283,7 @@ mod tests {
             let mut speeds = Speeds::default();
             speeds.reset(2);
             [0, 2, SAMPLES].into_iter().for_each(|sample| speeds.take(sample, &[first, second]));
-            speeds.closing([Some(0), Some(1)], reach)
+            speeds.closing(&Between { ends: [Some(0), Some(1)], reach, revolved: [None; 2] })
         };
         assert!(closing(carried, [0.5, 0.5]) < 1e-14);
         // Seen from the first, whose own reach does not matter.
@@ -263,6 +293,7 @@ mod tests {
         let mut speeds = Speeds::default();
         speeds.reset(1);
         speeds.take(0, &[first]);
-        assert!((speeds.closing([Some(0), None], [0.5, f64::INFINITY]) - FASTER * (5.0 + 0.5 * 7.0)).abs() < 1e-14);
+        let beside = Between { ends: [Some(0), None], reach: [0.5, f64::INFINITY], revolved: [None; 2] };
+        assert!((speeds.closing(&beside) - FASTER * (5.0 + 0.5 * 7.0)).abs() < 1e-14);
     }
 }

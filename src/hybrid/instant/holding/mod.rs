@@ -8,6 +8,7 @@ pub(crate) mod moments;
 pub(crate) mod near;
 pub(crate) mod pairs;
 pub(crate) mod per_pair;
+pub(crate) mod revolving;
 pub(crate) mod rolling;
 pub(crate) mod rope;
 pub(crate) mod sparse;

@@ -3,7 +3,7 @@
 //! A thousand balls have half a million pairs, and a few thousand of them ever come near. A pair is known by its number in the list of all;
 //! [`crate::instant::holding::near`] says which of them are to be asked.
 
-use crate::geometry::{Extents, PairGeometry, PreparedShape};
+use crate::geometry::{Extents, PairGeometry, PreparedShape, Revolved};
 use crate::instant::holding::rolling::Rolling;
 use crate::instant::holding::rope::{Part, Rope};
 use crate::instant::holding::sparse::{Sparse, seconds};
@@ -33,6 +33,8 @@ pub(crate) struct Pair {
     pub reach: [f64; 2],
     /// The bodies and reaches whose speeds together bound the rate of the gap: its own, or all parts of a rope through several points.
     pub parts: Vec<Part>,
+    /// The shapes of revolution among the two.
+    pub revolved: [Option<Revolved>; 2],
     /// The round shape on a plane of the world that it is, if it is one.
     pub rolling: Option<Rolling>,
     /// The rope through several points that it is, if it is one.
@@ -203,6 +205,7 @@ impl Pairs {
             surfaces: [a.surface, b.surface],
             parts: rope.as_ref().map_or_else(|| vec![(bodies, geometry.closing_reach())], Rope::parts),
             reach,
+            revolved: geometry.revolved(),
             rolling: Rolling::of(bodies, geometry.round_on_plane()),
             rope,
             extents: geometry.extents(),
