@@ -234,7 +234,7 @@ impl Walk<'_> {
             }
             part
         };
-        let efforts = self.efforts(&traced.mode, since, state.time);
+        let efforts = &self.efforts_at(&traced.mode, since, &[state.time])[0];
         let efforts: Vec<Part> = (0..n)
             .map(|row| with_time(efforts.values[row], &|column| efforts.slopes[(row, column)], efforts.rates[row]))
             .collect();

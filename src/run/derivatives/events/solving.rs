@@ -41,8 +41,8 @@ impl Walk<'_> {
     /// The efforts at all stages of a step of some length (s).
     pub(super) fn efforts_over(&self, traced: &TracedStep, step: f64) -> Vec<Efforts> {
         let since = self.state.time;
-        let nodes = self.subject.tableau.nodes.iter();
-        nodes.map(|node| self.efforts(&traced.mode, since, since + step * node)).collect()
+        let times: Vec<f64> = self.subject.tableau.nodes.iter().map(|node| since + step * node).collect();
+        self.efforts_at(&traced.mode, since, &times)
     }
 
     /// A step of some length (s), solved, and its efforts at all stages; `known` is the same with another length, and the part of it that differs.

@@ -165,10 +165,11 @@ impl<'w> Walk<'w> {
         SensitivityError::Step { time: self.state.time }
     }
 
-    pub(super) fn efforts(&self, mode: &Mode, since: f64, time: f64) -> Efforts {
+    /// The efforts at some times (s) of a step that begins at another.
+    pub(super) fn efforts_at(&self, mode: &Mode, since: f64, times: &[f64]) -> Vec<Efforts> {
         let Subject { elements, laws, parameters, .. } = *self.subject;
         let of = EffortLaws { elements, laws, parameters, varied: &self.varied };
-        of.at(mode, &self.given, since, time, self.state.velocity.len())
+        of.at(mode, &self.given, since, times, self.state.velocity.len())
     }
 
     /// The equations of a mode.

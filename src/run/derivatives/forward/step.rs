@@ -1,7 +1,7 @@
 //! One step of the scheme solved to rounding, with the factors of its exact derivatives.
 //!
 //! Newton's method on [`crate::derivatives::forward::stage_equations`] begins with the stages of the run, and with the multipliers that balance them.
-//! Its matrix comes from dual numbers, and is kept while it shrinks the residuals fast. The matrix at the solution is the one of the implicit function theorem:
+//! Its matrix comes from dual numbers, or from blocks ([`crate::derivatives::forward::tree`]), and is kept while it shrinks the residuals fast. The matrix at the solution is the one of the implicit function theorem:
 //!
 //! ```text
 //!     R(u; x) = 0        R_u δu = −R_x δx
@@ -167,6 +167,12 @@ pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
 }
 
 impl StepProblem<'_> {
+    /// The factor of forces and efforts in a stage: h², or h b_s.
+    pub(super) fn factor(&self, stage: usize) -> f64 {
+        let (h, tableau) = (self.step, self.tableau);
+        if stage + 1 < tableau.stages { h * h } else { h * tableau.weights[stage] }
+    }
+
     /// Solves it by the equations of all mechanisms; `None` if the iteration does not converge.
     pub(super) fn solve_whole(&self, known: Option<(SolvedStep, f64)>) -> Option<SolvedStep> {
         let (s, StepMode { free, rows, .. }) = (self.tableau.stages, self.mode);
@@ -245,9 +251,15 @@ impl StepProblem<'_> {
             return multipliers;
         }
         let off = -self.residual(stages, velocities, &multipliers).rows(0, s * n);
-        let mut matrix = DMatrix::zeros(self.mode.size(s), s * m);
-        self.fill(stages, velocities, &multipliers, s * n, &mut matrix);
-        let found = matrix.rows(0, s * n).svd(true, true).solve(&off, MULTIPLIED).ok();
+        let columns = match self.is_looped() {
+            true => self.push_columns(stages),
+            false => {
+                let mut matrix = DMatrix::zeros(self.mode.size(s), s * m);
+                self.fill(stages, velocities, &multipliers, s * n, &mut matrix);
+                matrix.rows(0, s * n).into_owned()
+            }
+        };
+        let found = columns.svd(true, true).solve(&off, MULTIPLIED).ok();
         for (index, push) in found.iter().flat_map(|found| found.iter()).enumerate() {
             multipliers[index / m][rows[index % m]] = *push;
         }
@@ -276,10 +288,14 @@ impl StepProblem<'_> {
 
     /// R_u at some stages, factored; `None` if it is singular.
     fn factors(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> Option<Elimination> {
-        Elimination::new(&self.matrix(stages, velocities, multipliers))
+        let matrix = match self.is_looped() {
+            true => self.looped_matrix(stages, velocities, multipliers),
+            false => self.matrix(stages, velocities, multipliers),
+        };
+        Elimination::new(&matrix)
     }
 
-    /// R_u at some stages.
+    /// R_u at some stages, for all mechanisms.
     pub(super) fn matrix(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DMatrix<f64> {
         let count = self.mode.size(self.tableau.stages);
         let mut matrix = DMatrix::zeros(count, count);
