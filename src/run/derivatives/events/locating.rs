@@ -57,7 +57,7 @@ impl Walk<'_> {
     pub(super) fn step_to_event(
         &mut self,
         traced: &TracedStep,
-        mode: &StepMode,
+        (mode, known): (&StepMode, Option<Arc<KeptStep>>),
         closed: &[ClosedContacts<Part>],
         trigger: Watched,
         next: Option<&TracedJump>,
@@ -67,7 +67,7 @@ impl Walk<'_> {
         let words = self.words(trigger, contact, &traced.mode);
         let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
         let of = (trigger, contact);
-        let Located { kept, efforts, rate, along } = self.locate(traced, mode, of, &words)?;
+        let Located { kept, efforts, rate, along } = self.locate(traced, (mode, known), of, &words)?;
         let (step, solved) = (kept.step, &kept.solved);
         let start = self.state.clone();
         let still = DVector::zeros(self.tangent.times.len());
@@ -104,13 +104,13 @@ impl Walk<'_> {
     fn locate(
         &mut self,
         traced: &TracedStep,
-        mode: &StepMode,
+        (mode, known): (&StepMode, Option<Arc<KeptStep>>),
         of: (Watched, Option<&Contact>),
         words: &str,
     ) -> Result<Located, SensitivityError> {
         let since = self.state.time;
         let unknown = || SensitivityError::Event { time: traced.end.time, what: words.to_string() };
-        if let Some(kept) = self.known.take() {
+        if let Some(kept) = known {
             let efforts = self.efforts_over(traced, kept.step);
             let by_length = self.by_length(traced, mode, kept.step, &kept.solved, &efforts, of);
             let (_, rate, along) = by_length.ok_or_else(unknown)?;

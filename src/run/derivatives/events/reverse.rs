@@ -73,7 +73,7 @@ pub(crate) struct Tape<'t> {
     walk: Walk<'t>,
     /// The trace of each piece of the run, up to where the integrator came back.
     pieces: Vec<Vec<Traced>>,
-    /// The solved step of each piece, while there is room and every state is kept.
+    /// The solved step of each piece, while there is room and every state is kept; the way back takes them.
     solved: Vec<Option<Arc<KeptStep>>>,
     room: usize,
     /// The number of events before each piece.
@@ -176,7 +176,7 @@ impl<'t> Tape<'t> {
                     back.adjoint = back.adjoint.plus(&said);
                 }
                 let first_event = self.first_events[first + index];
-                let solved = self.solved[first + index].clone();
+                let solved = self.solved[first + index].take();
                 back.over((piece, solved), place, &|own| of_event(first_event + own))?;
             }
         }
@@ -236,19 +236,15 @@ impl Back<'_> {
         of_event: &dyn Fn(usize) -> Option<Adjoint>,
     ) -> Result<(), SensitivityError> {
         place.restore(&mut self.walk);
-        match piece {
-            [Traced::Step(step)] if step.triggers.is_empty() && step.mode.contacts.is_empty() => {
-                match self.over_step(step, solved)? {
-                    true => Ok(()),
-                    false => self.over_matrices(piece, of_event),
-                }
-            }
-            _ => {
-                self.walk.known =
-                    solved.filter(|_| piece.iter().filter_map(step_of).all(|step| !step.triggers.is_empty()));
-                self.over_matrices(piece, of_event)
-            }
+        if let [Traced::Step(step)] = piece
+            && step.triggers.is_empty()
+            && step.mode.contacts.is_empty()
+            && self.over_step(step, &solved)?
+        {
+            return Ok(());
         }
+        self.walk.known = solved;
+        self.over_matrices(piece, of_event)
     }
 
     /// Over a piece by its forward derivatives.
@@ -294,13 +290,13 @@ impl Back<'_> {
     }
 
     /// Over a step of a tree to a given instant by its transpose; false if it is none.
-    fn over_step(&mut self, traced: &TracedStep, solved: Option<Arc<KeptStep>>) -> Result<bool, SensitivityError> {
+    fn over_step(&mut self, traced: &TracedStep, solved: &Option<Arc<KeptStep>>) -> Result<bool, SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
         self.walk.begin(traced);
         let since = self.walk.state.time;
         let step = traced.end.time - since;
         let kept = match solved {
-            Some(kept) => kept,
+            Some(kept) => kept.clone(),
             None => {
                 let mode = self.walk.mode(traced)?;
                 if mode.free.is_empty() {
@@ -312,12 +308,12 @@ impl Back<'_> {
             }
         };
         let KeptStep { mode, solved, efforts: values, .. } = &*kept;
-        let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
+        let Factors::Tree(tree) = &solved.factors else { return Ok(false) };
         let nodes = &self.walk.subject.tableau.nodes;
         let efforts = self.walk.efforts_over(traced, step);
         let problem = self.walk.problem(mode, step, values);
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
-        let pulled = pulled_back(&problem, solved, factors, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
+        let pulled = pulled_back(&problem, solved, tree, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
             .ok_or_else(|| self.walk.failed())?;
         let later = self.walk.later(traced, since)?;
         let (mut longer, mut of_time) = (pulled.given.longer, 0.0);

@@ -14,9 +14,8 @@ use crate::derivatives::equations::placed::{Offsets, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms};
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::forward::step::{Part, StepMode, StepProblem, WIDTH, constant};
-use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
-use crate::derivatives::forward::tree::step::TreeStep;
+use crate::derivatives::forward::tree::step::{TreeAt, TreeStep};
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
 use crate::mechanism::motion::state::State;
@@ -46,8 +45,8 @@ impl StepProblem<'_> {
         multipliers: &[Vec<f64>],
     ) -> DMatrix<f64> {
         let (s, n, m) = (self.tableau.stages, self.mode.free.len(), self.mode.rows.len());
-        let family = Family::new(&self.figures.plain, &self.mode.free);
-        let step = TreeStep::new(self, &family, stages, velocities);
+        let at = TreeAt::new(self, stages, velocities);
+        let step = TreeStep { problem: self, velocities, at: &at };
         let mut matrix = DMatrix::zeros(self.mode.size(s), self.mode.size(s));
         TreeMatrix::new(&step).copy_to(&mut matrix);
         for (k, multipliers) in multipliers.iter().enumerate() {

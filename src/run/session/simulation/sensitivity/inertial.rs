@@ -16,8 +16,7 @@ use crate::scene::{InertialNumber, Parameter as Number, Scene};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// The derivatives of all figures by a number of the inertia of a link; `None` for other numbers, and where more than the inertia of a body depends on
-/// it: floating bodies have their frames at their centres of mass, closures and massless bodies start in the metric of masses, and a body without mass
-/// may be held still.
+/// it: floating bodies have their frames at their centres of mass, and links without mass may be held still.
 pub(super) fn slopes(
     description: &Description,
     frames: &[Pose],
@@ -27,9 +26,6 @@ pub(super) fn slopes(
 ) -> Option<Vec<f64>> {
     let ([robot, link], number) = number.as_inertial()?;
     let mechanism = &description.mechanism;
-    if mechanism.has_closures() || mechanism.bodies.iter().any(|body| body.mass <= 0.0) {
-        return None;
-    }
     let inertial = scene.robots.get(robot)?.robot.links.get(link)?.inertial.as_ref()?;
     let place = description.links.get(description.robots.get(robot)?.links.clone())?.get(link)?;
     if inertial.mass <= 0.0 {
@@ -74,13 +70,20 @@ mod tests {
     #[test]
     fn slopes_by_masses_centres_and_inertias_are_those_of_models_with_other_numbers() {
         let mut compared = 0;
-        for file in ["arm7.urdf", "humanoid.urdf", "gantry.urdf", "spherical_chain.urdf", "cart_pole_light.toml"] {
+        for file in [
+            "arm7.urdf",
+            "humanoid.urdf",
+            "gantry.urdf",
+            "spherical_chain.urdf",
+            "cart_pole_light.toml",
+            "four_bar_1.toml",
+        ] {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
             let model = Model::load(path).expect("a model");
             let simulation = Simulation::new(&model);
             let start = simulation.look(State::clone).expect("a start");
-            let numbers = Numbers::of(&simulation).expect("numbers");
-            let Numbers { scene, all, frames, figures, bounds } = &numbers;
+            let numbers = Numbers::of(&simulation, &start).expect("numbers");
+            let Numbers { scene, all, frames, figures, bounds, .. } = &numbers;
             for number in all {
                 let own = slopes(model.description(), frames, scene, number, figures.len());
                 let (Some(own), Ok((number, value))) = (own, number_of(scene, all, number.key())) else { continue };

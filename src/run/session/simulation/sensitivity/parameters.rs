@@ -35,17 +35,20 @@ pub(super) struct Numbers {
     pub scene: Scene,
     pub all: Vec<Number>,
     pub bounds: Bounds,
+    /// Whether the start was not moved: masses have no part in it.
+    pub is_as_wanted: bool,
     /// The frames of the bodies, and all figures.
     pub frames: Vec<Pose>,
     pub figures: Vec<f64>,
 }
 
 impl Numbers {
-    pub fn of(simulation: &Simulation) -> Result<Self, Error> {
+    pub fn of(simulation: &Simulation, start: &State) -> Result<Self, Error> {
         let scene = simulation.model.scene_with_numbers()?;
         let frames = frames(&simulation.model);
         let figures = listed(&simulation.model.description().mechanism, &frames);
-        Ok(Numbers { all: scene.parameters(), scene, bounds: simulation.bounds_of_start(), frames, figures })
+        let (bounds, is_as_wanted) = (simulation.bounds_of_start(), simulation.is_as_wanted(start));
+        Ok(Numbers { all: scene.parameters(), scene, bounds, is_as_wanted, frames, figures })
     }
 }
 
@@ -78,7 +81,7 @@ impl Simulation {
         let Some((of, word, joint)) = of else {
             let numbers = match numbers {
                 Some(known) => known,
-                none => none.insert(Numbers::of(self)?),
+                none => none.insert(Numbers::of(self, start)?),
             };
             return Ok(vec![(key.to_string(), self.by_number(key, numbers, start)?)]);
         };
@@ -113,11 +116,11 @@ impl Simulation {
 
     /// The parameter of a number by its key path.
     fn by_number(&self, key: &str, numbers: &Numbers, start: &State) -> Result<Parameter, Error> {
-        let Numbers { scene, all, bounds, frames, figures } = numbers;
+        let Numbers { scene, all, bounds, is_as_wanted, frames, figures } = numbers;
         let (number, value) = number_of(scene, all, key)?;
         let description = self.model.description();
         if let Some(slopes) =
-            inertial::slopes(description, frames, scene, number, figures.len()).filter(|_| *bounds == Bounds::Kept)
+            inertial::slopes(description, frames, scene, number, figures.len()).filter(|_| *is_as_wanted)
         {
             return Ok(Parameter { figures: slopes, ..Parameter::none(start.velocity.len()) });
         }
