@@ -86,7 +86,8 @@ pub(crate) struct Tape<'t> {
 impl<'t> Tape<'t> {
     /// The empty tape of a run from a start on; `subject` has no parameters, and the state is kept once in `every` pieces.
     pub fn new(subject: &'t Subject<'t>, start: &State, every: usize) -> Self {
-        let walk = Walk::new(subject, start);
+        let mut walk = Walk::new(subject, start);
+        walk.tells = false;
         let (pieces, solved, first_events, kept) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Tape { subject, walk, pieces, solved, room: ROOM, first_events, kept, every: every.max(1) }
     }
@@ -152,7 +153,8 @@ impl<'t> Tape<'t> {
         let n = start.velocity.len();
         let units = units(n, parameters);
         let local = Subject { parameters: &units, ..*self.subject };
-        let walk = Walk::new(&local, &start);
+        let mut walk = Walk::new(&local, &start);
+        walk.tells = false;
         let mut back = Back {
             figures: FigureCotangents::zero(self.subject.mechanism.bodies.len(), walk.varied.slopes()),
             walk,

@@ -83,13 +83,12 @@ impl Walk<'_> {
         mode: &StepMode,
         step: f64,
         solved: &SolvedStep,
-        efforts: &[Efforts],
+        efforts: Vec<Efforts>,
         closed: &[ClosedContacts<Part>],
         longer: &DVector<f64>,
     ) -> Result<(), SensitivityError> {
-        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let slopes: Vec<DMatrix<f64>> = efforts.iter().map(|efforts| efforts.slopes.clone()).collect();
-        let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
+        let parts = efforts.into_iter().map(|Efforts { values, slopes, rates }| (values, (slopes, rates)));
+        let (values, (slopes, rates)): (Vec<DVector<f64>>, (Vec<DMatrix<f64>>, Vec<DVector<f64>>)) = parts.unzip();
         let inputs = InputSlopes { efforts: &slopes, rates: &rates, closed };
         let mut tangent = self.tangent.clone();
         let problem = self.problem(mode, step, &values);

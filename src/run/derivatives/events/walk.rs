@@ -97,6 +97,8 @@ pub(crate) struct Walk<'w> {
     /// Events so far, and how far the derivatives hold.
     pub events: Vec<MetEvent>,
     pub validity: Validity,
+    /// Whether anyone asks how far they hold.
+    pub tells: bool,
     /// What makes derivatives worse than their order.
     pub warnings: Vec<String>,
 }
@@ -134,6 +136,7 @@ impl<'w> Walk<'w> {
             known: None,
             events: Vec::new(),
             validity: Validity::new(p),
+            tells: true,
             warnings: Vec::new(),
         }
     }
@@ -257,7 +260,7 @@ impl<'w> Walk<'w> {
         };
         let (mode, solved) = (&kept.mode, &kept.solved);
         let longer = &later - &self.tangent.times;
-        self.carry(mode, step, solved, &efforts, &closed, &longer)?;
+        self.carry(mode, step, solved, efforts, &closed, &longer)?;
         self.take_end(solved, traced.end.time);
         self.see_near(traced, (&before, &was), &solved.stages);
         self.kept = Some(kept).filter(|_| self.keeps);
