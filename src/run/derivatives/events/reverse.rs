@@ -310,12 +310,12 @@ impl Back<'_> {
             }
         };
         let KeptStep { mode, solved, efforts: values, .. } = &*kept;
-        let Factors::Tree(tree) = &solved.factors else { return Ok(false) };
+        let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
         let nodes = &self.walk.subject.tableau.nodes;
         let efforts = self.walk.efforts_over(traced, step);
         let problem = self.walk.problem(mode, step, values);
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;
-        let pulled = pulled_back(&problem, solved, tree, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
+        let pulled = pulled_back(&problem, solved, factors, [of_q, of_v], &mut self.figures, self.walk.varied.slopes())
             .ok_or_else(|| self.walk.failed())?;
         let later = self.walk.later(traced, since)?;
         let (mut longer, mut of_time) = (pulled.given.longer, 0.0);

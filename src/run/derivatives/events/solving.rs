@@ -11,7 +11,7 @@ use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem};
 use crate::derivatives::forward::tangent::InputSlopes;
 use crate::events::trace::TracedStep;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Solved steps end this close to the steps of the run (rad or m, per s, and s): roundings of both, and where an event is found.
 const SAME: f64 = 1e-11;
@@ -87,8 +87,12 @@ impl Walk<'_> {
         closed: &[ClosedContacts<Part>],
         longer: &DVector<f64>,
     ) -> Result<(), SensitivityError> {
-        let parts = efforts.into_iter().map(|Efforts { values, slopes, rates }| (values, (slopes, rates)));
-        let (values, (slopes, rates)): (Vec<DVector<f64>>, (Vec<DMatrix<f64>>, Vec<DVector<f64>>)) = parts.unzip();
+        let (mut values, mut slopes, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        for Efforts { values: own, slopes: by_parameters, rates: by_time } in efforts {
+            values.push(own);
+            slopes.push(by_parameters);
+            rates.push(by_time);
+        }
         let inputs = InputSlopes { efforts: &slopes, rates: &rates, closed };
         let mut tangent = self.tangent.clone();
         let problem = self.problem(mode, step, &values);

@@ -14,7 +14,7 @@ use crate::derivatives::equations::figures::{End, Figures, Frame, LoopFigures};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::forward::elimination::Elimination;
 use crate::derivatives::forward::stage_equations::{BothFigures, Drive, InMode, Residual, StepMotion};
-use crate::derivatives::forward::tree::SolvedTree;
+use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::derivatives::numbers::dual::Dual;
 use crate::derivatives::numbers::jet::Jet;
 use crate::derivatives::numbers::number::Number;
@@ -64,7 +64,7 @@ pub enum Factors {
     /// Of all unknowns.
     Whole(Elimination),
     /// Of a tree.
-    Tree(Box<SolvedTree>),
+    Tree(Box<TreeFactors>),
 }
 
 impl Factors {
@@ -72,7 +72,7 @@ impl Factors {
     pub fn solve(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
         match self {
             Factors::Whole(factors) => factors.solve_all(right),
-            Factors::Tree(solved) => solved.solve(right),
+            Factors::Tree(factors) => factors.solve(right),
         }
     }
 }

@@ -239,11 +239,11 @@ impl TreeStep<'_> {
                 }
             }
         }
-        let begin = begin.pulled(&self.family);
-        let going = going.pulled(&self.family);
-        let rates = rates.pulled(&self.family);
+        let begin = begin.pulled(self.family);
+        let going = going.pulled(self.family);
+        let rates = rates.pulled(self.family);
         let stages: Vec<Vec<JointCotangents>> =
-            parts.stages.into_iter().skip(1).map(|own| own.pulled(&self.family)).collect();
+            parts.stages.into_iter().skip(1).map(|own| own.pulled(self.family)).collect();
         for (body, own) in self.family.own.iter().enumerate() {
             for freedom in own {
                 let FreedomCourse { kept, later, rates: [by_start, by_gone] } = &courses[freedom.index];

@@ -1,6 +1,7 @@
 //! The equations that are written out, against the same by numbers with derivatives: the oracle of this room.
 
-use crate::derivatives::events::instant::Instant;
+use crate::derivatives::equations::closures::closures;
+use crate::derivatives::equations::placed::{Offsets, place};
 use crate::derivatives::forward::elimination::Elimination;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepMode, StepProblem};
@@ -8,9 +9,10 @@ use crate::derivatives::forward::tangent::{InputSlopes, Tangent, Varied};
 use crate::derivatives::forward::tree::adjoint::FigureCotangents;
 use crate::derivatives::forward::tree::carrying::TreeColumns;
 use crate::derivatives::forward::tree::column::Column;
+use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
 use crate::derivatives::forward::tree::over_step::by_length;
-use crate::derivatives::forward::tree::step::{TreeAt, TreeStep, efforts};
+use crate::derivatives::forward::tree::step::{TreeStep, efforts};
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
 use crate::instant::holding::elements::Elements;
@@ -62,9 +64,10 @@ fn number(seed: usize) -> f64 {
 
 /// The number of all closures.
 fn closure_count(case: &Case) -> usize {
-    let still = vec![Part::zero(); case.mechanism.velocity_count];
-    let at = Instant { figures: &case.constant, state: &case.start, offsets: &still, closed: &case.mode.constant };
-    at.closure_rates(&still).len()
+    let still = vec![0.0; case.mechanism.velocity_count];
+    let start = &case.start;
+    let at = Offsets { from: start, to: start, first: &still, second: &still, motion: &[] };
+    closures(&case.figures.plain, &[], &place(&case.figures.plain, &at), &at).len()
 }
 
 /// A tree in motion with a step to be solved.
@@ -180,8 +183,8 @@ fn equations_of_trees_that_are_written_out_and_their_matrices_are_those_of_numbe
             let (at, velocities) = case.stages();
             let problem = case.problem();
             assert!(problem.is_tree(), "{}", case.mechanism.name);
-            let tree = TreeAt::new(&problem, &at, &velocities);
-            let step = TreeStep { problem: &problem, velocities: &velocities, at: &tree };
+            let family = Family::new(&case.figures.plain, &case.mode.free);
+            let step = TreeStep::new(&problem, &family, &at, &velocities);
             let column = |of: DVector<f64>| DMatrix::from_column_slice(of.len(), 1, of.as_slice());
             let multipliers = vec![Vec::new(); stages];
             let own = column(step.residual(&efforts(&step)));
@@ -283,10 +286,10 @@ fn derivatives_over_a_step_of_a_tree_are_those_of_numbers_with_derivatives() {
         let (own, other) = (carry(&solved), carry(&literal));
         assert_near(&case.mechanism.name, &own.positions, &other.positions, ROUNDINGS);
         assert_near(&case.mechanism.name, &own.velocities, &other.velocities, ROUNDINGS);
-        let Factors::Tree(tree) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
+        let Factors::Tree(factors) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
         let all = TreeColumns { tangent: &tangent, longer: &longer, efforts: &slopes, rates: &rates };
-        let columns = all.by_columns(&problem, &solved, tree, varied.slopes()).expect("columns");
-        let rows = all.by_rows(&problem, &solved, tree, varied.slopes()).expect("rows");
+        let columns = all.by_columns(&problem, &solved, factors, varied.slopes()).expect("columns");
+        let rows = all.by_rows(&problem, &solved, factors, varied.slopes()).expect("rows");
         for (own, other) in rows.iter().zip(&columns) {
             assert_near(&case.mechanism.name, own, other, ROUNDINGS);
         }
@@ -327,8 +330,10 @@ fn the_transpose_of_a_step_has_the_same_products_as_its_columns() {
         let problem = case.problem();
         let n = case.mechanism.velocity_count;
         let solved = problem.solve(None).expect("a step");
-        let Factors::Tree(tree) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
-        let (step, _) = tree.step(&problem, &solved.stages).expect("an end");
+        let Factors::Tree(factors) = &solved.factors else { panic!("{} is a tree", case.mechanism.name) };
+        let family = Family::new(&case.figures.plain, &case.mode.free);
+        let end = solved.stages.last().expect("an end");
+        let step = TreeStep::new(&problem, &family, &solved.stages, &end.velocity);
         let all = efforts(&step);
         let count = case.figures.plain.bodies.len();
         let numbers = 3 + 37 * count + 200;
@@ -347,11 +352,11 @@ fn the_transpose_of_a_step_has_the_same_products_as_its_columns() {
             efforts: &of_effort,
             figures: Some(figures),
         };
-        let right = step.right(&step.courses(), &all, &[column]);
+        let right = step.right(&all, &[column]);
         let free = case.mode.free.len();
         let [left, other] = [20, 21].map(|seed| DVector::from_fn(free, |row, _| number(row * 13 + seed)));
-        let weights = tree.factors.solve_transposed(&left, &other);
-        let found = tree.solve(&right);
+        let weights = factors.solve_transposed(&left, &other);
+        let found = factors.solve(&right);
         let forward =
             found.column(0).rows(2 * free, free).dot(&left) + found.column(0).rows(3 * free, free).dot(&other);
         let mut constant = FigureCotangents::zero(count, varied.slopes());

@@ -12,8 +12,9 @@ use crate::derivatives::forward::step::{SolvedStep, StepProblem};
 use crate::derivatives::forward::tangent::{Tangent, carried};
 use crate::derivatives::forward::tree::adjoint::{Cotangents, FigureCotangents};
 use crate::derivatives::forward::tree::column::Column;
-use crate::derivatives::forward::tree::solve::{Known, SolvedTree};
-use crate::derivatives::forward::tree::step::TreeStep;
+use crate::derivatives::forward::tree::course::FreedomCourse;
+use crate::derivatives::forward::tree::family::Family;
+use crate::derivatives::forward::tree::step::{TreeStep, efforts};
 use crate::derivatives::forward::tree_factors::TreeFactors;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
@@ -21,15 +22,23 @@ use nalgebra::{DMatrix, DVector};
 /// A solved step, to go back over.
 struct Backwards<'b> {
     step: TreeStep<'b>,
-    known: &'b Known,
+    courses: Vec<FreedomCourse>,
+    efforts: Vec<Vec<f64>>,
     end: &'b State,
     factors: &'b TreeFactors,
 }
 
 impl<'b> Backwards<'b> {
-    fn new(problem: &'b StepProblem<'b>, solved: &'b SolvedStep, tree: &'b SolvedTree) -> Option<Self> {
-        let (step, known) = tree.step(problem, &solved.stages)?;
-        Some(Backwards { step, known, end: solved.stages.last()?, factors: &tree.factors })
+    fn new(
+        problem: &'b StepProblem<'b>,
+        family: &'b Family,
+        solved: &'b SolvedStep,
+        factors: &'b TreeFactors,
+    ) -> Option<Self> {
+        let end = solved.stages.last()?;
+        let step = TreeStep::new(problem, family, &solved.stages, &end.velocity);
+        let (courses, efforts) = (step.courses(), efforts(&step));
+        Some(Backwards { step, courses, efforts, end, factors })
     }
 
     /// The cotangents of all that is given, from those of q̄ and v̄ (n each), and the weights μ; the cotangents of figures are added.
@@ -37,7 +46,7 @@ impl<'b> Backwards<'b> {
         let problem = self.step.problem;
         let [positions, velocities] = of_end.map(|of| of.select_rows(&problem.mode.free));
         let weights = self.factors.solve_transposed(&positions, &velocities);
-        let mut given = self.step.pull_back(&self.known.courses, &self.known.efforts, &weights, figures);
+        let mut given = self.step.pull_back(&self.courses, &self.efforts, &weights, figures);
         let back = carried(problem.mechanism, self.end, problem.start, of_end[0]);
         for freedom in 0..back.len() {
             given.positions[freedom] += back[freedom];
@@ -69,12 +78,13 @@ pub(in crate::derivatives) struct PulledBack {
 pub(in crate::derivatives) fn pulled_back(
     problem: &StepProblem,
     solved: &SolvedStep,
-    tree: &SolvedTree,
+    factors: &TreeFactors,
     of_end: [&DVector<f64>; 2],
     figures: &mut FigureCotangents,
     slopes: &[Option<FigureSlopes>],
 ) -> Option<PulledBack> {
-    let back = Backwards::new(problem, solved, tree)?;
+    let family = Family::new(&problem.figures.plain, &problem.mode.free);
+    let back = Backwards::new(problem, &family, solved, factors)?;
     let (given, weights) = back.pulled(of_end, figures)?;
     let changes = back.laws(slopes);
     let laws = changes.iter().map(|change| change.as_ref().map_or(0.0, |change| -weights.dot(change)));
@@ -97,11 +107,15 @@ impl TreeColumns<'_> {
         &self,
         problem: &StepProblem,
         solved: &SolvedStep,
-        tree: &SolvedTree,
+        factors: &TreeFactors,
         slopes: &[Option<FigureSlopes>],
     ) -> Option<[DMatrix<f64>; 2]> {
         let many = self.tangent.positions.ncols() > 2 * problem.mode.free.len();
-        if many { self.by_rows(problem, solved, tree, slopes) } else { self.by_columns(problem, solved, tree, slopes) }
+        if many {
+            self.by_rows(problem, solved, factors, slopes)
+        } else {
+            self.by_columns(problem, solved, factors, slopes)
+        }
     }
 
     /// A solve for each parameter.
@@ -109,12 +123,13 @@ impl TreeColumns<'_> {
         &self,
         problem: &StepProblem,
         solved: &SolvedStep,
-        tree: &SolvedTree,
+        factors: &TreeFactors,
         slopes: &[Option<FigureSlopes>],
     ) -> Option<[DMatrix<f64>; 2]> {
         let (s, n) = (problem.tableau.stages, problem.mode.free.len());
         let end = solved.stages.last()?;
-        let (step, known) = tree.step(problem, &solved.stages)?;
+        let family = Family::new(&problem.figures.plain, &problem.mode.free);
+        let step = TreeStep::new(problem, &family, &solved.stages, &end.velocity);
         let Tangent { positions, velocities, times } = self.tangent;
         let all = positions.nrows();
         let effort = |column: usize, stage: usize, freedom: usize| {
@@ -132,7 +147,7 @@ impl TreeColumns<'_> {
         };
         let columns: Vec<Column> =
             given.iter().map(|given| given as &dyn Fn(usize, usize) -> f64).enumerate().map(of).collect();
-        let found = tree.factors.solve(&step.right(&known.courses, &known.efforts, &columns));
+        let found = factors.solve(&step.right(&efforts(&step), &columns));
         let [mut ends, mut rates] = [s - 2, s - 1].map(|index| found.rows(index * n, n).into_owned());
         for column in 0..positions.ncols() {
             let moved = carried(problem.mechanism, problem.start, end, &positions.column(column).into_owned());
@@ -151,10 +166,11 @@ impl TreeColumns<'_> {
         &self,
         problem: &StepProblem,
         solved: &SolvedStep,
-        tree: &SolvedTree,
+        factors: &TreeFactors,
         slopes: &[Option<FigureSlopes>],
     ) -> Option<[DMatrix<f64>; 2]> {
-        let back = Backwards::new(problem, solved, tree)?;
+        let family = Family::new(&problem.figures.plain, &problem.mode.free);
+        let back = Backwards::new(problem, &family, solved, factors)?;
         let Tangent { positions, velocities, times } = self.tangent;
         let ((n, p), free) = (positions.shape(), problem.mode.free.len());
         let mut of_start = [DMatrix::zeros(2 * free, n), DMatrix::zeros(2 * free, n)];

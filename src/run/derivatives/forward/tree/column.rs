@@ -45,10 +45,11 @@ struct Variation {
 
 impl TreeStep<'_> {
     /// −δR of the motion equations, a column for each parameter.
-    pub fn right(&self, courses: &[FreedomCourse], efforts: &[Vec<f64>], columns: &[Column]) -> DMatrix<f64> {
+    pub fn right(&self, efforts: &[Vec<f64>], columns: &[Column]) -> DMatrix<f64> {
+        let courses = self.courses();
         let mut right = DMatrix::zeros(self.stages.len() * self.problem.mode.free.len(), columns.len());
         for (number, column) in columns.iter().enumerate() {
-            right.set_column(number, &-self.change(courses, efforts, column));
+            right.set_column(number, &-self.change(&courses, efforts, column));
         }
         right
     }
@@ -146,7 +147,7 @@ impl TreeStep<'_> {
                     [frame(parent), frame(child)]
                 }
             });
-            Displaced::of(&self.family, freedom, frames)
+            Displaced::of(self.family, freedom, frames)
         };
         let begin = of(&|f| courses[f].kept.begin.scaled(start[f]), &|frame| frame.course.begin);
         let going =

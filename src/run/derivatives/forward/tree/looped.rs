@@ -1,4 +1,4 @@
-//! The matrix of a step of a tree with closures: that of the tree, and blocks of the closures, stage by stage.
+//! The matrix of a step of a tree with closures: the matrix of its tree, and blocks of the closures, stage by stage.
 //!
 //! ```text
 //!     rows of stage k       − f_k ∂(Gᵀ Λ_k)/∂δ_k        − f_k Gᵀ  by Λ_k                 f_k = h², or h b_s
@@ -12,10 +12,11 @@
 use crate::derivatives::equations::closures::{closures, push};
 use crate::derivatives::equations::placed::{Offsets, place};
 use crate::derivatives::equations::residual::{Load, along_freedoms};
-use crate::derivatives::events::instant::Instant;
+use crate::derivatives::forward::stage_equations::{InMode, StepMotion};
 use crate::derivatives::forward::step::{Part, StepMode, StepProblem, WIDTH, constant};
+use crate::derivatives::forward::tree::family::Family;
 use crate::derivatives::forward::tree::matrix::TreeMatrix;
-use crate::derivatives::forward::tree::step::{TreeAt, TreeStep};
+use crate::derivatives::forward::tree::step::TreeStep;
 use crate::derivatives::numbers::number::Number;
 use crate::derivatives::numbers::vector::Vector;
 use crate::mechanism::motion::state::State;
@@ -45,8 +46,8 @@ impl StepProblem<'_> {
         multipliers: &[Vec<f64>],
     ) -> DMatrix<f64> {
         let (s, n, m) = (self.tableau.stages, self.mode.free.len(), self.mode.rows.len());
-        let at = TreeAt::new(self, stages, velocities);
-        let step = TreeStep { problem: self, velocities, at: &at };
+        let family = Family::new(&self.figures.plain, &self.mode.free);
+        let step = TreeStep::new(self, &family, stages, velocities);
         let mut matrix = DMatrix::zeros(self.mode.size(s), self.mode.size(s));
         TreeMatrix::new(&step).copy_to(&mut matrix);
         for (k, multipliers) in multipliers.iter().enumerate() {
@@ -66,7 +67,7 @@ impl StepProblem<'_> {
             matrix.view_mut((s * n + (k - 1) * m, (k - 1) * n), (m, n)).copy_from(&gradient);
             if k + 1 == s {
                 let last = s * n + (s - 1) * m;
-                matrix.view_mut((last, (s - 2) * n), (m, n)).copy_from(&self.rates_by_places(state, velocities));
+                matrix.view_mut((last, (s - 2) * n), (m, n)).copy_from(&self.rates_by_places(stages, velocities));
                 matrix.view_mut((last, (s - 1) * n), (m, n)).copy_from(&gradient);
             }
         }
@@ -132,16 +133,31 @@ impl StepProblem<'_> {
         found
     }
 
-    /// ∂(G v)/∂δ at a state (m × n).
-    fn rates_by_places(&self, state: &State, velocities: &[f64]) -> DMatrix<f64> {
+    /// ∂(G v̄)/∂δ_s (m × n).
+    fn rates_by_places(&self, stages: &[State], velocities: &[f64]) -> DMatrix<f64> {
         let StepMode { free, rows, constant: closed, .. } = self.mode;
         let mut found = DMatrix::zeros(rows.len(), free.len());
-        let velocities: Vec<Part> = constant(velocities);
+        let still = vec![Part::zero(); velocities.len()];
+        let ended: Vec<Part> = constant(velocities);
+        let mut offsets = vec![still.clone(); stages.len()];
         for (chunk, own) in free.chunks(WIDTH).enumerate() {
-            let mut offsets = vec![Part::zero(); velocities.len()];
-            own.iter().enumerate().for_each(|(part, &freedom)| offsets[freedom] = Part::parameter(0.0, part));
-            let at = Instant { figures: self.constant, state, offsets: &offsets, closed };
-            let rates = at.closure_rates(&velocities);
+            let mut last = still.clone();
+            own.iter().enumerate().for_each(|(part, &freedom)| last[freedom] = Part::parameter(0.0, part));
+            offsets.iter_mut().last().into_iter().for_each(|of_end| of_end.clone_from(&last));
+            let motion = StepMotion {
+                figures: self.constant,
+                tableau: self.tableau,
+                step: Part::of(self.step),
+                start: self.start,
+                start_offsets: &still,
+                start_velocities: &still,
+                stages,
+                offsets: &offsets,
+                end_velocities: &ended,
+                efforts: &[],
+                mode: InMode { drives: &[], closed, multipliers: &[] },
+            };
+            let rates = motion.rates_at_end();
             for (row, &closure) in rows.iter().enumerate() {
                 (0..own.len()).for_each(|part| found[(row, chunk * WIDTH + part)] = rates[closure].parts[part]);
             }

@@ -35,4 +35,3 @@ pub(in crate::derivatives) use adjoint::FigureCotangents;
 pub(in crate::derivatives) use carrying::pulled_back;
 pub(in crate::derivatives) use momenta::Momenta;
 pub(in crate::derivatives) use over_step::by_length;
-pub use solve::SolvedTree;

@@ -33,13 +33,13 @@ impl Tangent {
         if self.times.is_empty() {
             return Some(());
         }
-        let Factors::Tree(tree) = &solved.factors else {
+        let Factors::Tree(factors) = &solved.factors else {
             return self.carry_whole(problem, solved, varied, slopes, longer);
         };
         let StepProblem { mechanism, start, mode, .. } = problem;
         let end = solved.stages.last()?;
         let columns = TreeColumns { tangent: self, longer, efforts: slopes.efforts, rates: slopes.rates };
-        let [positions, velocities] = columns.carried(problem, solved, tree, varied.slopes())?;
+        let [positions, velocities] = columns.carried(problem, solved, factors, varied.slopes())?;
         for column in 0..self.positions.ncols() {
             let mut moved = carried(mechanism, start, end, &self.positions.column(column).into_owned());
             self.velocities.column_mut(column).fill(0.0);
@@ -60,13 +60,13 @@ pub fn by_length(
     solved: &SolvedStep,
     rates: &[DVector<f64>],
 ) -> Option<(DVector<f64>, DVector<f64>)> {
-    let Factors::Tree(tree) = &solved.factors else { return by_length_whole(problem, solved, rates) };
+    let Factors::Tree(factors) = &solved.factors else { return by_length_whole(problem, solved, rates) };
     let (n, stages) = (problem.start.velocity.len(), problem.tableau.stages);
     let tangent =
         Tangent { positions: DMatrix::zeros(n, 1), velocities: DMatrix::zeros(n, 1), times: DVector::zeros(1) };
     let (longer, still) = (DVector::from_element(1, 1.0), vec![DMatrix::zeros(n, 1); stages]);
     let columns = TreeColumns { tangent: &tangent, longer: &longer, efforts: &still, rates };
-    let [positions, velocities] = columns.carried(problem, solved, tree, &[None])?;
+    let [positions, velocities] = columns.carried(problem, solved, factors, &[None])?;
     let spread = |of: &DMatrix<f64>| {
         let mut all = DVector::zeros(n);
         problem.mode.free.iter().enumerate().for_each(|(row, &freedom)| all[freedom] = of[(row, 0)]);

@@ -16,43 +16,29 @@ use crate::derivatives::forward::twelve::Twelve;
 use crate::derivatives::numbers::vector::Vector;
 use crate::mechanism::motion::state::State;
 use nalgebra::DVector;
-use std::ops::Deref;
 
 /// A step of a tree at some stages.
-#[derive(Clone, Copy)]
 pub(super) struct TreeStep<'s> {
     pub problem: &'s StepProblem<'s>,
+    pub family: &'s Family,
+    /// The point of the world that places and motions are seen from: where the lightest bodies start.
+    pub reference: Vector<f64>,
+    /// The stages 1..s.
+    pub stages: Vec<TreeStage>,
+    /// q̇₀ and q̇(v̄), with the velocities of the bodies there.
+    pub rates: [Vec<Twelve<f64>>; 2],
+    pub speeds: [Vec<Twist>; 2],
     /// v̄ (n).
     pub velocities: &'s [f64],
-    pub at: &'s TreeAt,
-}
-
-/// What the equations of a step need of its stages.
-pub struct TreeAt {
-    pub(super) family: Family,
-    /// The point of the world that places and motions are seen from: where the lightest bodies start.
-    pub(super) reference: Vector<f64>,
-    /// The stages 1..s.
-    pub(super) stages: Vec<TreeStage>,
-    /// q̇₀ and q̇(v̄), with the velocities of the bodies there.
-    pub(super) rates: [Vec<Twelve<f64>>; 2],
-    pub(super) speeds: [Vec<Twist>; 2],
     /// w_i of the stages i = 2..s.
-    pub(super) ahead: Vec<Vec<Twelve<f64>>>,
+    pub ahead: Vec<Vec<Twelve<f64>>>,
     /// W of all stages.
-    pub(super) mixed: Vec<Vec<Twelve<f64>>>,
+    pub mixed: Vec<Vec<Twelve<f64>>>,
     /// The forces on each body at all stages, and those on it with all bodies behind it.
-    pub(super) single: Vec<Vec<Forces>>,
-    pub(super) behind: Vec<Vec<Forces>>,
+    pub single: Vec<Vec<Forces>>,
+    pub behind: Vec<Vec<Forces>>,
     /// y_i of all freedoms with a rotor or damper, at all stages.
-    pub(super) scalars: Vec<Scalar>,
-}
-
-impl Deref for TreeStep<'_> {
-    type Target = TreeAt;
-    fn deref(&self) -> &TreeAt {
-        self.at
-    }
+    pub scalars: Vec<Scalar>,
 }
 
 /// A coordinate with a rotor, damper or motor.
@@ -74,16 +60,15 @@ pub(in crate::derivatives) fn is_tree(figures: &Figures<f64>) -> bool {
         && figures.wrenches.is_empty()
 }
 
-impl TreeAt {
-    /// The stages i = 2..s, and v̄.
-    pub fn new(problem: &StepProblem, stages: &[State], velocities: &[f64]) -> Self {
-        let family = Family::new(&problem.figures.plain, &problem.mode.free);
+impl<'s> TreeStep<'s> {
+    /// With the stages i = 2..s and v̄.
+    pub fn new(problem: &'s StepProblem<'s>, family: &'s Family, stages: &[State], velocities: &'s [f64]) -> Self {
         let figures = &problem.figures.plain;
         let (s, h) = (problem.tableau.stages, problem.step);
         let from = among_the_lightest(figures, &TreeStage::at(figures, problem.start, NOUGHT));
         let all = std::iter::once(problem.start).chain(stages);
         let found: Vec<TreeStage> = all.map(|stage| TreeStage::at(figures, stage, from)).collect();
-        let speeds = [found[0].speeds(&family, &problem.start.velocity), found[s - 1].speeds(&family, velocities)];
+        let speeds = [found[0].speeds(family, &problem.start.velocity), found[s - 1].speeds(family, velocities)];
         let rates = [0, 1].map(|end| {
             let places = &found[end * (s - 1)].places;
             speeds[end].iter().zip(places).map(|(speed, place)| speed.moves(place)).collect::<Vec<Twelve<f64>>>()
@@ -95,26 +80,42 @@ impl TreeAt {
         });
         let ahead: Vec<Vec<Twelve<f64>>> = ahead.collect();
         let scalars = scalars(problem, stages);
-        let mut at = TreeAt {
+        let mut step = TreeStep {
+            problem,
             family,
             reference: from,
             stages: found,
             rates,
             speeds,
+            velocities,
             ahead,
             mixed: Vec::with_capacity(s),
             single: Vec::with_capacity(s),
             behind: Vec::with_capacity(s),
             scalars,
         };
-        (0..s).for_each(|stage| at.add_forces(problem, stage));
-        at
+        (0..s).for_each(|stage| step.add_forces(stage));
+        step
     }
 
-    fn add_forces(&mut self, problem: &StepProblem, stage: usize) {
-        let weights = weights(problem, stage);
-        let figures = &problem.figures.plain;
-        let fall = figures.gravity.scaled(-problem.factor(stage));
+    /// `Σ_i weight_i w_i` in a stage, where the weights have their sign and length.
+    pub fn weights(&self, stage: usize) -> Vec<f64> {
+        let (s, tableau) = (self.problem.tableau.stages, self.problem.tableau);
+        if stage + 1 < s {
+            return tableau.b_matrix[stage * (s - 1)..][..s - 1].to_vec();
+        }
+        tableau.momentum_weights.iter().map(|weight| -weight / self.problem.step).collect()
+    }
+
+    /// The factor of forces and efforts in a stage.
+    pub fn factor(&self, stage: usize) -> f64 {
+        self.problem.factor(stage)
+    }
+
+    fn add_forces(&mut self, stage: usize) {
+        let weights = self.weights(stage);
+        let figures = &self.problem.figures.plain;
+        let fall = figures.gravity.scaled(-self.factor(stage));
         let is_end = stage + 1 == self.stages.len();
         let bodies = figures.bodies.len();
         let mut mixed = Vec::with_capacity(bodies);
@@ -137,27 +138,6 @@ impl TreeAt {
         self.mixed.push(mixed);
         self.single.push(single);
         self.behind.push(behind);
-    }
-}
-
-/// `Σ_i weight_i w_i` in a stage, where the weights have their sign and length.
-fn weights(problem: &StepProblem, stage: usize) -> Vec<f64> {
-    let (s, tableau) = (problem.tableau.stages, problem.tableau);
-    if stage + 1 < s {
-        return tableau.b_matrix[stage * (s - 1)..][..s - 1].to_vec();
-    }
-    tableau.momentum_weights.iter().map(|weight| -weight / problem.step).collect()
-}
-
-impl TreeStep<'_> {
-    /// The weights of w_i in a stage.
-    pub fn weights(&self, stage: usize) -> Vec<f64> {
-        weights(self.problem, stage)
-    }
-
-    /// The factor of forces and efforts in a stage.
-    pub fn factor(&self, stage: usize) -> f64 {
-        self.problem.factor(stage)
     }
 
     /// The residuals of the equations: of the stages k = 1..s−1, then of the end.

@@ -6,7 +6,7 @@
 //!                             ∂P = ½ tr(∂I) 1 − ∂I       by its inertia about c,  ∂I = R E Rᵀ
 //! ```
 //!
-//! m, p and P are those of the body that carries the link ([`crate::derivatives::equations::figures`]), in the frame of its head link, as c and e are.
+//! m, p and P belong to the body that carries the link ([`crate::derivatives::equations::figures`]), in the frame of its head link, as c and e do.
 //! R has the axes of the inertial frame. E is one for the number and its mirror image, and zero elsewhere.
 
 use crate::derivatives::equations::figures::mass_entry;
