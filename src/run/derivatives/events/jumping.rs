@@ -72,7 +72,7 @@ impl Walk<'_> {
             };
             let mut kicked = Vec::new();
             if !is_of_run(&after) {
-                (after, kicked) = self.stop_kicked(jump, after);
+                (after, kicked) = self.stop_kicked(jump, after, &is_of_run);
             }
             if is_of_run(&after) {
                 self.state.velocity = after;
@@ -91,8 +91,13 @@ impl Walk<'_> {
     }
 
     /// Brings to rest what an impact with these velocities has kicked open and the run has stopped, with all that rests beside it: by pulls along the
-    /// normals alone. Returns the velocities, and what was kicked with its rates [rad/s or m/s].
-    fn stop_kicked<'j>(&mut self, jump: &'j TracedJump, after: Vec<f64>) -> (Vec<f64>, Vec<(&'j Meeting, f64)>) {
+    /// normals alone, or along the friction of what slides as well. Returns the velocities, and what was kicked with its rates [rad/s or m/s].
+    fn stop_kicked<'j>(
+        &mut self,
+        jump: &'j TracedJump,
+        after: Vec<f64>,
+        is_of_run: &dyn Fn(&[f64]) -> bool,
+    ) -> (Vec<f64>, Vec<(&'j Meeting, f64)>) {
         let rests = |meeting: &&Meeting| meeting.rate(&jump.after.velocity).abs() <= meeting.rest;
         let at_rest: Vec<&Meeting> = jump.meetings.iter().filter(rests).collect();
         let rates = at_rest.iter().map(|&meeting| (meeting, meeting.rate(&after)));
@@ -100,15 +105,28 @@ impl Walk<'_> {
         if kicked.is_empty() {
             return (after, kicked);
         }
-        let still = |&meeting| Counted { meeting, restitution: 0.0, rubs: false };
-        let all: Vec<Counted> = at_rest.iter().map(still).collect();
-        let (none, states) = (vec![0.0; all.len()], vec![BlockState::Inside; all.len()]);
-        let plastic = Answer { forces: none.clone(), rates: none, states, residual: 0.0 };
-        let round = Round { part: (0..all.len()).collect(), plastic, rebound: None, share: 1.0 };
-        let before = std::mem::replace(&mut self.state.velocity, after.clone());
-        let stopped = self.impact(jump, &all, &[round]);
-        self.state.velocity = before;
-        (stopped.unwrap_or(after), kicked)
+        let (before, tangent) = (self.state.velocity.clone(), self.tangent.velocities.clone());
+        for rubs in [false, true] {
+            let slides = |meeting: &Meeting| match &meeting.block.rows[..] {
+                [_, first, second] if rubs => first.rate(&after).hypot(second.rate(&after)) > meeting.rest,
+                _ => false,
+            };
+            let counted = |&meeting| Counted { meeting, restitution: 0.0, rubs: slides(meeting) };
+            let all: Vec<Counted> = at_rest.iter().map(counted).collect();
+            let state = |of: &Counted| if of.rubs { BlockState::Slips } else { BlockState::Inside };
+            let none = vec![0.0; all.iter().map(|of| if of.rubs { of.meeting.block.rows.len() } else { 1 }).sum()];
+            let states = all.iter().map(state).collect();
+            let plastic = Answer { forces: none.clone(), rates: none, states, residual: 0.0 };
+            let round = Round { part: (0..all.len()).collect(), plastic, rebound: None, share: 1.0 };
+            self.state.velocity.copy_from_slice(&after);
+            let stopped = self.impact(jump, &all, &[round]);
+            self.state.velocity.copy_from_slice(&before);
+            match stopped {
+                Ok(stopped) if is_of_run(&stopped) => return (stopped, kicked),
+                _ => self.tangent.velocities.copy_from(&tangent),
+            }
+        }
+        (after, kicked)
     }
 
     /// The restitution of all meetings as the run has it after the impact, zero where it left out a rebound because it was too low, and the fastest of
