@@ -52,7 +52,7 @@ pub use error::{listed, quoted};
 pub use input_reading::input::{Format, read_input};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotion, SceneMotor, TableFile, TargetTable};
 pub use loads::{Factor, LoadKind, SceneDrag, SceneLoad};
-pub use parameters::Parameter;
+pub use parameters::{InertialNumber, Parameter};
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, Surface, UrdfJoint,
     UrdfJointKind, UrdfLoop, UrdfLoopEnd,

@@ -144,7 +144,7 @@ impl Loaded {
     }
 
     /// The start of the file, overridden by the given positions and velocities, without assembly.
-    fn given(
+    pub(crate) fn given(
         &self,
         time: f64,
         positions: &[(String, Vec<f64>)],

@@ -71,6 +71,16 @@ pub struct Parameter {
     said: Option<f64>,
 }
 
+/// The numbers of the inertia of a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InertialNumber {
+    Mass,
+    /// Along an axis of the link frame.
+    CenterOfMass(usize),
+    /// Row and column in the axes of the inertial frame.
+    Inertia(usize, usize),
+}
+
 /// The range of a number, as its table in the scene file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Range {
@@ -131,6 +141,16 @@ impl Parameter {
     /// Whether it only says how a run starts: the model is the same whatever it is.
     pub fn is_start(&self) -> bool {
         matches!(self.place, Place::Position { .. } | Place::Velocity { .. })
+    }
+
+    /// The robot and its link, both from 0, whose inertia has this number, and which number it is. Angles of inertial frames are not among them.
+    pub fn as_inertial(&self) -> Option<([usize; 2], InertialNumber)> {
+        match self.place {
+            Place::Mass { robot, link } => Some(([robot, link], InertialNumber::Mass)),
+            Place::CenterOfMass { robot, link, axis } => Some(([robot, link], InertialNumber::CenterOfMass(axis))),
+            Place::Inertia { robot, link, row, column } => Some(([robot, link], InertialNumber::Inertia(row, column))),
+            _ => None,
+        }
     }
 
     /// Whether a key path means this number.

@@ -97,11 +97,16 @@ pub struct WrenchFigures<T> {
     pub torque: Vector<T>,
 }
 
+/// Where the mass of a body is in the list of all numbers; p and P follow it.
+pub(crate) fn mass_entry(body: usize) -> usize {
+    3 + 37 * body
+}
+
 /// The entries of the frames of all joints in the list of all numbers: axes, and then origin, on the parent and on the child.
 pub(crate) fn frame_entries(bodies: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
     // Three numbers of gravity; for each body mass, p, P, and two frames of twelve numbers.
     let of_frame = |first: usize| [first..first + 9, first + 9..first + 12];
-    (0..bodies).flat_map(move |body| [16, 28].map(|first| of_frame(37 * body + first))).flatten()
+    (0..bodies).flat_map(move |body| [13, 25].map(|after| of_frame(mass_entry(body) + after))).flatten()
 }
 
 /// All constant numbers of a mechanism.

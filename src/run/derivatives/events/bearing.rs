@@ -75,9 +75,11 @@ impl Sight<'_> {
     /// a and λ with their derivatives.
     pub(super) fn accelerations(&self) -> Option<(Vec<Part>, Vec<Part>)> {
         let values = |parts: &[Part]| -> Vec<f64> { parts.iter().map(|part| part.value).collect() };
-        let mut state = self.at.state.clone();
-        state.velocity = values(self.velocities);
-        let found = Accelerations::of(self.constant, &state, self.equations, &values(self.efforts))?;
-        found.varied(&self.at, self.equations, self.velocities, self.efforts)
+        let found = self.accelerations.get_or_init(|| {
+            let mut state = self.at.state.clone();
+            state.velocity = values(self.velocities);
+            Accelerations::of(self.constant, &state, self.equations, &values(self.efforts))
+        });
+        found.as_ref()?.varied(&self.at, self.equations, self.velocities, self.efforts)
     }
 }

@@ -16,6 +16,7 @@ use nalgebra::{DMatrix, DVector};
 const SPAN: f64 = 1e-3;
 
 /// Efforts at an instant.
+#[derive(Clone)]
 pub struct Efforts {
     /// n.
     pub values: DVector<f64>,
@@ -34,9 +35,16 @@ pub(crate) struct EffortLaws<'e> {
 }
 
 impl EffortLaws<'_> {
-    /// The efforts of a mode at a time (s), in the piece of targets that begins at or before `since`; `given` are the derivatives of efforts that are
-    /// held between ticks (motors × p).
-    pub fn at(&self, mode: &Mode, given: &DMatrix<f64>, since: f64, time: f64, freedoms: usize) -> Efforts {
+    /// The efforts of a mode at some times (s), in the piece of targets that begins at or before `since`; `given` are the derivatives of efforts that
+    /// are held between ticks (motors × p).
+    pub fn at(&self, mode: &Mode, given: &DMatrix<f64>, since: f64, times: &[f64], freedoms: usize) -> Vec<Efforts> {
+        let mut all = vec![self.constant(mode, given, freedoms); times.len()];
+        all.iter_mut().zip(times).for_each(|(found, &time)| self.add_timed(mode, since, time, found));
+        all
+    }
+
+    /// The efforts that do not depend on time.
+    fn constant(&self, mode: &Mode, given: &DMatrix<f64>, freedoms: usize) -> Efforts {
         let p = self.parameters.len();
         let mut found = Efforts {
             values: DVector::zeros(freedoms),
@@ -59,10 +67,7 @@ impl EffortLaws<'_> {
         for (index, (motor, mode)) in self.elements.motors.iter().zip(&mode.motors).enumerate() {
             let freedom = motor.coordinate.freedom;
             match *mode {
-                MotorMode::Unbounded => {
-                    let piece = self.laws.piece(index, since);
-                    self.add(&mut found, freedom, time, |laws, time| driven(laws, index, piece, time));
-                }
+                MotorMode::Unbounded => {}
                 MotorMode::Saturated(sign) => {
                     let sign = f64::from(sign);
                     found.values[freedom] += sign * motor.max_effort;
@@ -77,12 +82,22 @@ impl EffortLaws<'_> {
                 }
             }
         }
+        found
+    }
+
+    /// Adds those that do.
+    fn add_timed(&self, mode: &Mode, since: f64, time: f64, found: &mut Efforts) {
+        for (index, (motor, mode)) in self.elements.motors.iter().zip(&mode.motors).enumerate() {
+            if *mode == MotorMode::Unbounded {
+                let piece = self.laws.piece(index, since);
+                self.add(found, motor.coordinate.freedom, time, |laws, time| driven(laws, index, piece, time));
+            }
+        }
         for (index, load) in self.laws.courses.iter().enumerate() {
-            self.add(&mut found, load.freedom, time, |laws, time| {
+            self.add(found, load.freedom, time, |laws, time| {
                 laws.courses[index].effort * laws.courses[index].course.value(since, time)
             });
         }
-        found
     }
 
     /// The part of the effort of a motor that follows its law which depends on time alone: its value, its derivatives by the parameters (p) and by time.

@@ -6,7 +6,7 @@ use crate::derivatives::events::impact::Impact;
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::limit_impact::{LimitImpact, is_on_limits};
 use crate::derivatives::events::meet::Met;
-use crate::derivatives::events::struck::struck;
+use crate::derivatives::events::struck::{Answer, BlockState, struck};
 use crate::derivatives::events::walk::{Subject, Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH};
@@ -29,6 +29,16 @@ const AMPLIFIED: f64 = 4.0;
 /// Velocities after an impact are those of the run to this part of the largest so far: laws of impact are solved to 1e-11, and rates at rest are removed.
 const SAME_IMPACT: f64 = 1e-7;
 
+/// A limit or contact that meets, as it counts in an impact.
+#[derive(Clone, Copy)]
+struct Counted<'m> {
+    meeting: &'m Meeting,
+    /// e, or zero if it does not rebound.
+    restitution: f64,
+    /// Whether it has friction.
+    rubs: bool,
+}
+
 impl Walk<'_> {
     /// Goes through what happens at an instant.
     pub(super) fn jump(&mut self, jump: &TracedJump) -> Result<(), SensitivityError> {
@@ -50,12 +60,23 @@ impl Walk<'_> {
             if rounds.is_empty() {
                 return Ok(());
             }
-            let Ok(after) = self.impact(jump, counted, &rounds) else { continue };
-            let gained = after.iter().zip(&self.state.velocity).map(|(after, before)| after - before);
-            let of_run = jump.after.velocity.iter().zip(&jump.before.velocity).map(|(after, before)| after - before);
-            let off = gained.zip(of_run).map(|(own, of_run)| own - of_run).collect::<Vec<f64>>();
-            if fastest(&off) <= bound {
+            let whole = |(meeting, &counted)| Counted { meeting, restitution: counted, rubs: true };
+            let all: Vec<Counted> = jump.meetings.iter().zip(counted).map(whole).collect();
+            let Ok(mut after) = self.impact(jump, &all, &rounds) else { continue };
+            let before = self.state.velocity.clone();
+            let is_of_run = |after: &[f64]| {
+                let gained = after.iter().zip(&before).map(|(after, before)| after - before);
+                let of_run = jump.after.velocity.iter().zip(&jump.before.velocity);
+                let off = gained.zip(of_run).map(|(own, (after, before))| own - (after - before));
+                fastest(&off.collect::<Vec<f64>>()) <= bound
+            };
+            let mut kicked = Vec::new();
+            if !is_of_run(&after) {
+                (after, kicked) = self.stop_kicked(jump, after, &is_of_run);
+            }
+            if is_of_run(&after) {
                 self.state.velocity = after;
+                kicked.into_iter().for_each(|(meeting, rate)| self.tell_of_end(meeting, jump, rate));
                 for ((meeting, own), counted) in jump.meetings.iter().zip(&restitution).zip(counted) {
                     let rate = meeting.rate(&jump.before.velocity);
                     if own > counted && rate < -meeting.rest {
@@ -67,6 +88,45 @@ impl Walk<'_> {
             self.tangent.velocities.copy_from(&tangent);
         }
         Err(lost())
+    }
+
+    /// Brings to rest what an impact with these velocities has kicked open and the run has stopped, with all that rests beside it: by pulls along the
+    /// normals alone, or along the friction of what slides as well. Returns the velocities, and what was kicked with its rates [rad/s or m/s].
+    fn stop_kicked<'j>(
+        &mut self,
+        jump: &'j TracedJump,
+        after: Vec<f64>,
+        is_of_run: &dyn Fn(&[f64]) -> bool,
+    ) -> (Vec<f64>, Vec<(&'j Meeting, f64)>) {
+        let rests = |meeting: &&Meeting| meeting.rate(&jump.after.velocity).abs() <= meeting.rest;
+        let at_rest: Vec<&Meeting> = jump.meetings.iter().filter(rests).collect();
+        let rates = at_rest.iter().map(|&meeting| (meeting, meeting.rate(&after)));
+        let kicked: Vec<(&Meeting, f64)> = rates.filter(|(meeting, rate)| *rate > meeting.rest).collect();
+        if kicked.is_empty() {
+            return (after, kicked);
+        }
+        let (before, tangent) = (self.state.velocity.clone(), self.tangent.velocities.clone());
+        for rubs in [false, true] {
+            let slides = |meeting: &Meeting| match &meeting.block.rows[..] {
+                [_, first, second] if rubs => first.rate(&after).hypot(second.rate(&after)) > meeting.rest,
+                _ => false,
+            };
+            let counted = |&meeting| Counted { meeting, restitution: 0.0, rubs: slides(meeting) };
+            let all: Vec<Counted> = at_rest.iter().map(counted).collect();
+            let state = |of: &Counted| if of.rubs { BlockState::Slips } else { BlockState::Inside };
+            let none = vec![0.0; all.iter().map(|of| if of.rubs { of.meeting.block.rows.len() } else { 1 }).sum()];
+            let states = all.iter().map(state).collect();
+            let plastic = Answer { forces: none.clone(), rates: none, states, residual: 0.0 };
+            let round = Round { part: (0..all.len()).collect(), plastic, rebound: None, share: 1.0 };
+            self.state.velocity.copy_from_slice(&after);
+            let stopped = self.impact(jump, &all, &[round]);
+            self.state.velocity.copy_from_slice(&before);
+            match stopped {
+                Ok(stopped) if is_of_run(&stopped) => return (stopped, kicked),
+                _ => self.tangent.velocities.copy_from(&tangent),
+            }
+        }
+        (after, kicked)
     }
 
     /// The restitution of all meetings as the run has it after the impact, zero where it left out a rebound because it was too low, and the fastest of
@@ -120,14 +180,18 @@ impl Walk<'_> {
     }
 
     /// The velocities after the rounds, with their derivatives in the tangent.
-    fn impact(&mut self, jump: &TracedJump, counted: &[f64], rounds: &[Round]) -> Result<Vec<f64>, SensitivityError> {
+    fn impact(
+        &mut self,
+        jump: &TracedJump,
+        counted: &[Counted],
+        rounds: &[Round],
+    ) -> Result<Vec<f64>, SensitivityError> {
         let n = self.state.velocity.len();
         let mode = StepMode { free: (0..n).collect(), ..StepMode::default() };
         let gradient = self.gradient(&mode);
         let closed = Independent::of(&gradient, &vec![1.0; n]).rows;
         let lost = || SensitivityError::Impact { time: jump.before.time };
-        let met: Option<Vec<Met<f64>>> =
-            jump.meetings.iter().zip(counted).map(|of| self.met(of, jump, &self.figures.laws)).collect();
+        let met: Option<Vec<Met<f64>>> = counted.iter().map(|of| self.met(of, jump, &self.figures.laws)).collect();
         let met = met.ok_or_else(lost)?;
         let (values, found) = {
             let still = vec![0.0; n];
@@ -137,9 +201,12 @@ impl Walk<'_> {
         };
         if is_on_limits(&self.figures.plain, &met, &found) {
             let slopes = self.varied.slopes();
-            let restitution = |meeting: usize, column: usize| match (jump.meetings[meeting].block.of, &slopes[column]) {
-                (Of::Joint(index), Some(slopes)) if counted[meeting] != 0.0 => slopes.laws.joints[index].restitution,
-                _ => 0.0,
+            let restitution = |number: usize, column: usize| {
+                let Counted { meeting, restitution, .. } = counted[number];
+                match (meeting.block.of, &slopes[column]) {
+                    (Of::Joint(index), Some(slopes)) if restitution != 0.0 => slopes.laws.joints[index].restitution,
+                    _ => 0.0,
+                }
             };
             let (figures, state) = (&self.figures.plain, &self.state);
             let impact = LimitImpact { figures, state, met: &met, restitution: &restitution, slopes };
@@ -153,8 +220,7 @@ impl Walk<'_> {
             let offsets: Vec<Part> = (0..n).map(|row| with(0.0, &self.tangent.positions, row, first)).collect();
             let before: Vec<Part> =
                 (0..n).map(|row| with(self.state.velocity[row], &self.tangent.velocities, row, first)).collect();
-            let met: Option<Vec<Met<Part>>> =
-                jump.meetings.iter().zip(counted).map(|of| self.met(of, jump, &figures.laws)).collect();
+            let met: Option<Vec<Met<Part>>> = counted.iter().map(|of| self.met(of, jump, &figures.laws)).collect();
             let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &mode.constant };
             let impact = Impact { at, met: &met.ok_or_else(lost)?, closed: &closed, row_count: gradient.nrows() };
             let (after, lacking) = impact.after(&before, &found).ok_or_else(lost)?;
@@ -174,9 +240,9 @@ impl Walk<'_> {
     }
 
     /// A limit or contact with its numbers; restitution counts if it did in the run.
-    fn met<T: Number>(&self, of: (&Meeting, &f64), jump: &TracedJump, laws: &Laws<T>) -> Option<Met<T>> {
-        let (meeting, counted) = of;
-        let restitution = |of: T| if *counted == 0.0 { T::zero() } else { of };
+    fn met<T: Number>(&self, of: &Counted, jump: &TracedJump, laws: &Laws<T>) -> Option<Met<T>> {
+        let Counted { meeting, restitution: counted, rubs } = *of;
+        let restitution = |of: T| if counted == 0.0 { T::zero() } else { of };
         Some(match meeting.block.of {
             Of::Joint(index) => {
                 let freedom = self.subject.elements.joints[index].coordinate.freedom;
@@ -188,7 +254,8 @@ impl Walk<'_> {
                 let contact = jump.contacts.get(index)?;
                 let pair = &laws.pairs[contact.pair];
                 let touch = self.touch(contact, laws)?;
-                Met::Contact { touch, friction: pair.friction, restitution: restitution(pair.restitution) }
+                let friction = if rubs { pair.friction } else { T::zero() };
+                Met::Contact { touch, friction, restitution: restitution(pair.restitution) }
             }
         })
     }

@@ -8,7 +8,7 @@
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::equations::contacts::TouchFigures;
 use crate::derivatives::events::efforts::{EffortLaws, Efforts};
-use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::instant::{Accelerations, Instant};
 use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::{KeptStep, Subject, Walk};
 use crate::derivatives::events::watched::Sight;
@@ -26,6 +26,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{DMatrix, DVector};
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Newton iterations for the length of a step; three or four are made.
@@ -41,6 +42,8 @@ struct Varying<'v> {
     /// The parameters among all that are meant; `None` for the length of the step.
     chunk: Option<usize>,
     tangent: &'v Tangent,
+    /// Of the state without its derivatives, if they were asked for.
+    accelerations: &'v OnceCell<Option<Accelerations>>,
 }
 
 /// A solved step that ends at an event.
@@ -57,7 +60,7 @@ impl Walk<'_> {
     pub(super) fn step_to_event(
         &mut self,
         traced: &TracedStep,
-        mode: &StepMode,
+        (mode, known): (&StepMode, Option<Arc<KeptStep>>),
         closed: &[ClosedContacts<Part>],
         trigger: Watched,
         next: Option<&TracedJump>,
@@ -67,20 +70,22 @@ impl Walk<'_> {
         let words = self.words(trigger, contact, &traced.mode);
         let unknown = |time: f64| SensitivityError::Event { time, what: words.clone() };
         let of = (trigger, contact);
-        let Located { kept, efforts, rate, along } = self.locate(traced, mode, of, &words)?;
+        let Located { kept, efforts, rate, along } = self.locate(traced, (mode, known), of, &words)?;
         let (step, solved) = (kept.step, &kept.solved);
         let start = self.state.clone();
         let still = DVector::zeros(self.tangent.times.len());
-        self.carry(mode, step, solved, &efforts, closed, &still)?;
+        self.carry(mode, step, solved, efforts, closed, &still)?;
         self.take_end(solved, since + step);
         self.see_turn(traced, trigger, [&start, solved.stages.iter().rev().nth(1).unwrap_or(&start)], &words);
         let mut longer = DVector::zeros(still.len());
-        for (chunk, closed) in closed.iter().enumerate() {
-            let varying = Varying { chunk: Some(chunk), tangent: &self.tangent };
+        let accelerations = OnceCell::new();
+        for (chunk, closed) in closed.iter().enumerate().take(longer.len().div_ceil(WIDTH)) {
+            let (chunk, tangent) = (Some(chunk), &self.tangent);
+            let varying = Varying { chunk, tangent, accelerations: &accelerations };
             let value = self
                 .seen(traced, mode, &self.state, since, &varying, closed, of)
                 .ok_or_else(|| unknown(traced.end.time))?;
-            let first = chunk * WIDTH;
+            let first = chunk.unwrap_or(0) * WIDTH;
             let width = WIDTH.min(longer.len() - first);
             (0..width).for_each(|part| longer[first + part] = -value.parts[part] / rate);
         }
@@ -91,6 +96,7 @@ impl Walk<'_> {
         let (state, tangent) = (self.state.clone(), self.tangent.clone());
         let event = MetEvent { time: state.time, what: words, by, rate, state, tangent };
         let bend = match trigger {
+            _ if !self.tells => None,
             Watched::Gap(..) | Watched::Approach(_) => self.bend(traced, mode, since, &along, of),
             // Such functions have no second derivative without a third one of the motion: the mean over the step.
             _ => self.value(traced, mode, &start, since, of).map(|begun| 2.0 * (begun + rate * step) / (step * step)),
@@ -104,13 +110,13 @@ impl Walk<'_> {
     fn locate(
         &mut self,
         traced: &TracedStep,
-        mode: &StepMode,
+        (mode, known): (&StepMode, Option<Arc<KeptStep>>),
         of: (Watched, Option<&Contact>),
         words: &str,
     ) -> Result<Located, SensitivityError> {
         let since = self.state.time;
         let unknown = || SensitivityError::Event { time: traced.end.time, what: words.to_string() };
-        if let Some(kept) = self.known.take() {
+        if let Some(kept) = known {
             let efforts = self.efforts_over(traced, kept.step);
             let by_length = self.by_length(traced, mode, kept.step, &kept.solved, &efforts, of);
             let (_, rate, along) = by_length.ok_or_else(unknown)?;
@@ -166,7 +172,7 @@ impl Walk<'_> {
             times: DVector::from_element(1, 1.0),
         };
         let end = solved.stages.last()?;
-        let varying = Varying { chunk: None, tangent: &along };
+        let varying = Varying { chunk: None, tangent: &along, accelerations: &OnceCell::new() };
         let value = self.seen(traced, mode, end, self.state.time, &varying, &mode.constant, of)?;
         Some((value.value, value.parts[0], along))
     }
@@ -201,7 +207,7 @@ impl Walk<'_> {
         let n = state.velocity.len();
         let nothing =
             Tangent { positions: DMatrix::zeros(n, 1), velocities: DMatrix::zeros(n, 1), times: DVector::zeros(1) };
-        let varying = Varying { chunk: None, tangent: &nothing };
+        let varying = Varying { chunk: None, tangent: &nothing, accelerations: &OnceCell::new() };
         Some(self.seen(traced, mode, state, since, &varying, &mode.constant, of)?.value)
     }
 
@@ -234,7 +240,7 @@ impl Walk<'_> {
             }
             part
         };
-        let efforts = self.efforts(&traced.mode, since, state.time);
+        let efforts = &self.efforts_at(&traced.mode, since, &[state.time])[0];
         let efforts: Vec<Part> = (0..n)
             .map(|row| with_time(efforts.values[row], &|column| efforts.slopes[(row, column)], efforts.rates[row]))
             .collect();
@@ -261,6 +267,7 @@ impl Walk<'_> {
             drives: &drives,
             touch: touch.as_ref(),
             contacts: &contacts,
+            accelerations: varying.accelerations,
         };
         sight.value(trigger)
     }

@@ -52,6 +52,9 @@ impl Walk<'_> {
 
     /// Notes limits that a joint has turned back from within a step, from its start with its derivatives and its stages i = 2..s.
     pub(super) fn see_near(&mut self, traced: &TracedStep, (before, was): (&State, &Tangent), stages: &[State]) {
+        if !self.tells {
+            return;
+        }
         let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);
         let step = self.state.time - before.time;
         for (joint, mode) in elements.joints.iter().zip(&traced.mode.joints) {

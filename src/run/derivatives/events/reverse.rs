@@ -73,7 +73,7 @@ pub(crate) struct Tape<'t> {
     walk: Walk<'t>,
     /// The trace of each piece of the run, up to where the integrator came back.
     pieces: Vec<Vec<Traced>>,
-    /// The solved step of each piece, while there is room and every state is kept.
+    /// The solved step of each piece, while there is room and every state is kept; the way back takes them.
     solved: Vec<Option<Arc<KeptStep>>>,
     room: usize,
     /// The number of events before each piece.
@@ -86,7 +86,8 @@ pub(crate) struct Tape<'t> {
 impl<'t> Tape<'t> {
     /// The empty tape of a run from a start on; `subject` has no parameters, and the state is kept once in `every` pieces.
     pub fn new(subject: &'t Subject<'t>, start: &State, every: usize) -> Self {
-        let walk = Walk::new(subject, start);
+        let mut walk = Walk::new(subject, start);
+        walk.tells = false;
         let (pieces, solved, first_events, kept) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Tape { subject, walk, pieces, solved, room: ROOM, first_events, kept, every: every.max(1) }
     }
@@ -152,7 +153,8 @@ impl<'t> Tape<'t> {
         let n = start.velocity.len();
         let units = units(n, parameters);
         let local = Subject { parameters: &units, ..*self.subject };
-        let walk = Walk::new(&local, &start);
+        let mut walk = Walk::new(&local, &start);
+        walk.tells = false;
         let mut back = Back {
             figures: FigureCotangents::zero(self.subject.mechanism.bodies.len(), walk.varied.slopes()),
             walk,
@@ -176,7 +178,7 @@ impl<'t> Tape<'t> {
                     back.adjoint = back.adjoint.plus(&said);
                 }
                 let first_event = self.first_events[first + index];
-                let solved = self.solved[first + index].clone();
+                let solved = self.solved[first + index].take();
                 back.over((piece, solved), place, &|own| of_event(first_event + own))?;
             }
         }
@@ -236,19 +238,15 @@ impl Back<'_> {
         of_event: &dyn Fn(usize) -> Option<Adjoint>,
     ) -> Result<(), SensitivityError> {
         place.restore(&mut self.walk);
-        match piece {
-            [Traced::Step(step)] if step.triggers.is_empty() && step.mode.contacts.is_empty() => {
-                match self.over_step(step, solved)? {
-                    true => Ok(()),
-                    false => self.over_matrices(piece, of_event),
-                }
-            }
-            _ => {
-                self.walk.known =
-                    solved.filter(|_| piece.iter().filter_map(step_of).all(|step| !step.triggers.is_empty()));
-                self.over_matrices(piece, of_event)
-            }
+        if let [Traced::Step(step)] = piece
+            && step.triggers.is_empty()
+            && step.mode.contacts.is_empty()
+            && self.over_step(step, &solved)?
+        {
+            return Ok(());
         }
+        self.walk.known = solved;
+        self.over_matrices(piece, of_event)
     }
 
     /// Over a piece by its forward derivatives.
@@ -294,13 +292,13 @@ impl Back<'_> {
     }
 
     /// Over a step of a tree to a given instant by its transpose; false if it is none.
-    fn over_step(&mut self, traced: &TracedStep, solved: Option<Arc<KeptStep>>) -> Result<bool, SensitivityError> {
+    fn over_step(&mut self, traced: &TracedStep, solved: &Option<Arc<KeptStep>>) -> Result<bool, SensitivityError> {
         let (n, p) = (self.freedoms, self.gradient.len());
         self.walk.begin(traced);
         let since = self.walk.state.time;
         let step = traced.end.time - since;
         let kept = match solved {
-            Some(kept) => kept,
+            Some(kept) => kept.clone(),
             None => {
                 let mode = self.walk.mode(traced)?;
                 if mode.free.is_empty() {

@@ -11,7 +11,7 @@ use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem};
 use crate::derivatives::forward::tangent::InputSlopes;
 use crate::events::trace::TracedStep;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Solved steps end this close to the steps of the run (rad or m, per s, and s): roundings of both, and where an event is found.
 const SAME: f64 = 1e-11;
@@ -41,8 +41,8 @@ impl Walk<'_> {
     /// The efforts at all stages of a step of some length (s).
     pub(super) fn efforts_over(&self, traced: &TracedStep, step: f64) -> Vec<Efforts> {
         let since = self.state.time;
-        let nodes = self.subject.tableau.nodes.iter();
-        nodes.map(|node| self.efforts(&traced.mode, since, since + step * node)).collect()
+        let times: Vec<f64> = self.subject.tableau.nodes.iter().map(|node| since + step * node).collect();
+        self.efforts_at(&traced.mode, since, &times)
     }
 
     /// A step of some length (s), solved, and its efforts at all stages; `known` is the same with another length, and the part of it that differs.
@@ -83,13 +83,16 @@ impl Walk<'_> {
         mode: &StepMode,
         step: f64,
         solved: &SolvedStep,
-        efforts: &[Efforts],
+        efforts: Vec<Efforts>,
         closed: &[ClosedContacts<Part>],
         longer: &DVector<f64>,
     ) -> Result<(), SensitivityError> {
-        let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
-        let slopes: Vec<DMatrix<f64>> = efforts.iter().map(|efforts| efforts.slopes.clone()).collect();
-        let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
+        let (mut values, mut slopes, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        for Efforts { values: own, slopes: by_parameters, rates: by_time } in efforts {
+            values.push(own);
+            slopes.push(by_parameters);
+            rates.push(by_time);
+        }
         let inputs = InputSlopes { efforts: &slopes, rates: &rates, closed };
         let mut tangent = self.tangent.clone();
         let problem = self.problem(mode, step, &values);

@@ -18,7 +18,7 @@ use crate::derivatives::events::parameter::{Parameter, TimeLaws};
 use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::stage_equations::BothFigures;
-use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, lifted};
+use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH, lifted};
 use crate::derivatives::forward::tangent::{Tangent, Varied};
 use crate::derivatives::linear::independent::Independent;
 use crate::derivatives::numbers::number::Number;
@@ -92,11 +92,13 @@ pub(crate) struct Walk<'w> {
     /// Whether the last step is kept, and the step.
     pub(super) keeps: bool,
     pub(super) kept: Option<Arc<KeptStep>>,
-    /// The next step to an event, if it was solved before.
+    /// The next step, if it was solved before.
     pub(super) known: Option<Arc<KeptStep>>,
     /// Events so far, and how far the derivatives hold.
     pub events: Vec<MetEvent>,
     pub validity: Validity,
+    /// Whether anyone asks how far they hold.
+    pub tells: bool,
     /// What makes derivatives worse than their order.
     pub warnings: Vec<String>,
 }
@@ -134,6 +136,7 @@ impl<'w> Walk<'w> {
             known: None,
             events: Vec::new(),
             validity: Validity::new(p),
+            tells: true,
             warnings: Vec::new(),
         }
     }
@@ -165,10 +168,11 @@ impl<'w> Walk<'w> {
         SensitivityError::Step { time: self.state.time }
     }
 
-    pub(super) fn efforts(&self, mode: &Mode, since: f64, time: f64) -> Efforts {
+    /// The efforts at some times (s) of a step that begins at another.
+    pub(super) fn efforts_at(&self, mode: &Mode, since: f64, times: &[f64]) -> Vec<Efforts> {
         let Subject { elements, laws, parameters, .. } = *self.subject;
         let of = EffortLaws { elements, laws, parameters, varied: &self.varied };
-        of.at(mode, &self.given, since, time, self.state.velocity.len())
+        of.at(mode, &self.given, since, times, self.state.velocity.len())
     }
 
     /// The equations of a mode.
@@ -206,15 +210,14 @@ impl<'w> Walk<'w> {
         }
         let still = vec![Part::zero(); n];
         let at = Instant { figures: &self.constant, state: &self.state, offsets: &still, closed: &mode.constant };
-        let columns: Vec<Vec<Part>> = (0..n)
-            .map(|freedom| {
-                let mut unit = still.clone();
-                unit[freedom] = Part::of(1.0);
-                at.closure_rates(&unit)
-            })
-            .collect();
+        let columns = (0..n).step_by(WIDTH).map(|first| {
+            let mut units = still.clone();
+            units.iter_mut().skip(first).take(WIDTH).enumerate().for_each(|(part, own)| own.parts[part] = 1.0);
+            at.closure_rates(&units)
+        });
+        let columns: Vec<Vec<Part>> = columns.collect();
         let rows = columns.first().map_or(0, Vec::len);
-        DMatrix::from_fn(rows, n, |row, column| columns[column][row].value)
+        DMatrix::from_fn(rows, n, |row, column| columns[column / WIDTH][row].parts[column % WIDTH])
     }
 
     fn step(&mut self, traced: &TracedStep, next: Option<&TracedJump>) -> Result<(), SensitivityError> {
@@ -231,11 +234,12 @@ impl<'w> Walk<'w> {
         for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
             body.joint.velocity_range().for_each(|freedom| self.tangent.velocities.row_mut(freedom).fill(0.0));
         }
-        let mode = self.mode(traced)?;
+        let known = self.known.take();
+        let mode = known.as_ref().map_or_else(|| self.mode(traced), |known| Ok(known.mode.clone()))?;
         let closed = self.closed(traced, &mode)?;
         self.enter(traced, &mode, &closed)?;
         if let Some(&trigger) = traced.triggers.first() {
-            return self.step_to_event(traced, &mode, &closed, trigger, next);
+            return self.step_to_event(traced, (&mode, known), &closed, trigger, next);
         }
         let later = self.later(traced, since)?;
         if mode.free.is_empty() {
@@ -245,15 +249,21 @@ impl<'w> Walk<'w> {
         }
         self.see_shares(&mode);
         let (before, was) = (self.state.clone(), self.tangent.clone());
-        let (solved, efforts) = self.solved(traced, &mode, traced.end.time - since, None)?;
+        let step = traced.end.time - since;
+        let (kept, efforts) = match known {
+            Some(known) => (known, self.efforts_over(traced, step)),
+            None => {
+                let (solved, efforts) = self.solved(traced, &mode, step, None)?;
+                let values = efforts.iter().map(|efforts| efforts.values.clone()).collect();
+                (Arc::new(KeptStep { step, mode, solved, efforts: values }), efforts)
+            }
+        };
+        let (mode, solved) = (&kept.mode, &kept.solved);
         let longer = &later - &self.tangent.times;
-        self.carry(&mode, traced.end.time - since, &solved, &efforts, &closed, &longer)?;
-        self.take_end(&solved, traced.end.time);
+        self.carry(mode, step, solved, efforts, &closed, &longer)?;
+        self.take_end(solved, traced.end.time);
         self.see_near(traced, (&before, &was), &solved.stages);
-        if self.keeps {
-            let efforts = efforts.into_iter().map(|efforts| efforts.values).collect();
-            self.kept = Some(Arc::new(KeptStep { step: traced.end.time - since, mode, solved, efforts }));
-        }
+        self.kept = Some(kept).filter(|_| self.keeps);
         Ok(())
     }
 

@@ -8,13 +8,14 @@
 //! ```
 
 use crate::derivatives::equations::contacts::TouchFigures;
-use crate::derivatives::events::instant::{Instant, Moved};
+use crate::derivatives::events::instant::{Accelerations, Instant, Moved};
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, StepMode};
 use crate::derivatives::numbers::number::Number;
 use crate::events::trace::{JointMode, Mode, MotorMode, Watched};
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::event::Side;
+use std::cell::OnceCell;
 
 /// A state with its derivatives, in which a function is asked for.
 pub(crate) struct Sight<'s> {
@@ -33,6 +34,8 @@ pub(crate) struct Sight<'s> {
     pub touch: Option<&'s TouchFigures<Part>>,
     /// All closed contacts, in the order of the mode.
     pub contacts: &'s [Option<TouchFigures<Part>>],
+    /// Of the state without its derivatives, once they were asked for.
+    pub accelerations: &'s OnceCell<Option<Accelerations>>,
 }
 
 impl Sight<'_> {

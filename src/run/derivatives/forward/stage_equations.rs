@@ -151,7 +151,7 @@ impl<T: Number> StepMotion<'_, T> {
             }
             rows.extend(along.into_iter().zip(&efforts[k]).map(|(row, &effort)| row - square * effort));
         }
-        let ended = self.place_moving(&self.stages[s - 2], &self.offsets[s - 2], self.end_velocities);
+        let ended = self.ended();
         let last = h.times(self.tableau.weights[s - 1]);
         let weights = |i: usize| self.tableau.momentum_weights[i];
         let mut loads: Vec<Load<T>> = (0..begin.len())
@@ -186,7 +186,17 @@ impl<T: Number> StepMotion<'_, T> {
         all
     }
 
-    /// G v̄ at the end.
+    /// The bodies at the end, with v̄.
+    fn ended(&self) -> Vec<Placed<Jet<T>>> {
+        let last = self.stages.len() - 1;
+        self.place_moving(&self.stages[last], &self.offsets[last], self.end_velocities)
+    }
+
+    /// G v̄ at the end, of all closures.
+    pub fn rates_at_end(&self) -> Vec<T> {
+        self.closure_rates(&self.ended())
+    }
+
     fn closure_rates(&self, ended: &[Placed<Jet<T>>]) -> Vec<T> {
         let Some(end) = self.stages.last() else { return Vec::new() };
         let anchors: Vec<LoopFigures<Jet<T>>> = self.mode.closed.anchors.iter().map(with_rates).collect();

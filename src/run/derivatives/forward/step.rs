@@ -1,7 +1,7 @@
 //! One step of the scheme solved to rounding, with the factors of its exact derivatives.
 //!
 //! Newton's method on [`crate::derivatives::forward::stage_equations`] begins with the stages of the run, and with the multipliers that balance them.
-//! Its matrix comes from dual numbers, and is kept while it shrinks the residuals fast. The matrix at the solution is the one of the implicit function theorem:
+//! Its matrix comes from dual numbers, or from blocks ([`crate::derivatives::forward::tree`]), and is kept while it shrinks the residuals fast. The matrix at the solution is the one of the implicit function theorem:
 //!
 //! ```text
 //!     R(u; x) = 0        R_u δu = −R_x δx
@@ -25,6 +25,7 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::ops::Range;
 
 /// Derivatives that are computed at once.
 pub const WIDTH: usize = 8;
@@ -167,6 +168,12 @@ pub fn constant<T: Number>(values: &[f64]) -> Vec<T> {
 }
 
 impl StepProblem<'_> {
+    /// The factor of forces and efforts in a stage: h², or h b_s.
+    pub(super) fn factor(&self, stage: usize) -> f64 {
+        let (h, tableau) = (self.step, self.tableau);
+        if stage + 1 < tableau.stages { h * h } else { h * tableau.weights[stage] }
+    }
+
     /// Solves it by the equations of all mechanisms; `None` if the iteration does not converge.
     pub(super) fn solve_whole(&self, known: Option<(SolvedStep, f64)>) -> Option<SolvedStep> {
         let (s, StepMode { free, rows, .. }) = (self.tableau.stages, self.mode);
@@ -177,6 +184,7 @@ impl StepProblem<'_> {
             free.iter().zip(moved).for_each(|(&freedom, &by)| whole[freedom] = by);
             whole
         };
+        let mut of_multipliers = None;
         let (mut stages, mut velocities, mut multipliers, mut factors) = match known {
             Some((SolvedStep { stages, multipliers, factors: Factors::Whole(factors), drift }, change)) => {
                 let velocities = stages.last()?.velocity.clone();
@@ -188,7 +196,8 @@ impl StepProblem<'_> {
                 let ended: Vec<f64> =
                     free.iter().map(|freedom| self.toward.velocity[*freedom] + faster(freedom)).collect();
                 let velocities = spread(&ended);
-                let multipliers = self.first_multipliers(&stages, &velocities);
+                let (multipliers, columns) = self.first_multipliers(&stages, &velocities);
+                of_multipliers = columns;
                 (stages, velocities, multipliers, None)
             }
         };
@@ -196,7 +205,7 @@ impl StepProblem<'_> {
         for _ in 0..ITERATIONS {
             let (matrix, drift) = match factors.take() {
                 Some(kept) => kept,
-                None => (self.factors(&stages, &velocities, &multipliers)?, 0.0),
+                None => (self.factors(&stages, &velocities, &multipliers, of_multipliers.take())?, 0.0),
             };
             let residual = self.residual(&stages, &velocities, &multipliers);
             let correction = DVector::from_vec(matrix.solve(residual.as_slice()));
@@ -221,7 +230,7 @@ impl StepProblem<'_> {
             if size < ROUNDING && (size >= 0.25 * last || size * drift <= SQUARE) || size == 0.0 {
                 let (factors, drift) = match drift <= KEPT {
                     true => (matrix, drift),
-                    false => (self.factors(&stages, &velocities, &multipliers)?, 0.0),
+                    false => (self.factors(&stages, &velocities, &multipliers, None)?, 0.0),
                 };
                 let end = stages.last_mut()?;
                 end.velocity = velocities;
@@ -236,22 +245,29 @@ impl StepProblem<'_> {
         None
     }
 
-    /// Multipliers that balance the forces at some stages best, and solve the equations if these are its stages: equations are linear in them.
-    fn first_multipliers(&self, stages: &[State], velocities: &[f64]) -> Vec<Vec<f64>> {
+    /// Multipliers that balance the forces at some stages best, and solve the equations if these are its stages: equations are linear in them. And
+    /// the columns of multipliers in R_u, if they were found whole.
+    fn first_multipliers(&self, stages: &[State], velocities: &[f64]) -> (Vec<Vec<f64>>, Option<DMatrix<f64>>) {
         let StepMode { free, rows, row_count, .. } = self.mode;
         let (s, n, m) = (self.tableau.stages, free.len(), rows.len());
         let mut multipliers = vec![vec![0.0; *row_count]; s];
         if m == 0 || n == 0 {
-            return multipliers;
+            return (multipliers, None);
         }
         let off = -self.residual(stages, velocities, &multipliers).rows(0, s * n);
-        let mut matrix = DMatrix::zeros(self.mode.size(s), s * m);
-        self.fill(stages, velocities, &multipliers, s * n, &mut matrix);
-        let found = matrix.rows(0, s * n).svd(true, true).solve(&off, MULTIPLIED).ok();
+        let (columns, whole) = match self.is_looped() {
+            true => (self.push_columns(stages), None),
+            false => {
+                let mut whole = DMatrix::zeros(self.mode.size(s), s * m);
+                self.fill(stages, velocities, &multipliers, s * n..s * (n + m), &mut whole);
+                (whole.rows(0, s * n).into_owned(), Some(whole))
+            }
+        };
+        let found = columns.svd(true, true).solve(&off, MULTIPLIED).ok();
         for (index, push) in found.iter().flat_map(|found| found.iter()).enumerate() {
             multipliers[index / m][rows[index % m]] = *push;
         }
-        multipliers
+        (multipliers, whole)
     }
 
     pub(super) fn residual(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DVector<f64> {
@@ -274,37 +290,54 @@ impl StepProblem<'_> {
         DVector::from_vec(self.mode.select(&motion.residual(), n))
     }
 
-    /// R_u at some stages, factored; `None` if it is singular.
-    fn factors(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> Option<Elimination> {
-        Elimination::new(&self.matrix(stages, velocities, multipliers))
+    /// R_u at some stages, factored; `None` if it is singular. `of_multipliers` are its last columns, if they are known.
+    fn factors(
+        &self,
+        stages: &[State],
+        velocities: &[f64],
+        multipliers: &[Vec<f64>],
+        of_multipliers: Option<DMatrix<f64>>,
+    ) -> Option<Elimination> {
+        let matrix = match of_multipliers {
+            _ if self.is_looped() => self.looped_matrix(stages, velocities, multipliers),
+            None => self.matrix(stages, velocities, multipliers),
+            Some(known) => {
+                let count = self.mode.size(self.tableau.stages);
+                let first = count - known.ncols();
+                let mut matrix = DMatrix::zeros(count, count);
+                self.fill(stages, velocities, multipliers, 0..first, &mut matrix);
+                matrix.columns_mut(first, known.ncols()).copy_from(&known);
+                matrix
+            }
+        };
+        Elimination::new(&matrix)
     }
 
-    /// R_u at some stages.
+    /// R_u at some stages, for all mechanisms.
     pub(super) fn matrix(&self, stages: &[State], velocities: &[f64], multipliers: &[Vec<f64>]) -> DMatrix<f64> {
         let count = self.mode.size(self.tableau.stages);
         let mut matrix = DMatrix::zeros(count, count);
-        self.fill(stages, velocities, multipliers, 0, &mut matrix);
+        self.fill(stages, velocities, multipliers, 0..count, &mut matrix);
         matrix
     }
 
-    /// Fills the columns of R_u from an unknown on.
+    /// Fills the columns of R_u by some unknowns.
     fn fill(
         &self,
         stages: &[State],
         velocities: &[f64],
         multipliers: &[Vec<f64>],
-        begin: usize,
+        unknowns: Range<usize>,
         matrix: &mut DMatrix<f64>,
     ) {
         let StepMode { free, rows, .. } = self.mode;
         let (s, n, m, all) = (self.tableau.stages, free.len(), rows.len(), velocities.len());
-        let count = self.mode.size(s);
         let start_velocities: Vec<Part> = constant(&self.start.velocity);
         let efforts: Vec<Vec<Part>> = self.efforts.iter().map(|efforts| constant(efforts.as_slice())).collect();
         let drives = self.mode.drives(&self.constant.laws);
         let still = vec![Part::zero(); all];
-        for first in (begin..count).step_by(WIDTH) {
-            let width = WIDTH.min(count - first);
+        for first in unknowns.clone().step_by(WIDTH) {
+            let width = WIDTH.min(unknowns.end - first);
             let mut offsets = vec![still.clone(); stages.len()];
             let mut end_velocities: Vec<Part> = constant(velocities);
             let mut pushes: Vec<Vec<Part>> = multipliers.iter().map(|own| constant(own)).collect();
@@ -334,7 +367,7 @@ impl StepProblem<'_> {
                 mode: InMode { drives: &drives, closed: &self.mode.constant, multipliers: &pushes },
             };
             for (row, value) in self.mode.select(&motion.residual(), all).into_iter().enumerate() {
-                (0..width).for_each(|part| matrix[(row, first - begin + part)] = value.parts[part]);
+                (0..width).for_each(|part| matrix[(row, first - unknowns.start + part)] = value.parts[part]);
             }
         }
     }

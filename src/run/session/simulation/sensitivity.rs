@@ -17,6 +17,7 @@ use crate::session::tangents::Tangents;
 use nalgebra::DMatrix;
 
 mod gradient;
+mod inertial;
 mod parameters;
 mod prepared;
 mod starts;

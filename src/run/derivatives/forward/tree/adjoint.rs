@@ -130,15 +130,17 @@ impl TreeStep<'_> {
             longer: 0.0,
             efforts: vec![vec![0.0; n]; s],
         };
-        let none = || vec![Twelve::zero(); count];
         let mut parts = Parts {
             stages: Vec::with_capacity(s),
-            ahead: (1..s).map(|_| none()).collect(),
-            faster: none(),
+            ahead: Vec::with_capacity(s - 1),
+            faster: Vec::with_capacity(count),
             gone: vec![0.0; n],
         };
+        // The weights of w_i in all stages, and the cotangents of W.
+        let weights_ahead: Vec<Vec<f64>> = (0..s).map(|stage| self.weights(stage)).collect();
+        let mut of_mixed: Vec<Twelve<f64>> = Vec::with_capacity(s * count);
         for stage in 0..s {
-            let own_weights = self.weights(stage);
+            let own_weights = &weights_ahead[stage];
             let is_end = stage + 1 == s;
             let factor_rate = if is_end { tableau.weights[s - 1] } else { 2.0 * h };
             let at = &self.stages[stage];
@@ -179,19 +181,25 @@ impl TreeStep<'_> {
                 figures.gravity = figures.gravity + of_w.origin.scaled(-self.factor(stage));
                 found.longer -= factor_rate * of_w.origin.dot(plain.gravity);
                 if is_end {
-                    parts.faster[body] = of_w;
+                    parts.faster.push(of_w);
                     for i in 0..own_weights.len() {
                         found.longer -= own_weights[i] / h * dot(&of_w, &self.ahead[i][body]);
                     }
                 }
-                for i in 0..own_weights.len() {
-                    let ahead = &mut parts.ahead[i][body];
-                    *ahead = ahead.plus(&of_w.scaled(own_weights[i]));
-                }
+                of_mixed.push(of_w);
             }
             parts.stages.push(own);
             let row_weight = |row: usize| -weights[stage * free + row];
-            self.pull_scalars(stage, &own_weights, &row_weight, &mut parts.gone, &mut found);
+            self.pull_scalars(stage, own_weights, &row_weight, &mut parts.gone, &mut found);
+        }
+        for i in 0..s - 1 {
+            let of_stages = |body: usize| {
+                let stages = weights_ahead.iter().enumerate();
+                stages.fold(Twelve::zero(), |sum, (stage, weights)| {
+                    sum.plus(&of_mixed[stage * count + body].scaled(weights[i]))
+                })
+            };
+            parts.ahead.push((0..count).map(of_stages).collect());
         }
         self.pull_variation(courses, parts, figures, &mut found);
         found

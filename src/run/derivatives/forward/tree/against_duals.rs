@@ -1,5 +1,7 @@
 //! The equations that are written out, against the same by numbers with derivatives: the oracle of this room.
 
+use crate::derivatives::equations::closures::closures;
+use crate::derivatives::equations::placed::{Offsets, place};
 use crate::derivatives::forward::elimination::Elimination;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Factors, Part, SolvedStep, StepMode, StepProblem};
@@ -58,6 +60,14 @@ fn trees() -> Vec<Mechanism> {
 fn number(seed: usize) -> f64 {
     let mixed = (seed as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     (mixed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+/// The number of all closures.
+fn closure_count(case: &Case) -> usize {
+    let still = vec![0.0; case.mechanism.velocity_count];
+    let start = &case.start;
+    let at = Offsets { from: start, to: start, first: &still, second: &still, motion: &[] };
+    closures(&case.figures.plain, &[], &place(&case.figures.plain, &at), &at).len()
 }
 
 /// A tree in motion with a step to be solved.
@@ -185,7 +195,31 @@ fn equations_of_trees_that_are_written_out_and_their_matrices_are_those_of_numbe
                 ROUNDINGS,
             );
             let matrix = problem.matrix(&at, &velocities, &multipliers);
-            assert_near(&case.mechanism.name, &TreeMatrix::new(&step).whole(), &matrix, ROUNDINGS);
+            let mut whole = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+            TreeMatrix::new(&step).copy_to(&mut whole);
+            assert_near(&case.mechanism.name, &whole, &matrix, ROUNDINGS);
+        }
+    }
+}
+
+#[test]
+fn matrices_of_trees_with_closures_from_blocks_are_those_of_numbers_with_derivatives() {
+    for file in ["four_bar_1.toml", "four_bar_2.toml", "slider_crank.toml"] {
+        for stages in [2, 5] {
+            let mut case = Case::new(scene(file), stages);
+            case.mode.row_count = closure_count(&case);
+            case.mode.rows = (0..case.mode.row_count).filter(|row| row % 5 != 3).collect();
+            let (at, velocities) = case.stages();
+            let problem = case.problem();
+            assert!(problem.is_looped() && !problem.is_tree(), "{file}");
+            let count = case.mode.row_count;
+            let multipliers: Vec<Vec<f64>> =
+                (0..stages).map(|stage| (0..count).map(|row| number(4000 + stage * count + row)).collect()).collect();
+            let matrix = problem.matrix(&at, &velocities, &multipliers);
+            assert_near(file, &problem.looped_matrix(&at, &velocities, &multipliers), &matrix, ROUNDINGS);
+            let (n, m) = (case.mode.free.len(), case.mode.rows.len());
+            let columns = matrix.view((0, stages * n), (stages * n, stages * m)).into_owned();
+            assert_near(file, &problem.push_columns(&at), &columns, ROUNDINGS);
         }
     }
 }

@@ -94,8 +94,9 @@ impl TreeStep<'_> {
         body.map_or_else(Twelve::zero, |body| self.rates[0][body].scaled(self.problem.step))
     }
 
-    fn ahead_of(&self, body: Option<usize>, i: usize) -> Twelve<f64> {
-        body.map_or_else(Twelve::zero, |body| self.ahead[i][body])
+    /// How far a vector on a body is ahead at a stage. The world does not move.
+    fn seen_ahead(&self, on: &On, i: usize) -> Vector<f64> {
+        on.body.map_or(NOUGHT, |body| on.seen(&self.ahead[i][body]))
     }
 
     /// q_i − q_0 of a body.
@@ -114,7 +115,7 @@ impl TreeStep<'_> {
         let ([t0, u0, p0], [tg, ug, pg]) =
             ([start(&turn), start(&shift), start(&point)], [gone(&turn), gone(&shift), gone(&point)]);
         let ahead = |i: usize| {
-            let of = |on: &On| on.seen(&self.ahead_of(on.body, i));
+            let of = |on: &On| self.seen_ahead(on, i);
             let (ta, ua, pa, c) = (of(&turn), of(&shift), of(&point), self.problem.tableau.nodes[i + 1]);
             let both = (pg.scaled(c) + pa).cross(tg.scaled(c) + ta);
             Twist { turn: ta, shift: ua + pa.cross(t0) + p0.cross(ta) + both }
@@ -138,7 +139,7 @@ impl TreeStep<'_> {
             let body = &figures.bodies[number];
             let parent = body.parent;
             let in_parent = |vector| transposed(&self.start_of(parent).axes, vector);
-            let none = On::along(parent, NOUGHT);
+            let none = On::along(None, NOUGHT);
             let anchor = On::point(Some(number), body.on_child.origin);
             let kept = if freedom.is_rotation {
                 self.course(On::along(parent, in_parent(motion.turn)), none, anchor)
@@ -199,7 +200,8 @@ impl TreeStep<'_> {
         add(&start, whole.shift.cross(pg), NOUGHT);
         for (i, own) in of.course.ahead.iter().enumerate() {
             let whole = if i + 1 == of.course.ahead.len() { own.plus(&later) } else { *own };
-            let (ahead, c) = (self.ahead_of(on, i), self.problem.tableau.nodes[i + 1]);
+            let ahead = on.map_or_else(Twelve::zero, |body| self.ahead[i][body]);
+            let c = self.problem.tableau.nodes[i + 1];
             let pa = point.seen(&ahead);
             let moved = whole.shift.cross(pg.scaled(c) + pa);
             add(&ahead, whole.turn + whole.shift.cross(p0) + moved, whole.shift);

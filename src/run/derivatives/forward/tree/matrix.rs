@@ -137,15 +137,12 @@ impl TreeMatrix {
         TreeFactors::new(&stages, end, &masses)
     }
 
-    /// The whole matrix: displacements, then v̄.
-    #[cfg(test)]
-    pub fn whole(&self) -> DMatrix<f64> {
+    /// Copies it to the beginning of a matrix: displacements, then v̄.
+    pub fn copy_to(&self, whole: &mut DMatrix<f64>) {
         let (many, n) = (self.stages.nrows(), self.masses.nrows());
-        let mut whole = DMatrix::zeros(many + n, many + n);
         whole.view_mut((0, 0), (many, many)).copy_from(&self.stages);
         whole.view_mut((many, 0), (n, many)).copy_from(&self.end);
         whole.view_mut((many, many), (n, n)).copy_from(&self.masses);
-        whole
     }
 }
 

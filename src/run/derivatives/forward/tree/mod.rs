@@ -6,6 +6,7 @@
 //! | `family` | which freedoms move which bodies |
 //! | `step` | the equations |
 //! | `matrix` | their derivatives by the unknowns, and the factors |
+//! | `looped` | the same with closures |
 //! | `course` | motions of freedoms and frames along a step |
 //! | `displaced` | displacements of all bodies by such motions |
 //! | `column` | their derivatives by all that is given |
@@ -23,6 +24,7 @@ mod column;
 mod course;
 mod displaced;
 mod family;
+mod looped;
 mod matrix;
 mod momenta;
 mod over_step;

@@ -107,10 +107,9 @@ impl<'s> TreeStep<'s> {
         tableau.momentum_weights.iter().map(|weight| -weight / self.problem.step).collect()
     }
 
-    /// The factor of forces and efforts in a stage: h², or h b_s.
+    /// The factor of forces and efforts in a stage.
     pub fn factor(&self, stage: usize) -> f64 {
-        let (h, tableau) = (self.problem.step, self.problem.tableau);
-        if stage + 1 < tableau.stages { h * h } else { h * tableau.weights[stage] }
+        self.problem.factor(stage)
     }
 
     fn add_forces(&mut self, stage: usize) {

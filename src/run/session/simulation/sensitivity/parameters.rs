@@ -2,8 +2,8 @@
 //!
 //! Numbers of a scene reach the equations through the reader of files. The derivatives of masses, frames, springs and starts by such a number come
 //! from eight models with other numbers, by differences of order eight: these functions are smooth and short, and the error is some 1e-13 of the
-//! derivative. Four models are enough where two differences are the same, as those by masses and inertias are. A start on closed loops is assembled
-//! as often, because other joints follow. Floating bodies keep the axes of their frames in their links: principal axes have no part in derivatives.
+//! derivative. Four models are enough where two differences are the same. Masses and inertias of links need none ([`inertial`]). A start on closed
+//! loops is assembled as often, because other joints follow. Floating bodies keep the axes of their frames in their links: principal axes have no part in derivatives.
 
 use crate::derivatives::equations::figures::{Figures, frame_entries};
 use crate::derivatives::equations::laws::Laws;
@@ -20,6 +20,7 @@ use crate::scene::{Parameter as Number, Scene, UrdfJointKind};
 use crate::session::error::Error;
 use crate::session::model::{Model, number_of};
 use crate::session::simulation::Simulation;
+use crate::session::simulation::sensitivity::inertial;
 use crate::session::simulation::sensitivity::starts::Bounds;
 use crate::session::tangents::Tangents;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -31,25 +32,35 @@ const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 
 /// All numbers of a scene.
 pub(super) struct Numbers {
-    scene: Scene,
-    all: Vec<Number>,
-    bounds: Bounds,
+    pub scene: Scene,
+    pub all: Vec<Number>,
+    pub bounds: Bounds,
+    /// Whether the start was not moved: masses have no part in it.
+    pub is_as_wanted: bool,
+    /// The frames of the bodies, and all figures.
+    pub frames: Vec<Pose>,
+    pub figures: Vec<f64>,
 }
 
 impl Numbers {
-    fn of(simulation: &Simulation) -> Result<Self, Error> {
+    pub fn of(simulation: &Simulation, start: &State) -> Result<Self, Error> {
         let scene = simulation.model.scene_with_numbers()?;
-        Ok(Numbers { all: scene.parameters(), scene, bounds: simulation.bounds_of_start() })
+        let frames = frames(&simulation.model);
+        let figures = listed(&simulation.model.description().mechanism, &frames);
+        let (bounds, is_as_wanted) = (simulation.bounds_of_start(), simulation.is_as_wanted(start));
+        Ok(Numbers { all: scene.parameters(), scene, bounds, is_as_wanted, frames, figures })
     }
 }
 
 /// A number of a scene that varies.
-struct Varying<'v> {
-    key: &'v str,
-    scene: &'v Scene,
-    number: &'v Number,
-    value: f64,
-    bounds: Bounds,
+pub(super) struct Varying<'v> {
+    pub key: &'v str,
+    pub scene: &'v Scene,
+    pub number: &'v Number,
+    pub value: f64,
+    pub bounds: Bounds,
+    /// All figures of the model itself.
+    pub figures: &'v [f64],
 }
 
 impl Simulation {
@@ -70,7 +81,7 @@ impl Simulation {
         let Some((of, word, joint)) = of else {
             let numbers = match numbers {
                 Some(known) => known,
-                none => none.insert(Numbers::of(self)?),
+                none => none.insert(Numbers::of(self, start)?),
             };
             return Ok(vec![(key.to_string(), self.by_number(key, numbers, start)?)]);
         };
@@ -105,8 +116,15 @@ impl Simulation {
 
     /// The parameter of a number by its key path.
     fn by_number(&self, key: &str, numbers: &Numbers, start: &State) -> Result<Parameter, Error> {
-        let (number, value) = number_of(&numbers.scene, &numbers.all, key)?;
-        let number = Varying { key, scene: &numbers.scene, number, value, bounds: numbers.bounds };
+        let Numbers { scene, all, bounds, is_as_wanted, frames, figures } = numbers;
+        let (number, value) = number_of(scene, all, key)?;
+        let description = self.model.description();
+        if let Some(slopes) =
+            inertial::slopes(description, frames, scene, number, figures.len()).filter(|_| *is_as_wanted)
+        {
+            return Ok(Parameter { figures: slopes, ..Parameter::none(start.velocity.len()) });
+        }
+        let number = Varying { key, scene, number, value, bounds: *bounds, figures };
         // Some numbers are close to one that they cannot be.
         let mut tried = self.by_differences(&number, start, WIDTH);
         for narrower in NARROWER {
@@ -118,12 +136,11 @@ impl Simulation {
     }
 
     /// The same from models whose numbers differ by this part of the value, and by up to four times of it.
-    fn by_differences(&self, number: &Varying, start: &State, width: f64) -> Result<Parameter, Error> {
+    pub(super) fn by_differences(&self, number: &Varying, start: &State, width: f64) -> Result<Parameter, Error> {
         let value = number.value;
         let width = if value == 0.0 { width } else { width * value.abs() };
-        let figures = listed(&self.model.description().mechanism, &frames(&self.model));
         let arms = arms(self.model.description());
-        let here = Seen { figures, arms, ..Seen::of(&self.model, start, start) };
+        let here = Seen { figures: number.figures.to_vec(), arms, ..Seen::of(&self.model, start, start) };
         let at = |count: f64| self.seen(number, value + count * width, start, &here.figures);
         let mut pairs = vec![(2, [at(2.0)?, at(-2.0)?]), (4, [at(4.0)?, at(-4.0)?])];
         let slopes = |(count, [plus, minus]): &(usize, [Seen; 2])| {

@@ -20,6 +20,9 @@ use nalgebra::{DVector, Rotation3, Vector3};
 /// Starts this close to each other are the same (rad or m, per s): closing loops leaves as much.
 const SAME: f64 = 1e-10;
 
+/// Starts this close to each other differ by a few roundings (rad or m, per s; or by this part of them).
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+
 /// Whether limits and other shapes moved a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bounds {
@@ -41,6 +44,16 @@ impl Simulation {
             }
             _ => Bounds::Moved,
         }
+    }
+
+    /// Whether closures, limits and shapes left the start where it was wanted.
+    pub(super) fn is_as_wanted(&self, start: &State) -> bool {
+        let same = |one: &[f64], other: &[f64]| {
+            one.iter().zip(other).all(|(one, other)| (one - other).abs() <= ROUNDINGS * other.abs().max(1.0))
+        };
+        let wanted = self.model.loaded().given(0.0, &self.positions, &self.velocities, None);
+        wanted
+            .is_ok_and(|(wanted, _)| same(&start.position, &wanted.position) && same(&start.velocity, &wanted.velocity))
     }
 
     /// The start of a model.
