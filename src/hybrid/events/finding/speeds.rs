@@ -243,6 +243,11 @@ pub(crate) fn speed_at([a, b]: [BodyState; 2], reach: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{PairGeometry, PreparedShape};
+    use crate::instant::cone::scenes::Random;
+    use crate::mechanism::description::contact::{Collider, Shape};
+    use crate::mechanism::description::joint::Pose;
+    use nalgebra::{Rotation3, Translation3};
 
     #[test]
     fn speeds_are_steady_until_a_body_is_a_tenth_slower_or_turns_a_tenth_slower() {
@@ -295,5 +300,59 @@ mod tests {
         speeds.take(0, &[first]);
         let beside = Between { ends: [Some(0), None], reach: [0.5, f64::INFINITY], revolved: [None; 2] };
         assert!((speeds.closing(&beside) - FASTER * (5.0 + 0.5 * 7.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn no_gap_beside_shapes_of_revolution_changes_faster_than_they_move_without_their_spin() {
+        // A cylinder, a capsule and a ball away from the centre of mass of their body, each beside a box that moves, too.
+        let frame = Pose::from_parts(Translation3::new(0.05, 0.1, -0.02), Rotation3::new(Vector3::new(0.4, 0.2, -0.3)));
+        let round = [
+            Shape::Cylinder { radius: 0.1, half: 0.15 },
+            Shape::Capsule { radius: 0.1, half: 0.15 },
+            Shape::Sphere { radius: 0.1 },
+        ];
+        let prepared = |shape: Shape, pose: Pose| {
+            PreparedShape::new(&Collider::still("one", Some(0), pose, shape)).expect("a shape")
+        };
+        let box_shape = prepared(Shape::Box { half: Vector3::new(0.2, 0.1, 0.3) }, Pose::identity());
+        let mut random = Random::new(7);
+        let mut vector = |size: f64| Vector3::from_fn(|_, _| size * random.signed());
+        let mut nearest = 0.0_f64;
+        for shape in round {
+            let pair = PairGeometry::of(&prepared(shape.clone(), frame), &box_shape);
+            let [Some(revolved), None] = pair.revolved() else { panic!("one is of revolution") };
+            let axis = revolved.axis.unwrap_or(Vector3::x());
+            for _ in 0..400 {
+                let rotations = [vector(3.0), vector(3.0)].map(Rotation3::new);
+                let places = [Vector3::new(0.0, 0.0, 1.0) + vector(0.3), vector(0.1)];
+                // It spins, and turns otherwise by up to 1 rad/s.
+                let (moves, others) = ([vector(0.5), vector(0.5)], [vector(1.0), vector(1.0)]);
+                let turns = [others[0] + rotations[0] * axis * 100.0, others[1]];
+                let gap = |time: f64| {
+                    let [a, b] = [0, 1].map(|side: usize| {
+                        let place = Translation3::from(places[side] + moves[side] * time);
+                        Pose::from_parts(place, Rotation3::new(turns[side] * time) * rotations[side])
+                    });
+                    pair.distance(&a, &b).distance
+                };
+                let bodies = [0, 1].map(|side: usize| BodyState {
+                    position: places[side],
+                    rotation: rotations[side].into_inner(),
+                    velocity: moves[side],
+                    angular_velocity: turns[side],
+                });
+                let reach = [revolved.reach, pair.reach()[1]];
+                let bound = speed_at([without_spin(&revolved, &bodies[0]), bodies[1]], reach);
+                let rate = (gap(1e-6) - gap(-1e-6)).abs() / 2e-6;
+                // Central differences are off by some 1e-8 at 100 rad/s.
+                assert!(rate <= bound + 1e-6, "{shape:?}: {rate} {bound}");
+                nearest = nearest.max(rate / bound);
+            }
+            // It spins about its own axis alone.
+            let turning = axis * 100.0;
+            let spins = BodyState { velocity: -turning.cross(&revolved.centre), angular_velocity: turning, ..WORLD };
+            assert!(speed_at([without_spin(&revolved, &spins), WORLD], [revolved.reach, 0.0]) < 1e-12);
+        }
+        assert!(nearest > 0.5, "the bound is near: {nearest}");
     }
 }

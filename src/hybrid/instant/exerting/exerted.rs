@@ -137,11 +137,14 @@ impl Exerted {
         self.in_joints.copy_from_slice(&self.efforts);
         self.wrenches.fill(BodyWrench::default());
         self.points.clear();
-        let bodies =
-            if self.touching.pairs.is_empty() { Vec::new() } else { body_states(&self.mechanism, &self.state) };
+        let points = self.told.as_ref().is_some_and(|points| !points.is_empty());
+        let touches = points || !self.touching.pairs.is_empty();
+        let bodies = if touches { body_states(&self.mechanism, &self.state) } else { Vec::new() };
         let contacts = match self.told.take() {
             Some(points) => {
-                self.load(&points, &bodies);
+                if !points.is_empty() {
+                    self.load(&points, &bodies);
+                }
                 self.told = Some(points);
                 Vec::new()
             }
