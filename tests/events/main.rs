@@ -6,6 +6,8 @@ mod common;
 mod runge_kutta;
 #[path = "../shared/tipping/mod.rs"]
 mod tipping;
+#[path = "../shared/turning/mod.rs"]
+mod turning;
 
 mod belts;
 mod blocked;

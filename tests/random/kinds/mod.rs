@@ -48,10 +48,14 @@ const KINDS: [Kind; 20] = [
 /// The scene of a seed.
 pub fn scene(seed: u64) -> Scene {
     let (turn, place) = (seed as usize / KINDS.len(), seed as usize % KINDS.len());
-    // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, and one in four slides off a table; every
+    // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, one in eight slides off a table, and one in
+    // eight turns over its edge; every
     // other ball that rolls is a cart; a heap stands for every other stack, a limp robot for one of three pairs of robots.
     let (kind, make) = match KINDS[place] {
         ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
+        ("slides", _) if turn % 8 == 6 => {
+            ("turns over an edge", edges::turns_over_an_edge as fn(&mut Draw, Scene) -> Scene)
+        }
         ("slides", _) if turn % 4 == 2 => ("over an edge", edges::over_an_edge as fn(&mut Draw, Scene) -> Scene),
         ("slides", _) if turn % 2 == 1 => ("lands", balls::lands as fn(&mut Draw, Scene) -> Scene),
         ("rolls", _) if turn % 2 == 1 => ("cart", carts::cart as fn(&mut Draw, Scene) -> Scene),
