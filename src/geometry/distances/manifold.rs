@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 
 /// Places that are nearer than this to each other are one, relative to the size.
 pub const SAME: f64 = 1e-7;
-/// Normals that differ by less than this are those of one flat contact.
+/// Normals of one flat contact differ by less than this.
 const PARALLEL: f64 = 1e-6;
 /// A crossing is within its edges by more than this part of the size: where corners lie on edges, it is one by roundings.
 const INSIDE: f64 = 1e-13;
@@ -56,7 +56,7 @@ pub fn places_in_slabs(both: &Both, closest: Candidate, near: f64, deepest: f64)
     found
 }
 
-/// Leaves one of the places at each point, those that are not inside the hull of others, and beside them the crossings that part from them.
+/// Leaves one place at each point and the corners of the hull, and beside them the crossings that part from them.
 pub(super) fn leave_corners(both: &Both, found: &mut Vec<Candidate>) {
     let (all, same) = (found.clone(), SAME * both.a.size.min(both.b.size));
     without_doubles(found, same, [both.a.radius, both.b.radius]);

@@ -1,4 +1,4 @@
-//! The contacts of a state that no step has met, with their forces: those at the start of a log.
+//! The contacts of a state that no step has met, with their forces: a log begins with them.
 //!
 //! ```text
 //!     few contacts:    the problem of accelerations in that state, dense                       `instant::exerting::exerted`

@@ -6,7 +6,7 @@
 //!     wakes:          a(q, 0) at the start or the middle of a step is another in any digit,  or a contact with a tree that is awake exerts an impulse
 //! ```
 //!
-//! Rates within a step are those of its displacement (A). Where a corner lies on the border of a face, the nearest features may change in each step, and (A) closes gaps of
+//! Rates within a step belong to its displacement (A). Where a corner lies on the border of a face, the nearest features may change in each step, and (A) closes gaps of
 //! some nm that they open again, beside the mechanics: rates that are zero at the ends of many steps are at rest.
 //!
 //! `a` are the accelerations without contacts [m/s² or rad/s²], under all forces, efforts and motors. Trees that are awake meet sleeping ones as parts of the

@@ -163,7 +163,7 @@ struct Between {
 }
 
 impl Between {
-    /// The parts of a pair: one, or those of a rope through several points.
+    /// The parts of a pair: a rope through several points has more than one.
     fn all(pair: &Pair) -> impl Iterator<Item = Self> + '_ {
         pair.parts.iter().map(|&(ends, reach)| {
             let revolved = pair.revolved;

@@ -132,7 +132,7 @@ impl Crowding {
         }
     }
 
-    /// Saves what a step of this work from a time (s) on has not spent of the labour that is borne; nothing is saved without it.
+    /// Saves the part of the labour that is borne that a step of this work from a time (s) on has not spent.
     pub fn save(&mut self, time: f64, work: f64, ended: Ended, borne: Option<f64>) {
         let decided = if let Ended::AtEvent { decided, .. } = ended { decided } else { 0.0 };
         let spent = work + decided;

@@ -11,7 +11,7 @@
 //!
 //! [N m or N]; a_free are the accelerations without λ, with all forces and closures. The set is `[−τ_f, τ_f]` where friction alone holds, without
 //! bound into the allowed range on a limit. If several λ fit, the ones of least compliance are taken. Contacts whose forces the run has told are known
-//! loads, except those with moments of friction and ropes through several points, of which a point does not tell all.
+//! loads, except contacts with moments of friction and ropes through several points: a point does not tell all of them.
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 

@@ -51,7 +51,7 @@ impl View {
     /// Takes the contacts of the instants that are looked at next, with their forces; `None` where they are not known.
     pub fn touch<'p>(&mut self, contacts: impl Iterator<Item = Option<&'p [ContactPoint]>>) {
         match self {
-            // Nothing touches in these mechanisms.
+            // These mechanisms have no contacts.
             View::Lanes(_) => {}
             View::Serial(serial) => {
                 serial.contacts.clear();

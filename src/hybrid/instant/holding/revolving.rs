@@ -1,4 +1,4 @@
-//! The motion of a shape of revolution as a set of points: without its turning about its own axis, which brings nothing nearer.
+//! The motion of a shape of revolution as a set of points: without its turning about its own axis, which closes no gap.
 //!
 //! ```text
 //!     o = c + R o₀,   v_o = v + ω × (o − c),   ω' = ω − a (a · ω),   ω' = 0 for a ball
