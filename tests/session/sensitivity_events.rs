@@ -401,3 +401,20 @@ fn how_far_derivatives_hold_does_not_depend_on_the_samples_at_which_steps_end() 
         assert!((one - other).abs() <= 1e-5 * one, "{:?} and {:?}", alone.valid_within, sampled.valid_within);
     }
 }
+
+#[test]
+fn samples_beside_an_event_have_the_derivatives_from_before_it_and_leave_those_after_it_as_they_are() {
+    let (model, keys) = (ball_on_a_slide(), ["start.q"]);
+    let run = || Simulation::new(&model).fixed(5, 0.05).duration(0.6).without_figures();
+    let alone = run().sensitivity(&keys).expect("derivatives");
+    let (impact, speed) = (alone.events[0].time, (2.0 * 9.81_f64).sqrt());
+    for off in [0.0, 1e-13, -1e-13, 1e-9, -1e-9, 1e-7, -1e-7] {
+        let sampled = run().sensitivity_at(&keys, &[impact + off]).expect("derivatives");
+        let row = sampled.times.iter().position(|time| *time == impact + off).expect("the sample");
+        // z = h − g t²/2: ∂z/∂h = 1 and ∂v/∂h = 0 at a fixed time.
+        assert!((sampled.q[row][0] + speed * off).abs() < 1e-12, "{off:e}: {}", sampled.q[row][0]);
+        assert!((sampled.dq[row][(0, 0)] - 1.0).abs() < 1e-10, "{off:e}: {}", sampled.dq[row][(0, 0)]);
+        assert!(sampled.dv[row][(0, 0)].abs() < 1e-9, "{off:e}: {}", sampled.dv[row][(0, 0)]);
+        assert_eq!(sampled.dq.last(), alone.dq.last(), "{off:e}");
+    }
+}

@@ -87,6 +87,12 @@ impl Walk<'_> {
         self.tangent.positions += &along.positions * longer.transpose();
         self.tangent.velocities += &along.velocities * longer.transpose();
         self.tangent.times += &longer;
+        let by_time = self.tangent.times.transpose();
+        self.still = Some(Tangent {
+            positions: &self.tangent.positions - &along.positions * &by_time,
+            velocities: &self.tangent.velocities - &along.velocities * &by_time,
+            times: still,
+        });
         let by = self.tangent.times.iter().copied().collect();
         let (state, tangent) = (self.state.clone(), self.tangent.clone());
         let event = MetEvent { time: state.time, what: words, by, rate, state, tangent };

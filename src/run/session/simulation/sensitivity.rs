@@ -22,7 +22,7 @@ mod prepared;
 mod starts;
 
 pub use gradient::{Backward, EventLost, Gradient, Lost, SampledEvent, Samples};
-use prepared::Prepared;
+use prepared::{Prepared, are_beside};
 
 /// The derivatives of a run at its start and at the end of every step to a given instant.
 #[derive(Clone, Debug)]
@@ -92,6 +92,29 @@ fn shown(model: &Model, state: &State, tangent: Tangent, arms: &DMatrix<f64>) ->
     [positions, velocities]
 }
 
+/// Puts the instants that were asked for and are beside ends of steps that move among the rows: with the motion from before the end.
+fn take_asked(
+    rows: &mut Vec<(State, Tangent)>,
+    moving: Vec<(State, Tangent)>,
+    times: impl Iterator<Item = f64>,
+    prepared: &Prepared,
+) {
+    for asked in times {
+        let apart = |(state, _): &&(State, Tangent)| (state.time - asked).abs();
+        let nearest = moving.iter().min_by(|one, other| apart(one).total_cmp(&apart(other)));
+        let Some((state, tangent)) = nearest.filter(|(state, _)| are_beside(state.time, asked)) else { continue };
+        let (mut state, mut tangent) = (state.clone(), tangent.clone());
+        let on = asked - state.time;
+        let moved: Vec<f64> = state.velocity.iter().map(|rate| rate * on).collect();
+        state.displace(&prepared.mechanism, &moved);
+        tangent.positions += &tangent.velocities * on;
+        state.time = asked;
+        let place = rows.partition_point(|(row, _)| row.time < asked);
+        let is_there = rows.get(place).is_some_and(|(row, _)| row.time == asked);
+        rows.splice(place..place + usize::from(is_there), [(state, tangent)]);
+    }
+}
+
 impl Simulation {
     /// Makes the run to its end, and computes the derivatives of its q and v by parameters: `start.q` and `start.v` (all freedoms, or
     /// `start.q.JOINT`), `effort.JOINT` (a constant effort), and key paths of `Model::params`, masses, lengths, springs, gains and targets, friction,
@@ -113,26 +136,29 @@ impl Simulation {
         self.sensitivity_at(keys, &[])
     }
 
-    /// The same at some times as well, at which steps end (s).
+    /// The same at some times as well (s), each of which is among [`Sensitivity::times`]. Steps end there, but for times within 1e-6 s of an event:
+    /// these have its state with the velocities before it.
     ///
     /// # Errors
     /// As [`Simulation::sensitivity`]; times that are not in the run.
     pub fn sensitivity_at(self, keys: &[&str], times: &[f64]) -> Result<Sensitivity, Error> {
-        let prepared = Prepared::new(self, keys, times)?;
+        let prepared = Prepared::new(self, keys, times)?.without_ends_beside_events();
         let (start, model) = (&prepared.start, &prepared.model);
         let subject = prepared.subject(&prepared.parameters);
         let mut walk = Walk::new(&subject, start);
         let mut rows = vec![(start.clone(), walk.tangent.clone())];
+        // Ends of steps that move, at events and ticks, with the derivatives at their times.
+        let mut moving: Vec<(State, Tangent)> = Vec::new();
         let (mut run, mut state) = (prepared.traced()?, start.clone());
         while let Some(until) = prepared.until(state.time) {
             let trace = prepared.step(&mut run, &mut state, until)?;
-            walk.along(&trace, &mut |state, tangent| {
+            walk.along(&trace, &mut |state, tangent, moves| {
                 // The end of a step at an instant that moves is no place of its own.
-                if tangent.times.iter().all(|by| *by == 0.0) {
-                    rows.push((state.clone(), tangent.clone()));
-                }
+                let of = if moves { &mut moving } else { &mut rows };
+                of.push((state.clone(), tangent.clone()));
             })?;
         }
+        take_asked(&mut rows, moving, times.iter().copied().filter(|time| *time > start.time), &prepared);
         let apart = prepared.check(&walk.state)?;
         let (q, v) = rows.iter().map(|(state, _)| model.flat(state)).unzip();
         let times = rows.iter().map(|(state, _)| state.time).collect();

@@ -34,6 +34,11 @@ const SHORT: f64 = 0.1;
 /// has no event, and its end would not move.
 const BESIDE: f64 = 1e-6;
 
+/// Whether the end of a step is beside another instant.
+pub(super) fn are_beside(instant: f64, time: f64) -> bool {
+    (instant - time).abs() <= BESIDE * time.abs().max(1.0)
+}
+
 /// The times of the steps of a run, and of its events (s).
 #[derive(Clone, Default)]
 struct Steps(Arc<Mutex<[Vec<f64>; 2]>>);
@@ -69,12 +74,12 @@ impl Steps {
         work(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 
-    /// The ends of steps that are not beside events, and the end of the run (s).
-    fn instants(&self, start: f64, end: f64) -> Vec<f64> {
+    /// The ends of steps that are not beside events, and the end of the run; and the events (s).
+    fn instants(&self, start: f64, end: f64) -> [Vec<f64>; 2] {
         let [steps, events] = self.with(std::mem::take);
-        let near = |time: f64| events.iter().any(|event| (event - time).abs() <= BESIDE * time.abs().max(1.0));
+        let near = |time: f64| events.iter().any(|event| are_beside(*event, time));
         let given = steps.into_iter().filter(|time| *time > start && *time < end && !near(*time));
-        given.chain([end]).collect()
+        [given.chain([end]).collect(), events]
     }
 }
 
@@ -82,7 +87,7 @@ impl Steps {
 pub(super) struct Prepared {
     pub model: Model,
     /// The mechanism of the run: targets and gains that motors take from the start are numbers of it.
-    mechanism: Mechanism,
+    pub mechanism: Mechanism,
     pub start: State,
     /// The degrees of freedom (n), and the parameters (p) by their names.
     pub names: Vec<String>,
@@ -95,6 +100,8 @@ pub(super) struct Prepared {
     end: State,
     /// Ends of steps in order of time (s), and whether each was asked for.
     instants: Vec<(f64, bool)>,
+    /// Events of the run (s).
+    events: Vec<f64>,
 }
 
 impl Prepared {
@@ -123,7 +130,9 @@ impl Prepared {
         if let Some(&time) = times.iter().find(|time| !(**time >= start.time && **time <= end.time)) {
             return Err(SensitivityError::Sample { time, start: start.time, end: end.time }.into());
         }
-        let given = steps.instants(start.time, end.time).into_iter().filter(|time| !times.contains(time));
+        let asked = |time: f64| times.iter().any(|asked| are_beside(*asked, time));
+        let [given, events] = steps.instants(start.time, end.time);
+        let given = given.into_iter().filter(|time| *time == end.time || !asked(*time));
         let mut instants: Vec<(f64, bool)> = given.map(|time| (time, false)).collect();
         instants.extend(times.iter().filter(|time| **time > start.time).map(|&time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
@@ -136,6 +145,7 @@ impl Prepared {
             elements,
             tableau,
             end,
+            events,
             instants,
             start,
             names,
@@ -143,6 +153,14 @@ impl Prepared {
             parameters,
             model,
         })
+    }
+
+    /// Without ends of steps that were asked for and are beside events: derivatives over the short steps between have roundings as large as themselves.
+    pub fn without_ends_beside_events(mut self) -> Self {
+        let events = std::mem::take(&mut self.events);
+        let near = |time: f64| events.iter().any(|event| are_beside(*event, time));
+        self.instants.retain(|&(time, is_asked)| !(is_asked && near(time)));
+        self
     }
 
     /// The subject of the derivatives, by some parameters.
