@@ -2,7 +2,7 @@
 
 use crate::{folder, robot};
 use catena::prelude::*;
-use catena::session::Sensitivity;
+use catena::session::{Backward, Lost, Samples, Sensitivity};
 use std::path::PathBuf;
 
 /// Differences of order eight.
@@ -416,5 +416,14 @@ fn samples_beside_an_event_have_the_derivatives_from_before_it_and_leave_those_a
         assert!((sampled.dq[row][(0, 0)] - 1.0).abs() < 1e-10, "{off:e}: {}", sampled.dq[row][(0, 0)]);
         assert!(sampled.dv[row][(0, 0)].abs() < 1e-9, "{off:e}: {}", sampled.dv[row][(0, 0)]);
         assert_eq!(sampled.dq.last(), alone.dq.last(), "{off:e}");
+        // Against time: the sum of both samples, of q and v.
+        let asked = Backward { keys: &keys, times: &[impact + off, 0.6], every: 1 };
+        let loss = |samples: &Samples| {
+            assert_eq!(samples.times, asked.times);
+            Lost { value: 0.0, by_q: vec![vec![1.0], vec![1.0]], by_v: vec![vec![2.0], vec![0.0]], by_events: vec![] }
+        };
+        let by = run().gradient(&asked, loss).expect("a gradient").by[0];
+        let wanted = sampled.dq[row][(0, 0)] + 2.0 * sampled.dv[row][(0, 0)] + last(&alone, 0, 0)[0];
+        assert!((by - wanted).abs() < 1e-9, "{off:e}: {by} for {wanted}");
     }
 }

@@ -95,9 +95,9 @@ impl Walk<'_> {
         });
         let by = self.tangent.times.iter().copied().collect();
         let (state, tangent) = (self.state.clone(), self.tangent.clone());
-        let event = MetEvent { time: state.time, what: words, by, rate, state, tangent };
+        let event = MetEvent { time: state.time, what: words, by, rate, state, tangent, along };
         let bend = match trigger {
-            Watched::Gap(..) | Watched::Approach(_) => self.bend(traced, mode, since, &along, of),
+            Watched::Gap(..) | Watched::Approach(_) => self.bend(traced, mode, since, &event.along, of),
             // Such functions have no second derivative without a third one of the motion: the mean over the step.
             _ => self.value(traced, mode, &start, since, of).map(|begun| 2.0 * (begun + rate * step) / (step * step)),
         };

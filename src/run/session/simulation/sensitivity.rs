@@ -8,6 +8,7 @@
 
 use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::Walk;
+use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::tangent::Tangent;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
@@ -78,7 +79,7 @@ pub struct EventSlope {
 
 impl EventSlope {
     fn of(model: &Model, event: MetEvent, arms: &DMatrix<f64>) -> Self {
-        let MetEvent { time, what, by, rate, state, tangent } = event;
+        let MetEvent { time, what, by, rate, state, tangent, .. } = event;
         let (q, v) = model.flat(&state);
         let [dq, dv] = shown(model, &state, tangent, arms);
         EventSlope { time, what, by, rate, q, v, dq, dv }
@@ -98,21 +99,24 @@ fn take_asked(
     moving: Vec<(State, Tangent)>,
     times: impl Iterator<Item = f64>,
     prepared: &Prepared,
-) {
+) -> Result<(), SensitivityError> {
     for asked in times {
         let apart = |(state, _): &&(State, Tangent)| (state.time - asked).abs();
         let nearest = moving.iter().min_by(|one, other| apart(one).total_cmp(&apart(other)));
-        let Some((state, tangent)) = nearest.filter(|(state, _)| are_beside(state.time, asked)) else { continue };
-        let (mut state, mut tangent) = (state.clone(), tangent.clone());
-        let on = asked - state.time;
-        let moved: Vec<f64> = state.velocity.iter().map(|rate| rate * on).collect();
-        state.displace(&prepared.mechanism, &moved);
-        tangent.positions += &tangent.velocities * on;
-        state.time = asked;
+        let Some((state, tangent)) = nearest.filter(|(state, _)| are_beside(state.time, asked)) else {
+            if prepared.beside.contains(&asked) {
+                return Err(SensitivityError::Beside { time: asked });
+            }
+            continue;
+        };
+        let mut tangent = tangent.clone();
+        tangent.positions += &tangent.velocities * (asked - state.time);
+        let state = prepared.moved_on(state, asked);
         let place = rows.partition_point(|(row, _)| row.time < asked);
         let is_there = rows.get(place).is_some_and(|(row, _)| row.time == asked);
         rows.splice(place..place + usize::from(is_there), [(state, tangent)]);
     }
+    Ok(())
 }
 
 impl Simulation {
@@ -142,7 +146,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::sensitivity`]; times that are not in the run.
     pub fn sensitivity_at(self, keys: &[&str], times: &[f64]) -> Result<Sensitivity, Error> {
-        let prepared = Prepared::new(self, keys, times)?.without_ends_beside_events();
+        let prepared = Prepared::new(self, keys, times)?;
         let (start, model) = (&prepared.start, &prepared.model);
         let subject = prepared.subject(&prepared.parameters);
         let mut walk = Walk::new(&subject, start);
@@ -158,7 +162,7 @@ impl Simulation {
                 of.push((state.clone(), tangent.clone()));
             })?;
         }
-        take_asked(&mut rows, moving, times.iter().copied().filter(|time| *time > start.time), &prepared);
+        take_asked(&mut rows, moving, times.iter().copied().filter(|time| *time > start.time), &prepared)?;
         let apart = prepared.check(&walk.state)?;
         let (q, v) = rows.iter().map(|(state, _)| model.flat(state)).unzip();
         let times = rows.iter().map(|(state, _)| state.time).collect();

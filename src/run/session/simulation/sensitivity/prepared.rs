@@ -87,7 +87,7 @@ impl Steps {
 pub(super) struct Prepared {
     pub model: Model,
     /// The mechanism of the run: targets and gains that motors take from the start are numbers of it.
-    pub mechanism: Mechanism,
+    mechanism: Mechanism,
     pub start: State,
     /// The degrees of freedom (n), and the parameters (p) by their names.
     pub names: Vec<String>,
@@ -100,8 +100,8 @@ pub(super) struct Prepared {
     end: State,
     /// Ends of steps in order of time (s), and whether each was asked for.
     instants: Vec<(f64, bool)>,
-    /// Events of the run (s).
-    events: Vec<f64>,
+    /// Instants that were asked for and are beside events of the run: no steps end there (s).
+    pub beside: Vec<f64>,
 }
 
 impl Prepared {
@@ -134,7 +134,11 @@ impl Prepared {
         let [given, events] = steps.instants(start.time, end.time);
         let given = given.into_iter().filter(|time| *time == end.time || !asked(*time));
         let mut instants: Vec<(f64, bool)> = given.map(|time| (time, false)).collect();
-        instants.extend(times.iter().filter(|time| **time > start.time).map(|&time| (time, true)));
+        // Derivatives over the short steps between instants and events beside them have roundings as large as themselves.
+        let near = |time: f64| events.iter().any(|event| are_beside(*event, time));
+        let asked = times.iter().copied().filter(|time| *time > start.time);
+        let (beside, ends): (Vec<f64>, Vec<f64>) = asked.partition(|time| near(*time));
+        instants.extend(ends.into_iter().map(|time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
         let elements = Elements::new(&mechanism);
@@ -145,7 +149,7 @@ impl Prepared {
             elements,
             tableau,
             end,
-            events,
+            beside,
             instants,
             start,
             names,
@@ -153,14 +157,6 @@ impl Prepared {
             parameters,
             model,
         })
-    }
-
-    /// Without ends of steps that were asked for and are beside events: derivatives over the short steps between have roundings as large as themselves.
-    pub fn without_ends_beside_events(mut self) -> Self {
-        let events = std::mem::take(&mut self.events);
-        let near = |time: f64| events.iter().any(|event| are_beside(*event, time));
-        self.instants.retain(|&(time, is_asked)| !(is_asked && near(time)));
-        self
     }
 
     /// The subject of the derivatives, by some parameters.
@@ -180,6 +176,15 @@ impl Prepared {
     pub fn arms(&self) -> DMatrix<f64> {
         let (n, p) = (self.start.velocity.len(), self.parameters.len());
         DMatrix::from_fn(n, p, |row, column| self.parameters[column].arms[row])
+    }
+
+    /// A state as it is a moment later or earlier.
+    pub fn moved_on(&self, state: &State, time: f64) -> State {
+        let mut there = state.clone();
+        let moved: Vec<f64> = state.velocity.iter().map(|rate| rate * (time - state.time)).collect();
+        there.displace(&self.mechanism, &moved);
+        there.time = time;
+        there
     }
 
     /// The same run with its trace.
