@@ -66,6 +66,7 @@ class Model:
         duration: float,
         tolerance: float | None,
         fixed: tuple[int, float] | None,
+        times: Numbers | None,
     ) -> dict[str, Any]: ...
     def gradient(
         self,

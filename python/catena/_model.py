@@ -437,6 +437,7 @@ class Model:
         tolerance: float | None = None,
         stages: int | None = None,
         step: float | None = None,
+        times: ArrayLike | None = None,
     ) -> Sensitivity:
         """A run and its derivatives by its start and its numbers: a :class:`Sensitivity`.
 
@@ -450,6 +451,7 @@ class Model:
         q, v : the start; that of the file if they are left out
         duration : s
         tolerance : wanted accuracy [m], or ``stages`` and ``step`` [s] of fixed steps
+        times : instants at which steps end as well [s]: each is among ``t``, at an event with the velocities before it
 
         Raises
         ------
@@ -462,7 +464,8 @@ class Model:
             raise InputError("stages and step go together")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
         fixed = None if stages is None else (int(stages), float(step))
-        told = self._inner.sensitivity(keys, *given, float(duration), None if tolerance is None else float(tolerance), fixed)
+        accuracy = None if tolerance is None else float(tolerance)
+        told = self._inner.sensitivity(keys, *given, float(duration), accuracy, fixed, None if times is None else flat(times, "times"))
         return Sensitivity(**told)
 
     def gradient(

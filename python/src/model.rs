@@ -309,8 +309,8 @@ impl Model {
         Ok((found.values.iter().map(|value| (value.re, value.im)).collect(), found.apart, found.warnings))
     }
 
-    /// A run and its derivatives by these keys at the end of each of its steps.
-    #[pyo3(signature = (keys, q, v, duration, tolerance, fixed))]
+    /// A run and its derivatives by these keys at the end of each of its steps, some of which are at these times.
+    #[pyo3(signature = (keys, q, v, duration, tolerance, fixed, times))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn sensitivity<'py>(
         &self,
@@ -321,11 +321,13 @@ impl Model {
         duration: f64,
         tolerance: Option<f64>,
         fixed: Option<(usize, f64)>,
+        times: Option<Given<'py>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let [q, v] = [q, v].map(|given| given.map(|given| numbers(&given)));
+        let times = times.map_or_else(Vec::new, |given| numbers(&given));
         let found = py.detach(|| {
             let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
-            self.differentiated([q, v], duration, tolerance, fixed)?.sensitivity(&keys)
+            self.differentiated([q, v], duration, tolerance, fixed)?.sensitivity_at(&keys, &times)
         });
         let run = found.map_err(|error| refuse(py, error))?;
         let out = PyDict::new(py);

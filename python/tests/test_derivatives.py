@@ -307,3 +307,108 @@ def test_the_multipliers_of_an_oscillator_are_those_of_its_closed_form(robots):
     wanted = np.exp(0.3 * (-2 + 1j * np.sqrt(96)))
     assert np.abs(found.values - [wanted, np.conj(wanted)]).max() < 1e-12 and found.warnings == []
     assert abs(found.apart) > 0.01, "it does not come back"
+
+
+def _robot(name, parts):
+    return f'<robot name="{name}"><link name="base"/>{parts}</robot>'
+
+
+def _link(name, mass, inertia, below=0.0):
+    return (
+        f'<link name="{name}"><inertial><origin xyz="0 0 {-below}"/><mass value="{mass}"/>'
+        f'<inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
+
+
+CART = _robot(
+    "cart_and_pole",
+    _link("cart", 1, 0.01)
+    + _link("pole", 0.2, 0.005, 0.25)
+    + '<joint name="x" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="100" velocity="0"/></joint>'
+    '<joint name="th" type="continuous"><parent link="cart"/><child link="pole"/><axis xyz="0 1 0"/><dynamics damping="0.003" friction="0.004"/></joint>',
+)
+LIMITED = _robot(
+    "limited_pendulum",
+    _link("rod", 0.5, 0.01, 0.3)
+    + '<joint name="h" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/><limit lower="-0.3" upper="1.5" effort="0" velocity="0"/></joint>',
+)
+SLIDER = _robot(
+    "slider",
+    _link("mass", 1, 0.01)
+    + '<joint name="x" type="prismatic"><parent link="base"/><child link="mass"/><axis xyz="1 0 0"/><limit lower="-5" upper="5" effort="0" velocity="0"/></joint>',
+)
+EVENTFUL = {
+    # The scene, its robot, the numbers that are looked for, the samples in a second and their noise, and the largest factor of guesses.
+    "pendulum on a cart with dry friction": ("positions = {th = 1.2}", CART, {"joint.th.damping": 0.003, "joint.th.friction": 0.004}, 50, 1e-3, 4.0),
+    "pendulum with a limit": (
+        'positions = {h = 1.0}\n[[joint]]\nname = "h"\nrestitution = 0.6\ndamping = 0.02',
+        LIMITED,
+        {"joint.h.damping": 0.02, "joint.h.restitution": 0.6},
+        50,
+        1e-3,
+        1.6,
+    ),
+    "mass on a spring with dry friction": (
+        'positions = {x = 0.3}\n[[spring]]\njoint = "x"\nstiffness = 80\ndamping = 0.3\nrest = 0\n[[joint]]\nname = "x"\nfriction = 1.0',
+        SLIDER,
+        {"spring.spring1.stiffness": 80.0, "joint.x.friction": 1.0},
+        100,
+        1e-4,
+        2.0,
+    ),
+}
+
+
+def _eventful(folder, scene, robot):
+    (folder / "robot.urdf").write_text(robot)
+    (folder / "scene.toml").write_text(f'[[robot]]\nurdf = "robot.urdf"\n{scene}\n')
+    return catena.load(folder / "scene.toml")
+
+
+@pytest.mark.parametrize("name", EVENTFUL)
+def test_fits_through_events_find_the_numbers_from_wherever_they_begin(tmp_path, name):
+    scene, robot, true, rate, noise, factor = EVENTFUL[name]
+    model, keys = _eventful(tmp_path, scene, robot), list(true)
+    motion = catena.Sim(model, tolerance=1e-8).run(3.0, rate=rate)
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        guess = model.with_params({key: value * factor ** random.uniform(-1, 1) for key, value in true.items()})
+        data = np.array(motion.q) + random.normal(0, noise, motion.q.shape)
+        found = catena.fit(guess, motion.t, data, keys)
+        assert found.converged and not found.warnings, (seed, found)
+        apart = np.array([found.values[key] - true[key] for key in keys])
+        # χ² of two numbers: one fit in 10 000 is further off; the noise of these is always the same.
+        assert apart @ np.linalg.solve(found.covariance, apart) < 18.4, (seed, found)
+        assert abs(found.rms / noise - 1) < 0.2, (seed, found)
+
+
+def test_a_run_has_the_samples_that_are_asked_for_beside_its_events(tmp_path):
+    scene, robot, true, *_ = EVENTFUL["pendulum with a limit"]
+    model, fixed = _eventful(tmp_path, scene, robot), {"duration": 2.0, "stages": 5, "step": 0.02}
+    alone = model.sensitivity(list(true), **fixed)
+    met = alone.events[:3]
+    for off in (0.0, 1e-13, -1e-13, 1e-9, -1e-9, 1e-7, -1e-7):
+        times = [event["t"] + off for event in met]
+        run = model.sensitivity(list(true), times=times, **fixed)
+        rows = np.searchsorted(run.t, times)
+        assert np.all(run.t[rows] == times)
+        for row, event in zip(rows, met):
+            # The event moves in time and the sample does not; some rad/s over the time between.
+            assert np.allclose(run.q[row], event["q"], rtol=0, atol=1e-12 + 10 * abs(off))
+            assert np.allclose(run.dq[row], event["dq"] - np.outer(event["v"], event["dt"]), rtol=0, atol=1e-9 + 1e3 * abs(off))
+        # Steps of other lengths have errors of 1e-7 of the derivatives.
+        assert np.allclose(run.dq[-1], alone.dq[-1], rtol=1e-6)
+
+
+def test_a_fit_whose_trials_are_refused_is_not_told_as_converged(tmp_path):
+    scene, robot, *_ = EVENTFUL["pendulum on a cart with dry friction"]
+    model = _eventful(tmp_path, scene, robot)
+    motion = catena.Sim(model.with_params({"joint.th.friction": 0.0, "joint.th.damping": 0.0}), tolerance=1e-8).run(3.0, rate=50)
+    # A motion that grows has no friction.
+    grown = np.array(motion.q) * (1 + 0.05 * np.array(motion.t))[:, None]
+    with pytest.warns(RuntimeWarning, match="has not converged"):
+        found = catena.fit(model, motion.t, grown, ["joint.th.friction"])
+    assert not found.converged and len(found.warnings) == 1 and "not converged" in repr(found)
+    # At a bound that says so, it has.
+    bounded = catena.fit(model, motion.t, grown, ["joint.th.friction"], bounds={"joint.th.friction": (1e-4, 1.0)})
+    assert bounded.converged and bounded.values["joint.th.friction"] == 1e-4

@@ -153,3 +153,43 @@ fn boxes_that_slide_over_an_edge_begin_to_tip_where_their_moment_about_it_ends()
         }
     }
 }
+
+#[test]
+fn a_chain_that_folds_onto_itself_and_sticks_there_ends_its_run() {
+    // It moves in a plane. Nothing but roundings answers to the tangent across it of a contact between its links.
+    let (arm, half) = (0.102_728_961_977_603_34, 0.051_364_480_988_801_67);
+    let link = |number: usize| {
+        format!(
+            "<link name='l{number}'><inertial><origin xyz='{half} 0 0'/><mass value='0.1'/>\
+             <inertia ixx='1e-05' iyy='0.0001' izz='0.0001' ixy='0' ixz='0' iyz='0'/></inertial>\
+             <collision><origin xyz='{half} 0 0' rpy='0 1.5707963267948966 0'/>\
+             <geometry><capsule radius='0.01' length='0.08072896197760333'/></geometry></collision></link>"
+        )
+    };
+    let joint = |number: usize| {
+        format!(
+            "<joint name='j{number}' type='continuous'><parent link='l{}'/><child link='l{number}'/>\
+             <origin xyz='{arm} 0 0'/><axis xyz='0 1 0'/></joint>",
+            number - 1
+        )
+    };
+    let parts: String = (0..4).map(link).chain((1..4).map(joint)).collect();
+    let folder = scratch("folding_chain");
+    std::fs::write(folder.join("chain.urdf"), format!("<robot name='chain'>{parts}</robot>")).expect("a robot");
+    let text = "[[robot]]\nname = \"ch\"\nurdf = \"chain.urdf\"\nbase = \"floating\"\n\
+                pose = { position = [-0.1537932089336736, 0.0, 0.5167782997836649] }\n\
+                [[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\", normal = [0, 0, 1] }\n\
+                friction = 0.5700090830679909\nrestitution = 0.35886235256200005\n\
+                [[obstacle]]\nname = \"drum\"\nshape = { type = \"cylinder\", radius = 0.1, length = 0.6 }\n\
+                pose = { position = [0, 0, 0.4], rpy = [1.5707963267948966, 0, 0] }\n\
+                friction = 0.5700090830679909\nrestitution = 0.35886235256200005\n";
+    let file = folder.join("scene.toml");
+    std::fs::write(&file, text).expect("a scene");
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let end = report(&file, &[], &[], Some(1.2), tolerance);
+        // In the plane, above the floor.
+        for (name, pose) in &end.links {
+            assert!(pose.position[1].abs() < 1e-9 && pose.position[2] > 0.0, "{tolerance:e}, {name}: {pose:?}");
+        }
+    }
+}

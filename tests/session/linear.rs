@@ -265,6 +265,29 @@ fn a_base_that_floats_without_weight_moves_freely_and_one_with_weight_has_no_equ
 }
 
 #[test]
+fn a_screw_on_a_spring_finds_its_rest_twenty_and_two_thousand_turns_away() {
+    let text = format!(
+        "<robot name=\"screw\"><link name=\"base\"/>{}{}</robot>",
+        link("nut", 2.0, [0.0; 3], [1e-4; 3]),
+        joint("turn", "screw", ["base", "nut"], [0.0; 3], "0 0 1")
+            .replace("</joint>", "<thread_pitch value=\"PITCH\"/></joint>"),
+    );
+    for pitch in [0.02, 2e-4] {
+        let robot = urdf("screw.urdf", &text.replace("PITCH", &pitch.to_string()));
+        let scene = format!(
+            "[[robot]]\nurdf = {robot:?}\nname = \"screw\"\nbase = \"fixed\"\n[[spring]]\na = {{ link = \"nut\", position = [0, 0, 0] }}\n\
+             b = {{ link = \"world\", position = [0, 0, 1] }}\nstiffness = 200.0\nrest_length = 0.5\n"
+        );
+        let model = Model::load(urdf("screw.toml", &scene)).expect("a model");
+        let found = model.linearize_at_rest(None).expect("linear equations");
+        // k (1 − z − l) = m g.
+        let turned = (0.5 - 2.0 * 9.81 / 200.0) / pitch * std::f64::consts::TAU;
+        assert!((found.q[0] - turned).abs() < 1e-9 * turned, "{} for {turned}", found.q[0]);
+        assert!(found.iterations < Some(40), "{:?}", found.iterations);
+    }
+}
+
+#[test]
 fn the_matrices_of_a_model_without_motion_are_empty() {
     let model = Model::load(robot("friction_pendulum.toml")).expect("a model");
     let linear = model.linearize_at_rest(None).expect("linear equations");

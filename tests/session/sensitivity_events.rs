@@ -2,7 +2,7 @@
 
 use crate::{folder, robot};
 use catena::prelude::*;
-use catena::session::Sensitivity;
+use catena::session::{Backward, Lost, Samples, Sensitivity};
 use std::path::PathBuf;
 
 /// Differences of order eight.
@@ -399,5 +399,31 @@ fn how_far_derivatives_hold_does_not_depend_on_the_samples_at_which_steps_end() 
     for (one, other) in alone.valid_within.iter().zip(&sampled.valid_within) {
         // Steps of other lengths have errors of 1e-6 of the motion.
         assert!((one - other).abs() <= 1e-5 * one, "{:?} and {:?}", alone.valid_within, sampled.valid_within);
+    }
+}
+
+#[test]
+fn samples_beside_an_event_have_the_derivatives_from_before_it_and_leave_those_after_it_as_they_are() {
+    let (model, keys) = (ball_on_a_slide(), ["start.q"]);
+    let run = || Simulation::new(&model).fixed(5, 0.05).duration(0.6).without_figures();
+    let alone = run().sensitivity(&keys).expect("derivatives");
+    let (impact, speed) = (alone.events[0].time, (2.0 * 9.81_f64).sqrt());
+    for off in [0.0, 1e-13, -1e-13, 1e-9, -1e-9, 1e-7, -1e-7] {
+        let sampled = run().sensitivity_at(&keys, &[impact + off]).expect("derivatives");
+        let row = sampled.times.iter().position(|time| *time == impact + off).expect("the sample");
+        // z = h − g t²/2: ∂z/∂h = 1 and ∂v/∂h = 0 at a fixed time.
+        assert!((sampled.q[row][0] + speed * off).abs() < 1e-12, "{off:e}: {}", sampled.q[row][0]);
+        assert!((sampled.dq[row][(0, 0)] - 1.0).abs() < 1e-10, "{off:e}: {}", sampled.dq[row][(0, 0)]);
+        assert!(sampled.dv[row][(0, 0)].abs() < 1e-9, "{off:e}: {}", sampled.dv[row][(0, 0)]);
+        assert_eq!(sampled.dq.last(), alone.dq.last(), "{off:e}");
+        // Against time: the sum of both samples, of q and v.
+        let asked = Backward { keys: &keys, times: &[impact + off, 0.6], every: 1 };
+        let loss = |samples: &Samples| {
+            assert_eq!(samples.times, asked.times);
+            Lost { value: 0.0, by_q: vec![vec![1.0], vec![1.0]], by_v: vec![vec![2.0], vec![0.0]], by_events: vec![] }
+        };
+        let by = run().gradient(&asked, loss).expect("a gradient").by[0];
+        let wanted = sampled.dq[row][(0, 0)] + 2.0 * sampled.dv[row][(0, 0)] + last(&alone, 0, 0)[0];
+        assert!((by - wanted).abs() < 1e-9, "{off:e}: {by} for {wanted}");
     }
 }

@@ -100,6 +100,7 @@ impl Eventful {
         self.candidates(since, which);
         self.see_forces();
         which.retain(|index| Some(*index) != but && !self.is_foreseen(self.trial.watched[*index]));
+        room.unclear = false;
         if which.is_empty() {
             return None;
         }

@@ -218,7 +218,10 @@ impl Eventful {
         let overlaps = (outcome.step > JAM || is_moment) && self.overlaps(state);
         if overlaps {
             Some(Rejected::Overlap)
-        } else if !ending.is_at_start() && !is_moment && self.has_hole(self.trial.origin.time) {
+        } else if !ending.is_at_start()
+            && !is_moment
+            && (ending.is_of_scheme() && self.trial.looking.room.unclear || self.has_hole(self.trial.origin.time))
+        {
             Some(Rejected::Unseen)
         } else if ending.is_of_scheme() && !ending.is_at_start() && self.passes_a_stop(state) {
             Some(Rejected::SlipTurned)

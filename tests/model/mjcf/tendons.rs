@@ -138,6 +138,23 @@ fn two_geoms_have_the_larger_friction_of_the_ways_that_either_resists_or_that_of
 }
 
 #[test]
+fn ellipsoids_of_a_file_that_switches_contact_off_are_no_warning() {
+    let parts = "<worldbody><geom type='ellipsoid' size='1 1 .5'/>
+      <body name='egg' pos='0 0 3'><freejoint/><geom type='ellipsoid' size='0.2 0.1 0.05' mass='1'/></body>
+      <body name='both' pos='0 0 5'><freejoint/><geom type='ellipsoid' size='0.2 0.1 0.05'/><geom type='sphere' size='.1'/></body></worldbody>";
+    let folder = crate::common::command::folder("mjcf_ellipsoids_without_contact");
+    let warnings = |option: &str| {
+        std::fs::write(folder.join("model.xml"), format!("<mujoco>{option}{parts}</mujoco>")).expect("written");
+        let model = Model::load(folder.join("model.xml")).expect("a model");
+        let pairs = model.description().mechanism.nonsmooth.pairs.iter().count();
+        (pairs, model.warnings().iter().filter(|line| line.contains("llipsoid")).count())
+    };
+    assert_eq!(warnings("<option><flag contact='disable'/></option>"), (0, 0));
+    // The sphere touches nothing else.
+    assert_eq!(warnings("").1, 3);
+}
+
+#[test]
 fn an_ellipsoid_touches_planes_and_rests_on_its_shortest_axis() {
     let text = "<mujoco><worldbody><geom name='floor' type='plane' size='1 1 1'/><geom name='step' type='box' size='1 1 .1' pos='3 0 0'/>
       <body name='egg' pos='0 0 0.3'><freejoint/><geom type='ellipsoid' size='0.2 0.1 0.05' mass='1'/></body></worldbody></mujoco>";

@@ -2,20 +2,13 @@
 //!
 //! Samples are at `x_j = j/6`; the thirds of the step come first. A function whose least value there is more than twice its change is not looked
 //! at any further: a step that has the accuracy of its stages is shorter than a wave and a half. Under loads in time, which may be quicker than the
-//! motion, all samples come first. A sign that changes between two samples is a bracket. Between two samples that are positive the function may dip below zero. If its
-//! second derivative is at most M there, it is
-//!
-//! ```text
-//!     f(a + u) ≥ f(a) + s u − M u (L − u)/2,     s = (f(b) − f(a))/L,  L = b − a          least at u = L/2 − s/M, if that is inside
-//! ```
-//!
-//! M is taken from second differences of neighbouring samples and from what these differ by. Where the bound is below zero, the interval is halved, and
-//! M is estimated anew. No dip is looked for in a function that bends by less than what counts as zero: one that stays at zero would dip everywhere. The
-//! start of a step may be a root itself, of an element that has just changed its state. It counts as positive, and if the first sample is negative, an
-//! earlier positive one is looked for.
+//! motion, all samples come first. A sign that changes between two samples is a bracket. Between two samples that are positive the function may dip
+//! below zero ([`crate::events::finding::dips`]). The start of a step may be a root itself, of an element that has just changed its state. It counts as
+//! positive, and if the first sample is negative, an earlier positive one is looked for.
 //!
 //! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
 
+use crate::events::finding::dips::{DIP_LOOKS, bend_before, dips};
 use std::ops::Range;
 
 /// Samples of a step besides its start.
@@ -47,12 +40,6 @@ impl First {
 
 /// A function is not looked at any more if its least value there exceeds this many times its change.
 const CALM: f64 = 2.0;
-/// The second derivative between samples over what their differences say, besides what these differ by.
-const SHARPER: f64 = 1.5;
-/// In half an interval it is estimated anew, as no less than this part of the estimate before.
-const FLATTER: f64 = 0.1;
-/// Halvings of an interval in search of a dip.
-const DIP_HALVINGS: u32 = 20;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
@@ -102,6 +89,8 @@ pub(crate) struct Room {
     values: Vec<f64>,
     /// Which functions the first of them have shown to stay far from zero.
     calm: Vec<bool>,
+    /// Whether a function was too rough to tell whether it dips below zero in the last look.
+    pub unclear: bool,
 }
 
 /// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
@@ -120,7 +109,8 @@ pub(crate) fn first_sign_change(
 ) -> Option<Bracket> {
     let length = end - start;
     let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
-    let Room { values, calm } = room;
+    let Room { values, calm, unclear } = room;
+    *unclear = false;
     values.resize(count * (SAMPLES + 1), 0.0);
     let first = first.samples();
     for &j in first {
@@ -144,7 +134,10 @@ pub(crate) fn first_sign_change(
             sample(at, watched..watched + 1, &mut one);
             one[0]
         };
-        let Some((low, high, at_start)) = bracket(&of, &time, [zero[watched], noise[watched]], &mut value) else {
+        let mut looks = DIP_LOOKS;
+        let found = bracket(&of, &time, [zero[watched], noise[watched]], &mut looks, &mut value);
+        *unclear |= looks == 0;
+        let Some((low, high, at_start)) = found else {
             continue;
         };
         // Whatever is still positive at a known root has its own later.
@@ -175,6 +168,7 @@ fn bracket(
     of: &[f64],
     time: &impl Fn(usize) -> f64,
     [zero, noise]: [f64; 2],
+    looks: &mut u32,
     value: &mut impl FnMut(f64) -> f64,
 ) -> Option<(f64, f64, bool)> {
     for j in 1..of.len() {
@@ -182,7 +176,7 @@ fn bracket(
         let below = if of[j] < 0.0 {
             Some(time(j))
         } else if j > 1 || noise.is_finite() {
-            dips(interval, bend_before(of, j, time(j) - time(j - 1)), zero, DIP_HALVINGS, value)
+            dips(interval, bend_before(of, j, time(j) - time(j - 1)), zero, looks, value)
         } else {
             // One that has just changed its state leaves zero, and is among roundings first.
             None
@@ -198,53 +192,6 @@ fn bracket(
         });
     }
     None
-}
-
-/// A bound of the second derivative between the samples j − 1 and j, which are so far apart (s): from the second differences that contain both, and what
-/// they differ by. At an end of the samples that is what the two nearest differ by.
-fn bend_before(of: &[f64], j: usize, apart: f64) -> f64 {
-    let second = |middle: usize| (of[middle - 1] - 2.0 * of[middle] + of[middle + 1]) / apart.powi(2);
-    let last = of.len() - 2;
-    let (one, other) = if j == 1 {
-        (1, 2)
-    } else if j == of.len() - 1 {
-        (last, last - 1)
-    } else {
-        (j - 1, j)
-    };
-    let (one, other) = (second(one), second(other));
-    SHARPER * one.max(other).max(0.0) + (one - other).abs()
-}
-
-/// A point in an interval (times in s, values) at whose ends a function is not negative, and where it is, if its second derivative is at most `bend` there.
-fn dips(
-    [(start, first), (end, last)]: [(f64, f64); 2],
-    bend: f64,
-    zero: f64,
-    halvings: u32,
-    value: &mut impl FnMut(f64) -> f64,
-) -> Option<f64> {
-    let length = end - start;
-    // Infinite values are those of functions that are not looked at.
-    if halvings == 0 || !(bend * length.powi(2) > zero && bend.is_finite()) {
-        return None;
-    }
-    let slope = (last - first) / length;
-    let least = 0.5 * length - slope / bend;
-    if !(least > 0.0 && least < length && first + slope * least < 0.5 * bend * least * (length - least)) {
-        return None;
-    }
-    let middle = start + 0.5 * length;
-    if !(middle > start && middle < end) {
-        return None;
-    }
-    let found = value(middle);
-    if found < 0.0 {
-        return Some(middle);
-    }
-    let bend = SHARPER * (4.0 * (first - 2.0 * found + last) / length.powi(2)).max(FLATTER * bend);
-    dips([(start, first), (middle, found)], bend, zero, halvings - 1, value)
-        .or_else(|| dips([(middle, found), (end, last)], bend, zero, halvings - 1, value))
 }
 
 /// An interval soon after the start in which a function that is negative at the end changes its sign: the longest halved interval at whose end it is

@@ -4,6 +4,7 @@ pub(crate) mod approach;
 pub mod cover;
 pub(crate) mod cycle;
 pub(crate) mod detection;
+mod dips;
 pub(crate) mod extremes;
 pub(crate) mod reserves;
 pub(crate) mod speeds;

@@ -10,7 +10,7 @@
 use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
 use crate::instant::cone::least_norm::{least_norm, spread};
 use crate::instant::cone::problem::Law;
-use crate::instant::holding::blocks::{Block, Of};
+use crate::instant::holding::blocks::{Block, Of, least_answer};
 use nalgebra::{DMatrix, DVector};
 
 /// Held rows whose response is singular to this part are redundant.
@@ -80,10 +80,11 @@ impl Chosen {
         })
     }
 
-    /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units.
+    /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units; zero for rows that nothing answers to.
     fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
+        let least = least_answer(mobility);
         let own = self.equations.iter().map(|(row, _)| mobility[(*row, *row)]);
-        own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
+        own.map(|own| if own > least { 1.0 / own.sqrt() } else { 0.0 }).collect()
     }
 
     /// [`Chosen::square`], scaled.
@@ -178,10 +179,11 @@ pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
 
 /// Whether a response is regular, whatever the units of its rows.
 fn is_regular(square: &DMatrix<f64>) -> bool {
-    let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
-    if scale.contains(&0.0) {
+    let least = least_answer(square);
+    if square.diagonal().iter().any(|own| *own <= least) {
         return false;
     }
+    let scale: Vec<f64> = square.diagonal().iter().map(|own| own.sqrt()).collect();
     let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
         square[(row, column)] / (scale[row] * scale[column])
     });
@@ -189,4 +191,28 @@ fn is_regular(square: &DMatrix<f64>) -> bool {
         let values = sub_matrix(&scaled, &part).symmetric_eigenvalues();
         values.min() > SINGULAR * values.max()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_that_nothing_answers_to_but_roundings_has_no_force_and_makes_no_other() {
+        // The tangent across the plane of a linkage in a plane, whose bodies are 1e-14 m beside it.
+        let law = Law::Contact { friction: 0.5 };
+        let blocks = [Block { of: Of::Contact(0), law, rows: vec![vec![0.0].into(); 3] }];
+        let chosen = Chosen::new(&blocks);
+        for (noise, own) in [(1e-14, 1e-28), (3e-13, 1e-27), (-1e-13, 0.0), (1e-14, -1e-29)] {
+            let mobility = DMatrix::from_row_slice(3, 3, &[40.0, 3.0, noise, 3.0, 2e3, -noise, noise, -noise, own]);
+            assert!(!chosen.is_unique(&mobility), "{noise:e}, {own:e}");
+            for unique in [true, false] {
+                let forces = chosen.solve(&mobility, &[-1.0, 2.0, 1e-13], unique);
+                let determinant = 40.0 * 2e3 - 9.0;
+                let wanted = [(2e3 + 6.0) / determinant, -(80.0 + 3.0) / determinant, 0.0];
+                let off = forces.iter().zip(wanted).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-12, "{forces:?} for {wanted:?}");
+            }
+        }
+    }
 }

@@ -263,7 +263,7 @@ impl Reader<'_> {
         geom.pose = at * geom.pose;
         self.fixed_mass += mass.map_or(0.0, |of| of.mass);
         if geom.is_ellipsoid() {
-            self.not_simulated(given, "an ellipsoid that does not move touches nothing".to_string());
+            self.ellipsoids(given, "an ellipsoid that does not move touches nothing");
         } else if geom.touches && !matches!(geom.form, Form::Other) {
             self.obstacles.push((body.to_string(), geom));
         }
@@ -287,11 +287,18 @@ impl Reader<'_> {
             return;
         }
         if ellipsoids == link.geoms.iter().filter(|geom| geom.can_touch()).count() {
-            self.not_simulated(body, "a body of ellipsoids touches planes, and no other shapes".to_string());
+            self.ellipsoids(body, "a body of ellipsoids touches planes, and no other shapes");
             return;
         }
         link.geoms.iter_mut().filter(|geom| geom.is_ellipsoid()).for_each(|geom| geom.touches = false);
-        self.not_simulated(body, "ellipsoids beside other shapes of one body touch nothing".to_string());
+        self.ellipsoids(body, "ellipsoids beside other shapes of one body touch nothing");
+    }
+
+    /// Warns of what ellipsoids do not touch, unless nothing is to touch.
+    fn ellipsoids(&mut self, of: &Element, what: &str) {
+        if self.touches {
+            self.not_simulated(of, what.to_string());
+        }
     }
 
     /// The name of a body, or a number.

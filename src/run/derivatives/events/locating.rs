@@ -92,12 +92,18 @@ impl Walk<'_> {
         self.tangent.positions += &along.positions * longer.transpose();
         self.tangent.velocities += &along.velocities * longer.transpose();
         self.tangent.times += &longer;
+        let by_time = self.tangent.times.transpose();
+        self.still = Some(Tangent {
+            positions: &self.tangent.positions - &along.positions * &by_time,
+            velocities: &self.tangent.velocities - &along.velocities * &by_time,
+            times: still,
+        });
         let by = self.tangent.times.iter().copied().collect();
         let (state, tangent) = (self.state.clone(), self.tangent.clone());
-        let event = MetEvent { time: state.time, what: words, by, rate, state, tangent };
+        let event = MetEvent { time: state.time, what: words, by, rate, state, tangent, along };
         let bend = match trigger {
             _ if !self.tells => None,
-            Watched::Gap(..) | Watched::Approach(_) => self.bend(traced, mode, since, &along, of),
+            Watched::Gap(..) | Watched::Approach(_) => self.bend(traced, mode, since, &event.along, of),
             // Such functions have no second derivative without a third one of the motion: the mean over the step.
             _ => self.value(traced, mode, &start, since, of).map(|begun| 2.0 * (begun + rate * step) / (step * step)),
         };

@@ -128,7 +128,7 @@ impl<'t> Tape<'t> {
         self.first_events.push(self.walk.events.len());
         self.walk.kept = None;
         self.walk.keeps = self.every == 1 && trace.iter().filter_map(step_of).count() == 1 && self.room > 0;
-        self.walk.along(&trace, &mut |_, _| {})?;
+        self.walk.along(&trace, &mut |_, _, _| {})?;
         let solved = self.walk.kept.take();
         let rows = solved.as_ref().map_or(0, |step| step.mode.size(self.subject.tableau.stages));
         self.room = self.room.saturating_sub(rows * rows * size_of::<f64>());
@@ -170,7 +170,7 @@ impl<'t> Tape<'t> {
             for (index, piece) in pieces.iter().enumerate() {
                 places.push(Place::of(&self.walk));
                 if index + 1 < pieces.len() {
-                    self.walk.along(piece, &mut |_, _| {})?;
+                    self.walk.along(piece, &mut |_, _, _| {})?;
                 }
             }
             for (index, (piece, place)) in pieces.iter().zip(&places).enumerate().rev() {
@@ -270,7 +270,7 @@ impl Back<'_> {
         self.walk.tangent = tangent;
         self.walk.validity = Validity::new(all);
         self.walk.events.clear();
-        self.walk.along(piece, &mut |_, _| {})?;
+        self.walk.along(piece, &mut |_, _, _| {})?;
         let pulled_back = |tangent: &Tangent, by: &Adjoint| {
             tangent.positions.tr_mul(&by.positions)
                 + tangent.velocities.tr_mul(&by.velocities)

@@ -26,6 +26,8 @@ pub(crate) struct MetEvent {
     pub rate: f64,
     pub state: State,
     pub tangent: Tangent,
+    /// The derivatives of the state by time, before it jumps (n × 1).
+    pub along: Tangent,
 }
 
 /// The smallest change of each parameter at which the derivative ends.

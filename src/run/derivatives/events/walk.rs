@@ -75,6 +75,8 @@ pub(crate) struct Walk<'w> {
     /// Where it is.
     pub state: State,
     pub tangent: Tangent,
+    /// The derivatives at the end of the last step, at the time at which it is now, if that end moves.
+    pub(super) still: Option<Tangent>,
     /// Of efforts that motors hold between ticks (motors × p).
     pub(super) given: DMatrix<f64>,
     /// When the run began (s).
@@ -124,6 +126,7 @@ impl<'w> Walk<'w> {
                 velocities: column(&|parameter| &parameter.velocity),
                 times: DVector::zeros(p),
             },
+            still: None,
             given: DMatrix::zeros(elements.motors.len(), p),
             began: start.time,
             begun: false,
@@ -141,11 +144,15 @@ impl<'w> Walk<'w> {
         }
     }
 
-    /// Goes along a trace; `at` is called at the end of every step to a given instant.
+    /// Goes along a trace; `at` is called at the end of every step with the derivatives at its time, before it jumps, and whether the end moves.
     ///
     /// # Errors
     /// [`SensitivityError`] where a step or jump has no derivative.
-    pub fn along(&mut self, trace: &[Traced], at: &mut dyn FnMut(&State, &Tangent)) -> Result<(), SensitivityError> {
+    pub fn along(
+        &mut self,
+        trace: &[Traced],
+        at: &mut dyn FnMut(&State, &Tangent, bool),
+    ) -> Result<(), SensitivityError> {
         for (index, entry) in trace.iter().enumerate() {
             match entry {
                 Traced::Step(step) => {
@@ -153,9 +160,11 @@ impl<'w> Walk<'w> {
                         Traced::Jump(jump) => Some(&**jump),
                         Traced::Step(_) => None,
                     });
+                    self.still = None;
                     self.step(step, next)?;
-                    if step.triggers.is_empty() {
-                        at(&self.state, &self.tangent);
+                    match self.still.take() {
+                        Some(still) => at(&self.state, &still, true),
+                        None => at(&self.state, &self.tangent, false),
                     }
                 }
                 Traced::Jump(jump) => self.jump(jump)?,
@@ -244,6 +253,7 @@ impl<'w> Walk<'w> {
         let later = self.later(traced, since)?;
         if mode.free.is_empty() {
             self.state.time = traced.end.time;
+            self.still = later.iter().any(|by| *by != 0.0).then(|| self.tangent.clone());
             self.tangent.times = later;
             return Ok(());
         }
@@ -260,6 +270,10 @@ impl<'w> Walk<'w> {
         };
         let (mode, solved) = (&kept.mode, &kept.solved);
         let longer = &later - &self.tangent.times;
+        if later.iter().any(|by| *by != 0.0) {
+            self.carry(mode, step, solved, efforts.clone(), &closed, &-&was.times)?;
+            self.still = Some(std::mem::replace(&mut self.tangent, was.clone()));
+        }
         self.carry(mode, step, solved, efforts, &closed, &longer)?;
         self.take_end(solved, traced.end.time);
         self.see_near(traced, (&before, &was), &solved.stages);

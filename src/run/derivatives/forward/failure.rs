@@ -57,6 +57,9 @@ pub enum SensitivityError {
         "a sample at t = {time} s is not in the run, which goes from {start} s to {end} s; give times after its start"
     )]
     Sample { time: f64, start: f64, end: f64 },
+    /// A sample beside an event of the run at which no repeated step ends.
+    #[error("a sample at t = {time} s is beside an event at which no step ends; give a time 1e-6 s or more from it")]
+    Beside { time: f64 },
     /// A step was not solved again.
     #[error(
         "the step at t = {time} s could not be solved to rounding again: take fixed steps, shorter ones, with two stages or more, or another --tolerance"

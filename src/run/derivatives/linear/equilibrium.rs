@@ -10,7 +10,7 @@
 //!
 //! Newton's method finds the equilibrium nearest to the start, stable or not: a pendulum that starts near the top stays there. If it leaves the
 //! neighbourhood of the start, the search goes downhill instead, along the forces, to a stable equilibrium. No motion of an iteration is larger than
-//! a bound, because far from the root the linear equations say little.
+//! a bound, because far from the root the linear equations say little; the bound is doubled while they foresee the force after a motion.
 //!
 //! Source: J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, chapters 3 and 11.
 
@@ -23,8 +23,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// Iterations; from a state whose joints are within a radian about ten are made.
 const ITERATIONS: usize = 300;
-/// No coordinate moves further in one iteration (rad or m).
+/// No coordinate moves further in one iteration (rad or m), unless the linear equations have foreseen the force after the last motion.
 const LARGEST_MOTION: f64 = 0.3;
+/// They have if they are off by less than this part of the force before it: springs, and no pendulums.
+const FORESEEN: f64 = 1e-3;
 /// Newton's method stays within this distance of where it starts (rad or m).
 const NEAR: f64 = 0.5;
 /// Newton's method takes over for motions this small (rad or m).
@@ -104,13 +106,20 @@ pub fn settle(
         return Ok(iterations);
     }
     let mut length = LARGEST_MOTION;
-    let mut before: Option<(DVector<f64>, f64)> = None;
+    let mut before: Option<(DVector<f64>, [f64; 2])> = None;
     for iteration in 1..=ITERATIONS {
         let Some(rest) = search.rest(state) else { break };
-        if let Some((motion, slope)) = &before {
+        if let Some((motion, [slope, foreseen])) = &before {
             // The force along the last motion, after it.
             let turned = rest.unbalanced.dot(motion);
-            length = if turned > OVERSHOT * slope.abs() { 0.5 * length } else { (2.0 * length).min(LARGEST_MOTION) };
+            length = if turned > OVERSHOT * slope.abs() {
+                0.5 * length
+            } else if foreseen > slope && (turned - foreseen).abs() <= FORESEEN * slope.abs() {
+                // What has no stiffness has no equilibrium to hurry to.
+                2.0 * length
+            } else {
+                (2.0 * length).min(LARGEST_MOTION)
+            };
         }
         let Some(motion) = rest.downhill() else { break };
         let size = motion.amax();
@@ -122,10 +131,11 @@ pub fn settle(
             }
         }
         let motion = motion * (length / size.max(length));
+        let stiffens = motion.dot(&(&rest.stiffness * &motion));
         let motion = &rest.motions * motion;
         let slope = rest.unbalanced.dot(&motion);
         search.displace(state, &motion);
-        before = Some((motion, slope));
+        before = Some((motion, [slope, slope + stiffens]));
         if stops(state) {
             return Ok(iteration);
         }

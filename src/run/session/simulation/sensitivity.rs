@@ -8,6 +8,7 @@
 
 use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::Walk;
+use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::tangent::Tangent;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
@@ -23,7 +24,7 @@ mod prepared;
 mod starts;
 
 pub use gradient::{Backward, EventLost, Gradient, Lost, SampledEvent, Samples};
-use prepared::Prepared;
+use prepared::{Prepared, are_beside};
 
 /// The derivatives of a run at its start and at the end of every step to a given instant.
 #[derive(Clone, Debug)]
@@ -79,7 +80,7 @@ pub struct EventSlope {
 
 impl EventSlope {
     fn of(model: &Model, event: MetEvent, arms: &DMatrix<f64>) -> Self {
-        let MetEvent { time, what, by, rate, state, tangent } = event;
+        let MetEvent { time, what, by, rate, state, tangent, .. } = event;
         let (q, v) = model.flat(&state);
         let [dq, dv] = shown(model, &state, tangent, arms);
         EventSlope { time, what, by, rate, q, v, dq, dv }
@@ -91,6 +92,32 @@ fn shown(model: &Model, state: &State, tangent: Tangent, arms: &DMatrix<f64>) ->
     let Tangent { mut positions, mut velocities, .. } = tangent;
     Tangents::at(model.description(), state).shown(&mut positions, &mut velocities, arms);
     [positions, velocities]
+}
+
+/// Puts the instants that were asked for and are beside ends of steps that move among the rows: with the motion from before the end.
+fn take_asked(
+    rows: &mut Vec<(State, Tangent)>,
+    moving: Vec<(State, Tangent)>,
+    times: impl Iterator<Item = f64>,
+    prepared: &Prepared,
+) -> Result<(), SensitivityError> {
+    for asked in times {
+        let apart = |(state, _): &&(State, Tangent)| (state.time - asked).abs();
+        let nearest = moving.iter().min_by(|one, other| apart(one).total_cmp(&apart(other)));
+        let Some((state, tangent)) = nearest.filter(|(state, _)| are_beside(state.time, asked)) else {
+            if prepared.beside.contains(&asked) {
+                return Err(SensitivityError::Beside { time: asked });
+            }
+            continue;
+        };
+        let mut tangent = tangent.clone();
+        tangent.positions += &tangent.velocities * (asked - state.time);
+        let state = prepared.moved_on(state, asked);
+        let place = rows.partition_point(|(row, _)| row.time < asked);
+        let is_there = rows.get(place).is_some_and(|(row, _)| row.time == asked);
+        rows.splice(place..place + usize::from(is_there), [(state, tangent)]);
+    }
+    Ok(())
 }
 
 impl Simulation {
@@ -114,7 +141,8 @@ impl Simulation {
         self.sensitivity_at(keys, &[])
     }
 
-    /// The same at some times as well, at which steps end (s).
+    /// The same at some times as well (s), each of which is among [`Sensitivity::times`]. Steps end there, but for times within 1e-6 s of an event:
+    /// these have its state with the velocities before it.
     ///
     /// # Errors
     /// As [`Simulation::sensitivity`]; times that are not in the run.
@@ -124,16 +152,18 @@ impl Simulation {
         let subject = prepared.subject(&prepared.parameters);
         let mut walk = Walk::new(&subject, start);
         let mut rows = vec![(start.clone(), walk.tangent.clone())];
+        // Ends of steps that move, at events and ticks, with the derivatives at their times.
+        let mut moving: Vec<(State, Tangent)> = Vec::new();
         let (mut run, mut state) = (prepared.traced()?, start.clone());
         while let Some(until) = prepared.until(state.time) {
             let trace = prepared.step(&mut run, &mut state, until)?;
-            walk.along(&trace, &mut |state, tangent| {
+            walk.along(&trace, &mut |state, tangent, moves| {
                 // The end of a step at an instant that moves is no place of its own.
-                if tangent.times.iter().all(|by| *by == 0.0) {
-                    rows.push((state.clone(), tangent.clone()));
-                }
+                let of = if moves { &mut moving } else { &mut rows };
+                of.push((state.clone(), tangent.clone()));
             })?;
         }
+        take_asked(&mut rows, moving, times.iter().copied().filter(|time| *time > start.time), &prepared)?;
         let apart = prepared.check(&walk.state)?;
         let (q, v) = rows.iter().map(|(state, _)| model.flat(state)).unzip();
         let times = rows.iter().map(|(state, _)| state.time).collect();

@@ -4,17 +4,18 @@
 //!     run ─▶ tape ─▶ q, v at the given times ─▶ the loss: its value, ∂/∂q, ∂/∂v ─▶ back to the start: ∂/∂θ
 //! ```
 //!
-//! The steps of the run also end at the samples, so that no interpolation has a part in it.
+//! The steps of the run also end at the samples, so that no interpolation has a part in it. Samples within 1e-6 s of an event have its state.
 
 use crate::derivatives::events::reverse::{Adjoint, Tape};
 use crate::derivatives::events::validity::MetEvent;
+use crate::derivatives::forward::failure::SensitivityError;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
-use crate::session::simulation::sensitivity::prepared::Prepared;
+use crate::session::simulation::sensitivity::prepared::{Prepared, are_beside};
 use crate::session::tangents::Tangents;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// The parameters and the samples of a gradient.
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +94,35 @@ pub struct Gradient {
     pub warnings: Vec<String>,
 }
 
+/// Where a sample is: at the start, at the end of a piece of the tape, or beside an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    Start,
+    End(usize),
+    Event(usize),
+}
+
+impl Prepared {
+    /// The event beside an instant, and the state there, of the motion before it.
+    fn sample_beside(&self, time: f64, events: &[MetEvent]) -> Result<(Place, State), SensitivityError> {
+        let apart = |event: &MetEvent| (event.time - time).abs();
+        let nearest = events.iter().enumerate().min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
+        let (number, event) =
+            nearest.filter(|(_, event)| are_beside(event.time, time)).ok_or(SensitivityError::Beside { time })?;
+        Ok((Place::Event(number), self.moved_on(&event.state, time)))
+    }
+}
+
+impl Adjoint {
+    /// The derivatives of a loss by a state at a time beside an event, as derivatives by the state at the event and by its time.
+    fn at_fixed_time(&self, event: &MetEvent, time: f64) -> Self {
+        let velocities = &self.velocities + &self.positions * (time - event.time);
+        let along = |rates: &DMatrix<f64>, by: &DVector<f64>| rates.column(0).dot(by);
+        let by_time = along(&event.along.positions, &self.positions) + along(&event.along.velocities, &velocities);
+        Adjoint { positions: self.positions.clone(), velocities, time: -by_time }
+    }
+}
+
 impl SampledEvent {
     fn of(model: &Model, event: &MetEvent) -> Self {
         let (q, v) = model.flat(&event.state);
@@ -149,26 +179,28 @@ impl Simulation {
         let (subject, mut run) = (prepared.subject(&[]), prepared.traced()?);
         let mut tape = Tape::new(&subject, &prepared.start, asked.every);
         let mut samples = Samples::default();
-        // The piece at whose end each sample is; none for the start.
-        let (mut pieces, mut states): (Vec<Option<usize>>, Vec<State>) = (Vec::new(), Vec::new());
+        let mut places: Vec<(Place, State)> = Vec::new();
         let (mut state, mut count) = (prepared.start.clone(), 0);
-        let mut sample = |state: &State, piece: Option<usize>| {
+        let is_sample = |time: &f64| asked.times.contains(time) && !prepared.beside.contains(time);
+        if is_sample(&state.time) {
+            places.push((Place::Start, state.clone()));
+        }
+        while let Some(until) = prepared.until(state.time) {
+            tape.add(prepared.step(&mut run, &mut state, until)?)?;
+            if is_sample(&state.time) {
+                places.push((Place::End(count), tape.state().clone()));
+            }
+            count += 1;
+        }
+        for &time in &prepared.beside {
+            let place = places.partition_point(|(_, state)| state.time < time);
+            places.insert(place, prepared.sample_beside(time, tape.events())?);
+        }
+        for (_, state) in &places {
             let (q, v) = prepared.model.flat(state);
             samples.times.push(state.time);
             samples.q.push(q);
             samples.v.push(v);
-            pieces.push(piece);
-            states.push(state.clone());
-        };
-        if asked.times.contains(&state.time) {
-            sample(&state, None);
-        }
-        while let Some(until) = prepared.until(state.time) {
-            tape.add(prepared.step(&mut run, &mut state, until)?)?;
-            if asked.times.contains(&state.time) {
-                sample(tape.state(), Some(count));
-            }
-            count += 1;
         }
         prepared.check(tape.state())?;
         let warnings = tape.warnings().to_vec();
@@ -179,7 +211,7 @@ impl Simulation {
         {
             let given = rows.iter().find(|row| row.len() != n).map(Vec::len);
             if let Some((given, wanted)) =
-                given.map(|given| (given, n)).or((rows.len() != pieces.len()).then_some((rows.len(), pieces.len())))
+                given.map(|given| (given, n)).or((rows.len() != places.len()).then_some((rows.len(), places.len())))
             {
                 return Err(Error::Count { what, given, wanted });
             }
@@ -192,17 +224,21 @@ impl Simulation {
             by_arms += tangents.pulled_back(&mut positions, &mut velocities);
             Adjoint { positions, velocities, time }
         };
-        let by_sample: Vec<Adjoint> = (states.iter().zip(lost.by_q.iter().zip(&lost.by_v)))
-            .map(|(state, (by_q, by_v))| {
+        let by_sample: Vec<Adjoint> = (places.iter().zip(lost.by_q.iter().zip(&lost.by_v)))
+            .map(|((_, state), (by_q, by_v))| {
                 let [positions, velocities] = [by_q, by_v].map(|of| DVector::from_column_slice(of));
                 of_state(Adjoint { positions, velocities, time: 0.0 }, state)
             })
             .collect();
-        let of_sample = |piece: Option<usize>| {
-            let sample = pieces.iter().position(|known| *known == piece)?;
+        let of_sample = |place: Place| {
+            let sample = places.iter().position(|(known, _)| *known == place)?;
             Some(by_sample[sample].clone())
         };
-        let mut by_event = Vec::new();
+        let of_events = places.iter().zip(&by_sample).filter_map(|((place, state), by)| match place {
+            Place::Event(event) => Some((*event, by.at_fixed_time(&tape.events()[*event], state.time))),
+            _ => None,
+        });
+        let mut by_event: Vec<(usize, Adjoint)> = of_events.collect();
         for by in &lost.by_events {
             let (event, by) = by.checked(n, samples.events.len())?;
             by_event.push((event, of_state(by, &tape.events()[event].state)));
@@ -211,8 +247,8 @@ impl Simulation {
             let own = by_event.iter().filter(|(own, _)| *own == event).map(|(_, by)| by.clone());
             own.reduce(|sum, by| sum.plus(&by))
         };
-        let mut by = tape.gradient(&prepared.parameters, &|piece| of_sample(Some(piece)), &of_event)?;
-        if let Some(start) = of_sample(None) {
+        let mut by = tape.gradient(&prepared.parameters, &|piece| of_sample(Place::End(piece)), &of_event)?;
+        if let Some(start) = of_sample(Place::Start) {
             for (own, parameter) in by.iter_mut().zip(&prepared.parameters) {
                 *own += start.positions.dot(&parameter.position) + start.velocities.dot(&parameter.velocity);
             }

@@ -34,6 +34,11 @@ const SHORT: f64 = 0.1;
 /// has no event, and its end would not move.
 const BESIDE: f64 = 1e-6;
 
+/// Whether the end of a step is beside another instant.
+pub(super) fn are_beside(instant: f64, time: f64) -> bool {
+    (instant - time).abs() <= BESIDE * time.abs().max(1.0)
+}
+
 /// The times of the steps of a run, and of its events (s).
 #[derive(Clone, Default)]
 struct Steps(Arc<Mutex<[Vec<f64>; 2]>>);
@@ -69,12 +74,12 @@ impl Steps {
         work(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 
-    /// The ends of steps that are not beside events, and the end of the run (s).
-    fn instants(&self, start: f64, end: f64) -> Vec<f64> {
+    /// The ends of steps that are not beside events, and the end of the run; and the events (s).
+    fn instants(&self, start: f64, end: f64) -> [Vec<f64>; 2] {
         let [steps, events] = self.with(std::mem::take);
-        let near = |time: f64| events.iter().any(|event| (event - time).abs() <= BESIDE * time.abs().max(1.0));
+        let near = |time: f64| events.iter().any(|event| are_beside(*event, time));
         let given = steps.into_iter().filter(|time| *time > start && *time < end && !near(*time));
-        given.chain([end]).collect()
+        [given.chain([end]).collect(), events]
     }
 }
 
@@ -95,6 +100,8 @@ pub(super) struct Prepared {
     end: State,
     /// Ends of steps in order of time (s), and whether each was asked for.
     instants: Vec<(f64, bool)>,
+    /// Instants that were asked for and are beside events of the run: no steps end there (s).
+    pub beside: Vec<f64>,
 }
 
 impl Prepared {
@@ -123,9 +130,15 @@ impl Prepared {
         if let Some(&time) = times.iter().find(|time| !(**time >= start.time && **time <= end.time)) {
             return Err(SensitivityError::Sample { time, start: start.time, end: end.time }.into());
         }
-        let given = steps.instants(start.time, end.time).into_iter().filter(|time| !times.contains(time));
+        let asked = |time: f64| times.iter().any(|asked| are_beside(*asked, time));
+        let [given, events] = steps.instants(start.time, end.time);
+        let given = given.into_iter().filter(|time| *time == end.time || !asked(*time));
         let mut instants: Vec<(f64, bool)> = given.map(|time| (time, false)).collect();
-        instants.extend(times.iter().filter(|time| **time > start.time).map(|&time| (time, true)));
+        // Derivatives over the short steps between instants and events beside them have roundings as large as themselves.
+        let near = |time: f64| events.iter().any(|event| are_beside(*event, time));
+        let asked = times.iter().copied().filter(|time| *time > start.time);
+        let (beside, ends): (Vec<f64>, Vec<f64>) = asked.partition(|time| near(*time));
+        instants.extend(ends.into_iter().map(|time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
         let elements = Elements::new(&mechanism);
@@ -136,6 +149,7 @@ impl Prepared {
             elements,
             tableau,
             end,
+            beside,
             instants,
             start,
             names,
@@ -162,6 +176,15 @@ impl Prepared {
     pub fn arms(&self) -> DMatrix<f64> {
         let (n, p) = (self.start.velocity.len(), self.parameters.len());
         DMatrix::from_fn(n, p, |row, column| self.parameters[column].arms[row])
+    }
+
+    /// A state as it is a moment later or earlier.
+    pub fn moved_on(&self, state: &State, time: f64) -> State {
+        let mut there = state.clone();
+        let moved: Vec<f64> = state.velocity.iter().map(|rate| rate * (time - state.time)).collect();
+        there.displace(&self.mechanism, &moved);
+        there.time = time;
+        there
     }
 
     /// The same run with its trace.
