@@ -277,6 +277,8 @@ fn a_box_that_turns_over_the_edge_of_a_table_has_every_corner_of_its_patch_and_s
                 on.points(&right)
             );
             assert!(run.accuracy.as_ref().expect("an accuracy").reached, "{:?}", run.warnings);
+            let points = run.contact.points.len();
+            assert_eq!(points, on.points(&right), "{until} s at {tolerance:e}");
             // Contacts go on 1.2e-11 of the size beyond their borders, where forces jump.
             assert!(
                 off <= 1e-8 && turned <= 1e-7 && spins <= 1e-6,

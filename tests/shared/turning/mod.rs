@@ -8,6 +8,9 @@
 //!
 //! Steps end where a corner passes the edge, or a point begins or ends to press. The mass is 1 kg.
 
+// Every program of tests compiles its own copy of this module and uses some of it.
+#![allow(dead_code)]
+
 use crate::runge_kutta::runge_kutta;
 use nalgebra::{Matrix3, Vector3};
 
