@@ -77,7 +77,10 @@ impl PairGeometry {
         };
         let of_first = match &self.first {
             First::HalfSpace(_) | First::Hollow(_) => f64::INFINITY,
-            First::Mesh(mesh) => mesh.inside(names[0], &points[0]).min(mesh.off_neighbours(names[0], &points[1])),
+            First::Mesh(mesh) => {
+                let beside = if rounded { mesh.off_neighbours(names[0], &points[1]) } else { f64::INFINITY };
+                mesh.inside(names[0], &points[0]).min(beside)
+            }
             First::Convex(convex) => {
                 inside(&convex.core, names[0], &points[0]).min(off(&convex.core, names[0], &points[1]))
             }
