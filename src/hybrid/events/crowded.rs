@@ -110,8 +110,8 @@ impl Eventful {
 
     /// The labour that is borne in a scene of a few bodies whose error is estimated, which saves it: an impact that is met in its order may decide what follows.
     pub(super) fn saved_labour(&self) -> Option<f64> {
-        let few = CALM_STEPS * ITERATION * (3.0 * self.model.whole.velocity_count as f64).powi(2) < FEW;
-        self.bearable_labour().filter(|_| !self.counts_instants() && few)
+        let few = are_few(self.model.whole.velocity_count);
+        self.bearable_labour().filter(|_| few && !self.counts_instants())
     }
 
     /// From now on no step can be accurate: runs that differ by roundings have met other events.
@@ -376,6 +376,16 @@ fn cost_of_exact(rates: usize, contacts: usize) -> f64 {
 /// a pile of eight boxes do not.
 pub fn is_cheap(rates: usize, contacts: usize) -> bool {
     cost_of_exact(rates, contacts) < LITTLE
+}
+
+/// Whether so many rates are those of a few bodies, of which exact steps cost little whatever they touch.
+pub fn are_few(rates: usize) -> bool {
+    CALM_STEPS * ITERATION * (3.0 * rates as f64).powi(2) < FEW
+}
+
+/// The least part of their mean length that steps over events may have.
+pub fn least_part(mean: f64) -> f64 {
+    LENGTHS[0] / mean
 }
 
 /// The cost of the decision of a mode with this number of closed contacts (s).

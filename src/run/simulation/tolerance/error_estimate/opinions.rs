@@ -1,6 +1,6 @@
 //! Before a run is said to be off: a second opinion, and whether finer steps would help.
 
-use crate::events::crowded::is_cheap;
+use crate::events::crowded::{are_few, is_cheap, least_part};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
@@ -112,7 +112,11 @@ impl ErrorEstimate<'_> {
         if !is_cheap(mechanism.velocity_count, closed.len()) {
             return None;
         }
-        Some((AIM * tolerance / estimate).clamp(PARTS[1], PARTS[0]))
+        let (method, wanted) = (run.description(), (AIM * tolerance / estimate).clamp(PARTS[1], PARTS[0]));
+        // Shorter ones would be exact steps, which cost a robot that collapses ten times as much as the run.
+        let mean = method.first_order_time / method.first_order_steps.max(1) as f64;
+        let least = if are_few(mechanism.velocity_count) { 0.0 } else { least_part(mean) };
+        Some(wanted.max(least.min(1.0)))
     }
 
     /// When the run and its separate companion first meet different events (s). A companion that alone steps over events does not say which it met.
