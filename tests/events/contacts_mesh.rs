@@ -119,6 +119,7 @@ fn a_can_that_slides_on_its_side_off_a_mesh_goes_on_at_its_rim_at_every_toleranc
     let slab: String = (0..8).map(corner).chain([faces.to_string()]).collect();
     std::fs::write(file.with_file_name("slab.obj"), slab).expect("a mesh");
     let run = |tolerance: f64| report(&file, &[], &[], Some(1.07), tolerance);
+    catena::events::check_certificates();
     let fine = run(1e-9);
     for tolerance in [1e-4, 1e-6, 1e-8] {
         let off = apart(&run(tolerance), &fine);

@@ -17,6 +17,8 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// Features this near to each other, relative to the size of their pair, touch.
 pub(crate) const TOUCHED: f64 = 1e-11;
+/// A feature touches no farther beyond its border than this part of the size of the pair.
+const BORDER: f64 = 1e-9;
 /// Shapes whose gap is more than this part of the smaller one are well apart.
 const WELL_APART: f64 = 1e-3;
 
@@ -261,8 +263,11 @@ impl Touching {
                     let alone = |end: &RimOf| ends.iter().filter(|other| *other == end).count() == 1;
                     let pivots = points.filter(|contact| contact.rim().is_some_and(|end| alone(&end)));
                     let opposite = pivots.filter_map(|contact| Some(self.turned(contact, 0.5, bodies)?.1));
+                    // A search in a wide neighbourhood finds places beyond the borders of faces, too: a rim over an edge is below the plane of the face.
+                    let border = self.pairs[pair].within(BORDER);
                     let others = others.filter(|(near, _)| {
-                        !features.contains(&near.features) && !near.rim().is_some_and(|end| alone(&end))
+                        let known = features.contains(&near.features) || near.rim().is_some_and(|end| alone(&end));
+                        !known && self.margin(near, bodies) >= -border
                     });
                     return others.map(|(_, gap)| gap).chain(opposite).fold(within, f64::min);
                 }
