@@ -130,6 +130,12 @@ impl PairGeometry {
         reach
     }
 
+    /// Whether one of the shapes is rounded, as a ball or a capsule is.
+    pub fn is_rounded(&self) -> bool {
+        let first = matches!(&self.first, First::Convex(convex) if convex.radius > 0.0);
+        first || self.second.radius > 0.0
+    }
+
     /// The shapes of revolution among the two.
     pub fn revolved(&self) -> [Option<Revolved>; 2] {
         let of = |convex: &Convex| {

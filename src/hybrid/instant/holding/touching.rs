@@ -263,8 +263,9 @@ impl Touching {
                     let alone = |end: &RimOf| ends.iter().filter(|other| *other == end).count() == 1;
                     let pivots = points.filter(|contact| contact.rim().is_some_and(|end| alone(&end)));
                     let opposite = pivots.filter_map(|contact| Some(self.turned(contact, 0.5, bodies)?.1));
-                    // A search in a wide neighbourhood finds places beyond the borders of faces, too: a rim over an edge is below the plane of the face.
-                    let border = self.pairs[pair].within(BORDER);
+                    // A search in a wide neighbourhood finds places beyond the borders of faces, too: a rim over an edge is below the plane of the face. Rounded
+                    // shapes are as near there as the place says.
+                    let border = if geometry.is_rounded() { f64::INFINITY } else { self.pairs[pair].within(BORDER) };
                     let others = others.filter(|(near, _)| {
                         let known = features.contains(&near.features) || near.rim().is_some_and(|end| alone(&end));
                         !known && self.margin(near, bodies) >= -border
