@@ -25,7 +25,7 @@ mod tests;
 
 pub use features::feature::FeatureId;
 pub use features::place::{PlaceId, TouchPlace};
-pub use pair::{Before, Distance, PairGeometry, Revolved, RoundOnPlane};
+pub use pair::{Before, Distance, PairGeometry, Revolved};
 pub use prepared_shape::PreparedShape;
 pub use shapes::convex::{check_shape, kind};
 pub use shapes::decompose::{Pieces, decompose};

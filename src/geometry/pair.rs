@@ -38,21 +38,6 @@ pub struct PairGeometry {
     extents: Extents,
 }
 
-/// A shape of revolution on a half space, each in the frame of its body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoundOnPlane {
-    /// Which collider of the pair it is.
-    pub side: usize,
-    /// Unit normal out of the half space.
-    pub normal: Vector3<f64>,
-    /// The middle of the shape (m).
-    pub centre: Vector3<f64>,
-    /// Unit vector along its axis.
-    pub axis: Vector3<f64>,
-    /// Distance of its farthest point from the middle (m).
-    pub reach: f64,
-}
-
 /// A shape of revolution, in the frame of its body: turning about its axis leaves it where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Revolved {
@@ -151,11 +136,10 @@ impl PairGeometry {
         if self.exchanged { [second, first] } else { [first, second] }
     }
 
-    /// The round shape on a half space that the pair is, if it is one.
-    pub fn round_on_plane(&self) -> Option<RoundOnPlane> {
-        let (First::HalfSpace(plane), Some(axis)) = (&self.first, self.second.axis()) else { return None };
-        let (side, round) = (usize::from(!self.exchanged), &self.second);
-        Some(RoundOnPlane { side, normal: plane.normal, centre: round.centre, axis, reach: round.size })
+    /// Unit normal out of the half space among the two, in the frame of its body, and which of the two it is.
+    pub fn half_space(&self) -> Option<(usize, Vector3<f64>)> {
+        let First::HalfSpace(plane) = &self.first else { return None };
+        Some((usize::from(self.exchanged), plane.normal))
     }
 
     /// Lower bound of the translations (m) along which the shapes overlap from start to end while one of them passes through the other: the sum of

@@ -3,7 +3,7 @@
 use crate::common::scratch;
 use catena::model::Model;
 use catena::scene::{PackagePath, read_scene};
-use catena::simulation::{Simulation, SimulationOptions, StepChoice};
+use catena::simulation::{Finished, Simulation, SimulationOptions, StepChoice};
 use std::path::Path;
 
 #[test]
@@ -15,17 +15,8 @@ fn robots_that_collapse_limp_neither_overlap_the_floor_nor_gain_energy() {
              [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.5\n",
             robots.join(format!("{name}.urdf"))
         );
-        let file = scratch(&format!("limp_{name}")).join("scene.toml");
-        std::fs::write(&file, text).expect("a file");
-        let scene = read_scene(&file, &PackagePath::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
         // With an estimate the quadruped would begin again, without such steps.
-        let steps = StepChoice::Unestimated(1e-3);
-        let options = SimulationOptions::new(1.0, steps);
-        let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
-        simulation.run().unwrap_or_else(|error| panic!("{name}: {error}"));
-        let finished = simulation.finish();
+        let finished = run_of(&format!("limp_{name}"), &text, 1.0, StepChoice::Unestimated(1e-3));
         let (summary, method) = (&finished.summary, &finished.method);
         println!("{name}: {} steps, {} of first order, {:?}", summary.steps, method.first_order_steps, summary.contact);
         // A step that would overlap by more is made shorter.
@@ -44,9 +35,7 @@ fn robots_that_collapse_limp_neither_overlap_the_floor_nor_gain_energy() {
 #[test]
 fn a_wall_of_many_bricks_begins_in_steps_over_events_and_stays_at_rest() {
     let (wide, high) = (6, 6);
-    let mut text = String::from(
-        "[contact]\npairs = \"all\"\nfriction = 0.5\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n",
-    );
+    let mut text = FLOOR.to_string();
     for (x, z) in (0..high).flat_map(|z| (0..wide).map(move |x| (x, z))) {
         let (along, up) = (0.4 * f64::from(x) + 0.2 * f64::from(z % 2), 0.1 + 0.2 * f64::from(z));
         text += &format!(
@@ -54,15 +43,7 @@ fn a_wall_of_many_bricks_begins_in_steps_over_events_and_stays_at_rest() {
              pose = {{ position = [{along}, 0.0, {up}] }}\n"
         );
     }
-    let file = scratch("wall_of_bricks").join("scene.toml");
-    std::fs::write(&file, text).expect("a file");
-    let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
-    let (model, start) = Model::from_scene(&scene).expect("a model");
-    let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options = SimulationOptions::new(0.02, StepChoice::Tolerance(1e-3));
-    let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
-    simulation.run().expect("it runs");
-    let finished = simulation.finish();
+    let finished = run_of("wall_of_bricks", &text, 0.02, StepChoice::Tolerance(1e-3));
     let (summary, method) = (&finished.summary, &finished.method);
     // A decision of the mode of its 364 contacts costs a minute; steps over events need none.
     assert!((method.first_order_time - 0.02).abs() < 1e-12, "{}", method.first_order_time);
@@ -71,20 +52,26 @@ fn a_wall_of_many_bricks_begins_in_steps_over_events_and_stays_at_rest() {
     assert!(summary.max_relative_energy_error < 1e-12, "{}", summary.max_relative_energy_error);
 }
 
-/// A run of a scene of boxes and balls on a floor, by their tables.
-fn run_on_floor(name: &str, bodies: &str, duration: f64) -> (f64, f64, f64, f64) {
-    let text = format!(
-        "[contact]\npairs = \"all\"\nfriction = 0.5\n[[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\n{bodies}"
-    );
+/// A floor that all bodies touch, and each other.
+const FLOOR: &str =
+    "[contact]\npairs = \"all\"\nfriction = 0.5\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n";
+
+/// A run of a scene by its text.
+fn run_of(name: &str, text: &str, duration: f64, steps: StepChoice) -> Finished {
     let file = scratch(name).join("scene.toml");
     std::fs::write(&file, text).expect("a file");
     let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
     let (model, start) = Model::from_scene(&scene).expect("a model");
     let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options = SimulationOptions::new(duration, StepChoice::Tolerance(1e-3));
+    let options = SimulationOptions::new(duration, steps);
     let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
     simulation.run().expect("it runs");
-    let finished = simulation.finish();
+    simulation.finish()
+}
+
+/// A run of a scene of boxes and balls on a floor, by their tables.
+fn run_on_floor(name: &str, bodies: &str, duration: f64) -> (f64, f64, f64, f64) {
+    let finished = run_of(name, &format!("{FLOOR}{bodies}"), duration, StepChoice::Tolerance(1e-3));
     let (summary, method) = (&finished.summary, &finished.method);
     println!("{name}: {} steps, {method:?}, {:?}", summary.steps, summary.contact);
     assert!(method.first_order_time > 0.5 * duration, "{}", method.first_order_time);
@@ -163,9 +150,7 @@ fn the_law_of_contact_is_solved_to_a_ten_thousandth_in_a_wall_of_64_bricks_that_
 
 #[test]
 fn dominoes_that_have_fallen_sleep_although_corners_lie_on_borders_of_faces() {
-    let mut text = String::from(
-        "[contact]\npairs = \"all\"\nfriction = 0.5\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n",
-    );
+    let mut text = FLOOR.to_string();
     for (number, (x, z, tilt)) in std::iter::once((0.022, 0.09977204116386924, 0.22))
         .chain((1..20).map(|place| (0.1 * f64::from(place), 0.1, 0.0)))
         .enumerate()
@@ -175,15 +160,7 @@ fn dominoes_that_have_fallen_sleep_although_corners_lie_on_borders_of_faces() {
              pose = {{ position = [{x}, 0, {z}], rpy = [0, {tilt}, 0] }}\n"
         );
     }
-    let file = scratch("fallen_dominoes").join("scene.toml");
-    std::fs::write(&file, text).expect("a file");
-    let scene = read_scene(&file, &PackagePath::default()).expect("a scene");
-    let (model, start) = Model::from_scene(&scene).expect("a model");
-    let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
-    let options = SimulationOptions::new(4.0, StepChoice::Unestimated(1e-3));
-    let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
-    simulation.run().expect("to the end");
-    let finished = simulation.finish();
+    let finished = run_of("fallen_dominoes", &text, 4.0, StepChoice::Unestimated(1e-3));
     println!("slept for {} s in {} steps", finished.method.first_order_asleep, finished.summary.steps);
     // The last one falls after 1.9 s.
     assert!(finished.method.first_order_asleep > 1.5, "{}", finished.method.first_order_asleep);

@@ -13,9 +13,10 @@ const MANY: usize = 32;
 /// Roundings of places along the line, relative to the length that counts as the same point.
 const ROUNDED: f64 = 1.0 + 1e-4;
 
-/// Leaves the first of places whose points on either surface are nearer than a distance (m) to each other; the cores have these radii (m).
+/// Leaves the first of places whose points on either surface are nearer than a distance (m) to each other, and returns the others; the cores have these radii
+/// (m).
 /// Because the core of a ball is a point, all its places have the same point there, and not on its surface.
-pub fn without_doubles(found: &mut Vec<Candidate>, same: f64, radii: [f64; 2]) {
+pub fn take_doubles(found: &mut Vec<Candidate>, same: f64, radii: [f64; 2]) -> Vec<Candidate> {
     let places: Vec<[Vector3<f64>; 2]> = found
         .iter()
         .map(|one| [one.points[0] + one.normal * radii[0], one.points[1] - one.normal * radii[1]])
@@ -37,7 +38,7 @@ pub fn without_doubles(found: &mut Vec<Candidate>, same: f64, radii: [f64; 2]) {
         }
     }
     let mut kept = kept.into_iter();
-    found.retain(|_| kept.next().unwrap_or(true));
+    found.extract_if(.., |_| !kept.next().unwrap_or(true)).collect()
 }
 
 /// Points in their order along the line.
@@ -104,7 +105,7 @@ mod tests {
                 }
             }
             let mut found = places.clone();
-            without_doubles(&mut found, same, [0.0; 2]);
+            take_doubles(&mut found, same, [0.0; 2]);
             let names = |one: &Candidate| one.features[0];
             assert!(found.len() < 290 && found.len() > 40);
             assert!(found.iter().map(names).eq(wanted.into_iter().map(names)), "round {round}");

@@ -6,7 +6,7 @@
 //! point are one. Among places in one plane with gaps that are linear over it, the ones inside their hull are left out, because the others decide
 //! about them.
 
-use crate::distances::doubles::without_doubles;
+use crate::distances::doubles::take_doubles;
 use crate::distances::inner::without_inner;
 use crate::distances::near_pairs::near_pairs;
 use crate::distances::nearest::{nearest, spans_plane};
@@ -58,27 +58,23 @@ pub fn places_in_slabs(both: &Both, closest: Candidate, near: f64, deepest: f64)
 
 /// Leaves one place at each point and the corners of the hull, and beside them the crossings that part from them.
 pub(super) fn leave_corners(both: &Both, found: &mut Vec<Candidate>) {
-    let (all, same) = (found.clone(), SAME * both.a.size.min(both.b.size));
-    without_doubles(found, same, [both.a.radius, both.b.radius]);
-    let doubles = all.len() > found.len();
+    let same = SAME * both.a.size.min(both.b.size);
+    let doubles = take_doubles(found, same, [both.a.radius, both.b.radius]);
     without_inner(found, 1e-12 * both.size());
-    if !doubles {
-        return;
-    }
     let left = found.len();
-    for crossing in &all {
+    for crossing in doubles {
         let near = |other: &&Candidate| (other.points[0] - crossing.points[0]).norm() <= same;
-        let parts = |other: &Candidate| is_crossing_beside(both, other, crossing);
+        let parts = |other: &Candidate| is_crossing_beside(both, other, &crossing);
         let is_left = found.iter().any(|other| other.features == crossing.features);
         if !is_left && found[..left].iter().filter(near).any(parts) {
-            found.push(*crossing);
+            found.push(crossing);
         }
     }
 }
 
 /// Whether a place at the same point as an earlier one parts from it, as where a corner has just passed an edge: the crossing of a side of the corner with
 /// the edge, beside the corner on the face of the edge or the crossing of its other side.
-pub(super) fn is_crossing_beside(both: &Both, earlier: &Candidate, crossing: &Candidate) -> bool {
+fn is_crossing_beside(both: &Both, earlier: &Candidate, crossing: &Candidate) -> bool {
     let side = |side: usize| match (&[both.a, both.b][side].core, crossing.features[side], earlier.features[side]) {
         (Core::Polytope(polytope), FeatureId::Edge(edge), other) => {
             let point = if side == 0 { crossing.points[0] } else { both.of_b(&crossing.points[1]) };

@@ -17,7 +17,7 @@
 //! The surface is a shell whose outside is where the normals point. A convex shape that is wholly behind it counts as apart from it, so
 //! passing through is noticed on the way only.
 
-use crate::distances::doubles::without_doubles;
+use crate::distances::doubles::take_doubles;
 use crate::distances::inner::without_inner;
 use crate::distances::manifold::manifold;
 use crate::distances::mesh_and_point::{ALONG, Ball, Facet};
@@ -303,7 +303,7 @@ impl Mesh {
     /// Places without doubles and without the inner ones, faces first.
     fn distinct(&self, mut found: Vec<Candidate>, b: &Convex) -> Vec<Candidate> {
         found.sort_by_key(|candidate| !matches!(candidate.features[0], FeatureId::Face(_)));
-        without_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
+        take_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
         without_inner(&mut found, 1e-12 * b.size);
         found
     }

@@ -35,17 +35,17 @@ impl PairGeometry {
         let (first, (rotation, translation)) = self.relative(a, b);
         let names = [place.identity.a, place.identity.b];
         let names = if self.exchanged { [names[1], names[0]] } else { names };
-        let (of_first, radius) = match &self.first {
-            First::HalfSpace(half_space) => (half_space.part(), 0.0),
+        let of_first = match &self.first {
+            First::HalfSpace(half_space) => half_space.part(),
             // A taut rope has no borders.
             First::Hollow(_) => return f64::INFINITY,
-            First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
-            First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
+            First::Mesh(mesh) => mesh.part(names[0]),
+            First::Convex(convex) => part(&convex.core, names[0]),
         };
         let on_second = part(&self.second.core, names[1]).moved(&rotation, &translation);
         let own = |point: &Vector3<f64>| rotation.tr_mul(&(point - translation));
         // The planes to neighbours count where a rounded partner rolls over an edge; of sharp ones the neighbours' own gaps tell.
-        let rounded = radius + self.second.radius > 0.0;
+        let rounded = self.is_rounded();
         let parts = [&of_first, &on_second];
         let (points, form) = match self.rim_meets(place, [a, b]) {
             Some(Meeting { normal, points, off_form }) => {

@@ -378,7 +378,7 @@ pub fn is_cheap(rates: usize, contacts: usize) -> bool {
     cost_of_exact(rates, contacts) < LITTLE
 }
 
-/// Whether so many rates are those of a few bodies, of which exact steps cost little whatever they touch.
+/// Whether a scene with this number of rates has a few bodies: exact steps cost little there, however many contacts close.
 pub fn are_few(rates: usize) -> bool {
     CALM_STEPS * ITERATION * (3.0 * rates as f64).powi(2) < FEW
 }

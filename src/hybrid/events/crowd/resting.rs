@@ -27,10 +27,9 @@ use nalgebra::Vector3;
 /// Writes the accelerations in a state.
 pub(super) type AtRest<'a> = &'a mut dyn FnMut(&State, &mut [f64]);
 
-/// Steps in a row in which all is slower than this part of the speed of a fall in one.
-const STILL: usize = 3;
-/// Steps in a row at whose ends all is that slow.
-const HELD: usize = 50;
+/// Steps in a row in which all is slower than a part of the speed of a fall in one, and at whose ends it is.
+const STILL: [usize; 2] = [3, 50];
+/// That part.
 const RESTS: f64 = 1e-6;
 /// Loads that differ by less than this part of gravity have not changed.
 const STEADY: f64 = 1e-6;
@@ -41,8 +40,7 @@ const JOINS: f64 = 1e-6;
 #[derive(Clone, Default)]
 pub(crate) struct Resting {
     /// Steps in a row in which a tree has hardly moved, and at whose ends it has hardly moved.
-    still: Vec<usize>,
-    held: Vec<usize>,
+    still: Vec<[usize; 2]>,
     /// The trees that sleep.
     pub asleep: Asleep,
     /// The freedoms of each tree.
@@ -61,8 +59,7 @@ impl Resting {
     pub fn new(trees: &Trees, freedoms: usize, restless: Vec<bool>) -> Self {
         let count = trees.trees.len();
         Resting {
-            still: vec![0; count],
-            held: vec![0; count],
+            still: vec![[0; 2]; count],
             asleep: Asleep::new(trees),
             freedoms: trees.trees.iter().map(|tree| tree.freedoms.clone()).collect(),
             restless,
@@ -95,8 +92,7 @@ impl Resting {
 
     /// Wakes all; their contacts are forgotten.
     pub fn wake_all(&mut self) {
-        self.still.fill(0);
-        self.held.fill(0);
+        self.still.fill([0; 2]);
         self.asleep.group.fill(None);
         self.candidates.clear();
         self.count = 0;
@@ -109,7 +105,7 @@ impl Resting {
         woken.dedup();
         for tree in 0..self.asleep.group.len() {
             if self.asleep.group[tree].is_some_and(|group| woken.binary_search(&group).is_ok()) {
-                (self.asleep.group[tree], self.still[tree], self.held[tree]) = (None, 0, 0);
+                (self.asleep.group[tree], self.still[tree]) = (None, [0; 2]);
                 self.count -= 1;
             }
         }
@@ -134,7 +130,7 @@ impl Resting {
 
     /// Whether a tree has rested for long enough to fall asleep with its group.
     fn rests(&self, tree: usize) -> bool {
-        self.still[tree] >= STILL || self.held[tree] >= HELD
+        self.still[tree].iter().zip(STILL).any(|(steps, enough)| *steps >= enough)
     }
 
     /// The sleeping trees whose accelerations have changed since they fell asleep.
@@ -191,7 +187,7 @@ impl Resting {
         }
         let awake: Vec<usize> = (0..moves.len()).filter(|&tree| !self.asleep.has(tree)).collect();
         for &tree in &awake {
-            for (count, moves) in [&mut self.still[tree], &mut self.held[tree]].into_iter().zip(moves[tree]) {
+            for (count, moves) in self.still[tree].iter_mut().zip(moves[tree]) {
                 *count = if moves || self.restless[tree] { 0 } else { *count + 1 };
             }
         }
@@ -200,9 +196,7 @@ impl Resting {
         }
         // Belts work on what rests on them.
         for candidate in contacts.list.iter().filter(|candidate| candidate.belt != Vector3::zeros()) {
-            for tree in candidate.ends.into_iter().flatten().map(|body| self.asleep.of_body[body]) {
-                (self.still[tree], self.held[tree]) = (0, 0);
-            }
+            candidate.ends.into_iter().flatten().for_each(|body| self.still[self.asleep.of_body[body]] = [0; 2]);
         }
         let joining = contacts.list.iter().filter(|candidate| candidate.gap <= JOINS || candidate.settling.x > 0.0);
         let groups = groups(self.asleep.group.len(), joining.map(|candidate| candidate.sides));

@@ -140,16 +140,8 @@ impl Exerted {
         let points = self.told.as_ref().is_some_and(|points| !points.is_empty());
         let touches = points || !self.touching.pairs.is_empty();
         let bodies = if touches { body_states(&self.mechanism, &self.state) } else { Vec::new() };
-        let contacts = match self.told.take() {
-            Some(points) => {
-                if !points.is_empty() {
-                    self.load(&points, &bodies);
-                }
-                self.told = Some(points);
-                Vec::new()
-            }
-            None => self.take_contacts(&bodies),
-        };
+        let contacts = if self.told.is_some() { Vec::new() } else { self.take_contacts(&bodies) };
+        self.load(&bodies);
         if !self.blocks.is_empty() {
             self.share(&bodies, &contacts);
         }
@@ -177,9 +169,10 @@ impl Exerted {
         &self.in_joints
     }
 
-    /// Adds the forces of contacts that are told to the efforts and wrenches.
-    fn load(&mut self, points: &[ContactPoint], bodies: &[BodyState]) {
-        let Exerted { mechanism, efforts, wrenches, .. } = self;
+    /// Adds the forces of contacts that are told to the efforts and wrenches, if there are any.
+    fn load(&mut self, bodies: &[BodyState]) {
+        let Exerted { mechanism, efforts, wrenches, told, .. } = self;
+        let Some(points) = told.as_ref().filter(|points| !points.is_empty()) else { return };
         let nonsmooth = &mechanism.nonsmooth;
         for ContactPoint { pair, position, force, .. } in points {
             let Some(pair) = nonsmooth.pairs.with_number(*pair) else { continue };

@@ -206,7 +206,7 @@ impl Pairs {
             parts: rope.as_ref().map_or_else(|| vec![(bodies, geometry.closing_reach())], Rope::parts),
             reach,
             revolved: geometry.revolved(),
-            rolling: Rolling::of(bodies, geometry.round_on_plane()),
+            rolling: Rolling::of(bodies, &geometry),
             rope,
             extents: geometry.extents(),
             breadth: geometry.breadth(),

@@ -11,7 +11,8 @@
 //! Where the shape all but stands on its end, every turning across the normal counts. The bound is for pairs with a closed contact: the other rim of a wheel
 //! with a camber is micrometres above the floor for as long as it rolls.
 
-use crate::geometry::RoundOnPlane;
+use crate::geometry::{PairGeometry, Revolved};
+use crate::instant::holding::revolving::without_spin;
 use crate::mechanism::description::body_state::BodyState;
 use nalgebra::Vector3;
 
@@ -23,25 +24,27 @@ const SLANTED: f64 = 0.1;
 pub(crate) struct Rolling {
     /// Its body.
     pub body: usize,
-    /// Its axis, its centre and the plane.
-    pub shape: RoundOnPlane,
+    /// Unit normal out of the plane.
+    pub normal: Vector3<f64>,
+    /// The shape and its axis.
+    pub shape: Revolved,
+    pub axis: Vector3<f64>,
 }
 
 impl Rolling {
     /// The pair of bodies as a round shape on a plane of the world, if it is one.
-    pub fn of(bodies: [Option<usize>; 2], shape: Option<RoundOnPlane>) -> Option<Self> {
-        let shape = shape?;
-        let [round, plane] = [shape.side, 1 - shape.side].map(|side| bodies[side]);
-        round.filter(|_| plane.is_none()).map(|body| Rolling { body, shape })
+    pub fn of(bodies: [Option<usize>; 2], geometry: &PairGeometry) -> Option<Self> {
+        let (plane, normal) = geometry.half_space()?;
+        let shape = geometry.revolved()[1 - plane]?;
+        let body = bodies[1 - plane].filter(|_| bodies[plane].is_none())?;
+        Some(Rolling { body, normal, axis: shape.axis?, shape })
     }
 
     /// n (n · v_o) and the turning of its body that tilts the axis, in this state [m/s, rad/s].
     pub fn motion(&self, body: &BodyState) -> [Vector3<f64>; 2] {
-        let RoundOnPlane { normal, centre, axis, .. } = &self.shape;
-        let (centre, axis) = (body.rotation * centre, body.rotation * axis);
-        let turning = body.angular_velocity;
-        let moving = body.velocity + turning.cross(&centre);
-        let tilting = match axis.cross(normal).try_normalize(SLANTED) {
+        let Rolling { normal, shape, axis, .. } = self;
+        let (moving, turning) = (without_spin(shape, body).velocity, body.angular_velocity);
+        let tilting = match (body.rotation * axis).cross(normal).try_normalize(SLANTED) {
             Some(across) => across * across.dot(&turning),
             None => turning - normal * normal.dot(&turning),
         };
@@ -59,7 +62,8 @@ mod tests {
     fn wheel() -> Rolling {
         let normal = Vector3::new(0.2, -0.1, 1.0).normalize();
         let (centre, axis) = (Vector3::new(0.05, 0.4, -0.02), Vector3::new(0.3, 0.9, 0.1).normalize());
-        Rolling { body: 0, shape: RoundOnPlane { side: 0, normal, centre, axis, reach: 0.3_f64.hypot(0.1) } }
+        let shape = Revolved { centre, axis: Some(axis), reach: 0.3_f64.hypot(0.1) };
+        Rolling { body: 0, normal, shape, axis }
     }
 
     fn body(rotation: Rotation3<f64>, velocity: Vector3<f64>, angular_velocity: Vector3<f64>) -> BodyState {
@@ -68,12 +72,12 @@ mod tests {
 
     #[test]
     fn a_wheel_that_rolls_and_steers_on_a_plane_closes_no_gap() {
-        let Rolling { shape, .. } = wheel();
+        let Rolling { normal, shape, axis, .. } = wheel();
         let rotation = Rotation3::new(Vector3::new(0.4, -0.2, 0.9));
-        let (axis, centre) = (rotation * shape.axis, rotation * shape.centre);
+        let (axis, centre) = (rotation * axis, rotation * shape.centre);
         // It turns about its axis and the normal, and its centre moves along the plane.
-        let turning = axis * 20.0 + shape.normal * 3.0;
-        let along = shape.normal.cross(&Vector3::new(1.0, 2.0, 3.0));
+        let turning = axis * 20.0 + normal * 3.0;
+        let along = normal.cross(&Vector3::new(1.0, 2.0, 3.0));
         let moves = body(rotation, along - turning.cross(&centre), turning);
         let [moving, tilting] = wheel().motion(&moves);
         // Some roundings of 20 rad/s.
@@ -83,7 +87,7 @@ mod tests {
     #[test]
     fn the_gap_of_no_rim_changes_faster_than_the_motion_of_the_axis_says() {
         let (mut random, wheel) = (Random::new(3), wheel());
-        let RoundOnPlane { normal, centre, axis, reach, .. } = wheel.shape;
+        let (Rolling { normal, axis, .. }, Revolved { centre, reach, .. }) = (wheel, wheel.shape);
         let mut vector = |size: f64| Vector3::from_fn(|_, _| size * random.signed());
         let mut closest = 0.0_f64;
         for _ in 0..2000 {

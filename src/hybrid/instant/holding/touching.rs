@@ -18,7 +18,7 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 /// Features this near to each other, relative to the size of their pair, touch.
 pub(crate) const TOUCHED: f64 = 1e-11;
 /// A feature touches no farther beyond its border than this part of the size of the pair.
-const BORDER: f64 = 1e-9;
+const BEYOND: f64 = 1e-9;
 /// Shapes whose gap is more than this part of the smaller one are well apart.
 const WELL_APART: f64 = 1e-3;
 
@@ -265,7 +265,7 @@ impl Touching {
                     let opposite = pivots.filter_map(|contact| Some(self.turned(contact, 0.5, bodies)?.1));
                     // A search in a wide neighbourhood finds places beyond the borders of faces, too: a rim over an edge is below the plane of the face. Rounded
                     // shapes are as near there as the place says.
-                    let border = if geometry.is_rounded() { f64::INFINITY } else { self.pairs[pair].within(BORDER) };
+                    let border = if geometry.is_rounded() { f64::INFINITY } else { self.pairs[pair].within(BEYOND) };
                     let others = others.filter(|(near, _)| {
                         let known = features.contains(&near.features) || near.rim().is_some_and(|end| alone(&end));
                         !known && self.margin(near, bodies) >= -border
