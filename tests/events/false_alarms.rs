@@ -1,6 +1,6 @@
 //! Motions that runs at every tolerance share are not called chaotic: another run has the last word.
 
-use crate::scene_files::{apart, report, scene_of};
+use crate::scene_files::{apart, report, report_in_one, scene_of};
 
 /// The scene holds at 1e-6 m, is said to, and is there: within the tolerance of a run at 1e-9 m.
 fn holds(folder: &str, robot: &str, text: &str, duration: f64) {
@@ -63,8 +63,7 @@ fn runs_that_steps_over_events_leave_near_the_accuracy_begin_again_with_fewer_of
         );
     }
     let file = scene_of("balls_in_a_box", "<link name='base'/>", &balls);
-    let run = |tolerance: f64| report(&file, &[], &[], Some(1.2), tolerance);
-    let (usual, fine) = (run(1e-3), run(1e-8));
+    let (usual, fine) = (report_in_one(&file, 1.2, 1e-3), report_in_one(&file, 1.2, 1e-8));
     let accuracy = usual.accuracy.as_ref().expect("an accuracy");
     let off = apart(&usual, &fine);
     println!("off by {off:e}, told {:e}, begun {} times", accuracy.estimated, accuracy.begun);
@@ -184,8 +183,7 @@ fn balls_that_hang_on_ropes_in_a_row_keep_to_a_coarse_tolerance_through_steps_ov
         }
     }
     let file = scene_of("row_on_ropes", "<link name='base'/>", &text);
-    let run = |tolerance: f64| report(&file, &[], &[], Some(2.2), tolerance);
-    let (coarse, fine) = (run(1e-3), run(1e-8));
+    let (coarse, fine) = (report_in_one(&file, 2.2, 1e-3), report_in_one(&file, 2.2, 1e-8));
     let off = apart(&coarse, &fine);
     // Pendulums and blows of pairs, integrated apart: -0.235370, 0.007897, 0.109094.
     let wanted = [-0.235_370, 0.007_897, 0.109_094];

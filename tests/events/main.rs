@@ -55,6 +55,7 @@ mod ellipsoids;
 mod exact;
 mod false_alarms;
 mod free_bodies;
+mod groups;
 mod impacts_with_limits;
 mod in_loops;
 mod laws;

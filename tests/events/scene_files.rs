@@ -1,6 +1,7 @@
 //! Runs of scene files and robots, by their reports.
 
 use crate::common::scratch;
+use catena::mechanism::description::rules::Rule;
 use catena::prelude::*;
 use catena::report::{Numbers, Report};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,14 @@ pub fn report(file: &Path, positions: &Given, velocities: &Given, duration: Opti
         simulation = simulation.duration(duration);
     }
     simulation.run().unwrap_or_else(|error| failed(error));
+    simulation.finish().expect("a report")
+}
+
+/// A run in which all bodies that may ever touch have the same steps.
+pub fn report_in_one(file: &Path, duration: f64, tolerance: f64) -> Report {
+    let model = Model::load(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let mut simulation = Simulation::new(&model).tolerance(tolerance).duration(duration).keep(Rule::Islands);
+    simulation.run().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     simulation.finish().expect("a report")
 }
 

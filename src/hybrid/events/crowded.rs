@@ -22,7 +22,7 @@ use crate::events::crowd::step::Made;
 use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
-use crate::events::parts::crowding::LABOUR_WITHIN;
+use crate::events::parts::crowding::{Crowding, LABOUR_WITHIN};
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::description::rules::Rule;
@@ -71,14 +71,54 @@ pub(super) struct Attempted {
     pub made: Made,
 }
 
+/// What a run has seen of crowds, for one that goes on from it with other bodies.
+#[derive(Clone, Copy)]
+pub struct CrowdsSoFar {
+    crowding: Crowding,
+    in_crowd: bool,
+    /// The largest speed of its bodies, in the mean over their masses [m/s].
+    speed: f64,
+}
+
+impl CrowdsSoFar {
+    /// What two runs have seen that are one from now on.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        let speed = self.speed.max(other.speed);
+        if other.in_crowd && !self.in_crowd { CrowdsSoFar { speed, ..other } } else { CrowdsSoFar { speed, ..self } }
+    }
+}
+
 impl Eventful {
+    /// What it has seen of crowds.
+    pub fn crowds_so_far(&self) -> CrowdsSoFar {
+        let speed = self.fastest();
+        CrowdsSoFar { crowding: self.progress.crowding, in_crowd: self.progress.in_crowd, speed }
+    }
+
+    /// Goes on from what another run has seen, before the first step: in a crowd if that was in one.
+    pub fn go_on_from(&mut self, before: CrowdsSoFar) {
+        self.progress.crowding = before.crowding;
+        self.progress.goes_on_in_crowd = before.in_crowd;
+        self.memory.kinetic = 0.5 * self.mass() * before.speed.powi(2);
+    }
+
+    fn mass(&self) -> f64 {
+        self.model.whole.bodies.iter().map(|body| body.mass).sum()
+    }
+
+    /// The largest speed of its bodies so far, in the mean over their masses [m/s].
+    fn fastest(&self) -> f64 {
+        let speed = (2.0 * self.memory.kinetic / self.mass()).sqrt();
+        if speed.is_finite() { speed } else { 0.0 }
+    }
+
     /// The length of steps over events (s), and whether they keep to the tolerance, which asks for nothing beyond the horizon.
     pub(super) fn crowd_length(&self) -> (f64, bool) {
         if let Some(length) = self.model.over_events {
             return (length, true);
         }
-        let mass: f64 = self.model.whole.bodies.iter().map(|body| body.mass).sum();
-        let speed = (2.0 * self.memory.kinetic / mass).sqrt().max(FALLS * self.model.whole.gravity.norm());
+        let speed = self.fastest().max(FALLS * self.model.whole.gravity.norm());
         let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
         match kept {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
@@ -154,6 +194,10 @@ impl Eventful {
         let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
         if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.needs_events() {
             return false;
+        }
+        if std::mem::take(&mut self.progress.goes_on_in_crowd) && self.workspaces.crowd.is_some() {
+            self.progress.in_crowd = true;
+            return true;
         }
         let scene = Scene { whole, elements, touching };
         let held = self.workspaces.crowd.as_mut().and_then(|crowd| crowd.held_at(scene, state, length));

@@ -7,9 +7,11 @@
 //! | `cone` | the laws of that problem and their solvers |
 //! | `start` | closed loops, limits kept, shapes moved apart |
 //! | `exerting` | reactions, rest, snapshots for logs |
+//! | `meeting` | parts that may meet soon, and parts that have not met |
 
 pub mod cone;
 pub mod dynamics;
 pub mod exerting;
 pub mod holding;
+pub mod meeting;
 pub mod start;

@@ -36,28 +36,43 @@ pub struct Piece {
 
 /// The islands of a mechanism; empty for a mechanism without bodies.
 pub fn islands(mechanism: &Mechanism) -> Vec<Island> {
-    let of_body = island_of_each_body(mechanism);
+    groups(mechanism, &island_of_each_body(mechanism))
+}
+
+/// The groups of bodies with these numbers, from 0 in the order of their first bodies, each as an island; the caller knows that no group acts on another.
+pub fn groups(mechanism: &Mechanism, of_body: &[usize]) -> Vec<Island> {
     let count = of_body.iter().max().map_or(0, |last| last + 1);
     if count == 1 {
         return vec![Island::whole(mechanism)];
     }
     let mut pieces: Vec<Vec<Piece>> = vec![Vec::new(); count];
-    for (index, body) in mechanism.bodies.iter().enumerate() {
-        let (positions, velocities) = (body.joint.position_range(), body.joint.velocity_range());
-        match pieces[of_body[index]].last_mut() {
-            Some(piece) if piece.bodies.end == index => {
-                piece.bodies.end = index + 1;
-                piece.positions.end = positions.end;
-                piece.velocities.end = velocities.end;
-            }
-            _ => pieces[of_body[index]].push(Piece { bodies: index..index + 1, positions, velocities }),
-        }
+    for (index, &number) in of_body.iter().enumerate() {
+        add_body(&mut pieces[number], mechanism, index);
     }
-    pieces
-        .into_iter()
-        .enumerate()
-        .map(|(number, pieces)| Island::cut_out(mechanism, pieces, &of_body, number))
-        .collect()
+    pieces.into_iter().enumerate().map(|(number, pieces)| Island::cut_out(mechanism, pieces, of_body, number)).collect()
+}
+
+/// The group of this number among those.
+pub fn group(mechanism: &Mechanism, of_body: &[usize], number: usize) -> Island {
+    let mut pieces = Vec::new();
+    for index in (0..of_body.len()).filter(|&index| of_body[index] == number) {
+        add_body(&mut pieces, mechanism, index);
+    }
+    Island::cut_out(mechanism, pieces, of_body, number)
+}
+
+/// Adds a body to the last piece, or to a new one.
+fn add_body(pieces: &mut Vec<Piece>, mechanism: &Mechanism, index: usize) {
+    let joint = &mechanism.bodies[index].joint;
+    let (positions, velocities) = (joint.position_range(), joint.velocity_range());
+    match pieces.last_mut() {
+        Some(piece) if piece.bodies.end == index => {
+            piece.bodies.end = index + 1;
+            piece.positions.end = positions.end;
+            piece.velocities.end = velocities.end;
+        }
+        _ => pieces.push(Piece { bodies: index..index + 1, positions, velocities }),
+    }
 }
 
 /// The number of the island of every body.
@@ -81,6 +96,11 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
 /// go taut.
 pub fn first_of_tied(mechanism: &Mechanism) -> Vec<usize> {
     firsts_of(mechanism, std::iter::empty())
+}
+
+/// The same with ropes: only pairs of shapes can bring its parts together.
+pub fn first_of_parts(mechanism: &Mechanism) -> Vec<usize> {
+    firsts_of(mechanism, mechanism.nonsmooth.reevings.iter().flat_map(|rope| joined_by_rope(&rope.points)))
 }
 
 /// The same, where other pairs of bodies are tied as well.
@@ -253,6 +273,13 @@ impl Island {
             next += velocities.len();
         }
         state
+    }
+
+    /// Copies a state of the island, without its time, to its places in the whole.
+    pub fn put_state(&self, own: &State, whole: &mut State) {
+        self.put(&own.position, &mut whole.position, |piece| &piece.positions);
+        self.put(&own.compensation, &mut whole.compensation, |piece| &piece.positions);
+        self.put(&own.velocity, &mut whole.velocity, |piece| &piece.velocities);
     }
 
     /// Copies entries of the island to their places in the whole; `range` says which range of a piece is meant.

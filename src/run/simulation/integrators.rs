@@ -5,9 +5,11 @@ use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::{first_of_parts, groups};
 use crate::simulation::method::held::Held;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
+use crate::simulation::parallel::groups::{Begins, Groups};
 use crate::simulation::parallel::islands::Islands;
 use crate::simulation::parallel::partition::Plan;
 use crate::simulation::parallel::threads::Threads;
@@ -24,6 +26,8 @@ use std::sync::atomic::AtomicBool;
 /// islands`).
 const SMALLEST: usize = 20;
 const SMALLEST_OF_OWN_STEPS: usize = 10;
+/// Scenes of more parts that may touch are one group.
+const MOST_PARTS: usize = 64;
 
 /// Why a run cannot begin.
 #[derive(Debug, thiserror::Error)]
@@ -43,7 +47,7 @@ pub enum SimulationError {
 pub(crate) enum Integrators<'a> {
     Whole(EstimatedRun<'a>),
     Islands {
-        islands: Islands<'a>,
+        islands: Box<Islands<'a>>,
         /// The description of the method while all islands sleep.
         idle: Box<MethodDescription>,
     },
@@ -77,6 +81,9 @@ impl<'a> Integrators<'a> {
         wanted: &Wanted<'a>,
     ) -> Result<(Self, Accuracies), SimulationError> {
         let choice = wanted.choice;
+        if let Some(in_groups) = Self::in_groups(mechanism, state, &plan, wanted)? {
+            return Ok(in_groups);
+        }
         let plan = plan.grouped(
             mechanism,
             match choice {
@@ -92,10 +99,40 @@ impl<'a> Integrators<'a> {
             let (integrator, unknown) = wanted.integrator(mechanism, state, &kept, wanted.counted.clone())?;
             return Ok((Integrators::Whole(integrator), vec![Err(unknown)]));
         }
-        let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new())?;
-        let idle = Box::new(choice.integrator(&nothing, &[])?.description());
+        let idle = idle(mechanism, choice)?;
         let (islands, unknown) = Islands::new(plan, state, Threads::WherePaid, make)?;
-        Ok((Integrators::Islands { islands, idle }, unknown.into_iter().map(Err).collect()))
+        Ok((Integrators::Islands { islands: Box::new(islands), idle }, unknown.into_iter().map(Err).collect()))
+    }
+
+    /// The integrators of groups of bodies that form and fall apart, if several bodies of a mechanism touch others now and then, and steps are chosen.
+    fn in_groups(
+        mechanism: &Mechanism,
+        state: &State,
+        plan: &Plan,
+        wanted: &Wanted<'a>,
+    ) -> Result<Option<(Self, Accuracies)>, SimulationError> {
+        let Some(tolerance) = wanted.choice.tolerance().filter(|_| !wanted.stepped) else { return Ok(None) };
+        let parts = parts_count(mechanism);
+        if plan.kept.contains(&Rule::Islands) || parts <= plan.islands.len() || parts > MOST_PARTS {
+            return Ok(None);
+        }
+        let terms = wanted.terms(tolerance, state, &plan.kept, None);
+        let make = move |mechanism: &Mechanism, begins: Begins| {
+            // Events hold joints, which changes the mechanism.
+            let terms = terms.clone();
+            match begins {
+                Begins::First(None) => EstimatedRun::new(mechanism, terms),
+                Begins::First(Some(fineness)) => EstimatedRun::as_fine_as(mechanism, terms, fineness),
+                Begins::GoingOn(handed) => EstimatedRun::going_on(mechanism, terms, *handed),
+            }
+        };
+        let Some(present) = Groups::new(mechanism, state, Box::new(make)) else { return Ok(None) };
+        let plan = Plan::of(groups(mechanism, present.groups()), state, &plan.kept, None);
+        let make = |mechanism: &Mechanism, _: &State| Ok((present.first(mechanism, None)?, UnknownAccuracy::NotYet));
+        let (islands, unknown): (Islands, _) =
+            Islands::new(plan, state, Threads::WherePaid, make).map_err(|error: MethodError| error)?;
+        let (islands, idle) = (Box::new(islands.regrouped(present)), idle(mechanism, wanted.choice)?);
+        Ok(Some((Integrators::Islands { islands, idle }, unknown.into_iter().map(Err).collect())))
     }
 
     /// Calls a function with each integrator, and its state.
@@ -116,6 +153,11 @@ impl<'a> Integrators<'a> {
     /// # Errors
     /// [`MethodError`] for invalid steps.
     pub fn begin_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
+        if let Integrators::Islands { islands, .. } = self
+            && islands.are_regrouped()
+        {
+            return islands.begin_groups_again(mechanism, state);
+        }
         let mut prepared = Ok(());
         self.each(mechanism, state, |mechanism, _, run| {
             if prepared.is_ok() {
@@ -123,6 +165,16 @@ impl<'a> Integrators<'a> {
             }
         });
         prepared
+    }
+
+    /// Puts groups that form and fall apart together for good, before their first step: a program may change their run at any time.
+    pub fn join_groups(&mut self, mechanism: &Mechanism) {
+        // Steps that are valid for the groups are valid for the whole.
+        if let Integrators::Islands { islands, .. } = self
+            && let Some(Ok(whole)) = islands.joined(mechanism)
+        {
+            *self = Integrators::Whole(whole);
+        }
     }
 
     /// Forbids restarts from now on, whatever the errors.
@@ -144,6 +196,17 @@ impl<'a> Integrators<'a> {
             Integrators::Islands { islands, idle } => islands.description().unwrap_or_else(|| (**idle).clone()),
         }
     }
+}
+
+/// How many parts of a mechanism only pairs of shapes can bring together.
+fn parts_count(mechanism: &Mechanism) -> usize {
+    first_of_parts(mechanism).iter().enumerate().filter(|(body, first)| body == *first).count()
+}
+
+/// The description of a method that has nothing to do.
+fn idle(mechanism: &Mechanism, choice: StepChoice) -> Result<Box<MethodDescription>, SimulationError> {
+    let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new())?;
+    Ok(Box::new(choice.integrator(&nothing, &[])?.description()))
 }
 
 impl<'a> Wanted<'a> {
@@ -168,18 +231,21 @@ impl<'a> Wanted<'a> {
             run.heed_interrupt(self.interrupt.as_ref());
             return Ok((run.counted(counted).into(), UnknownAccuracy::Stepped));
         }
-        let estimate = !matches!(self.choice, StepChoice::Unestimated(_));
-        let (start, end) = (state.time, state.time + self.duration);
-        let terms = Terms {
+        let terms = self.terms(tolerance, state, kept, counted);
+        Ok((EstimatedRun::new(mechanism, terms)?, UnknownAccuracy::NotYet))
+    }
+
+    /// The settings of a run with a tolerance.
+    fn terms(&self, tolerance: f64, state: &State, kept: &[Rule], counted: Option<Arc<Counted>>) -> Terms<'a> {
+        Terms {
             tolerance,
-            start,
-            end,
+            start: state.time,
+            end: state.time + self.duration,
             kept: kept.to_vec(),
             counted,
             interrupt: self.interrupt.clone(),
-            estimate,
+            estimate: !matches!(self.choice, StepChoice::Unestimated(_)),
             over_events: 1.0,
-        };
-        Ok((EstimatedRun::new(mechanism, terms)?, UnknownAccuracy::NotYet))
+        }
     }
 }

@@ -237,6 +237,9 @@ impl<'s> Simulation<'s> {
     /// Decisions of a program in the meantime cannot be repeated.
     pub(super) fn settle(&mut self) {
         if self.start.take().is_some() {
+            if self.progress.is_none() {
+                self.integrators.join_groups(&self.mechanism);
+            }
             self.integrators.settle(&self.mechanism, &self.state);
         }
     }

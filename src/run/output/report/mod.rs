@@ -111,7 +111,7 @@ pub struct Report {
     /// Every loop joint at the end of the run.
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     pub loops: Vec<(String, LoopReport)>,
-    /// The islands of the mechanism, if there are several; small ones are run together.
+    /// The islands of the mechanism, if there are several; small ones are run together. Of groups that form and fall apart, those at the end.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub islands: Vec<IslandReport>,
     /// Warnings about the model and the run.

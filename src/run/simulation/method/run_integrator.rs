@@ -1,6 +1,7 @@
 //! The integrator of a run: the scheme alone, or with events if the mechanism has limits, dry friction, motors or contacts.
 
 use crate::events::Eventful;
+use crate::events::crowded::CrowdsSoFar;
 use crate::instant::holding::locked::Locked;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -91,6 +92,18 @@ impl RunIntegrator {
     /// From now on no step can be accurate: runs that differ by roundings have met other events.
     pub(crate) fn pass_horizon(&mut self) {
         self.events_mut().into_iter().for_each(Eventful::pass_horizon);
+    }
+
+    /// What it has seen of crowds of events.
+    pub(crate) fn crowds_so_far(&self) -> Option<CrowdsSoFar> {
+        self.events().map(Eventful::crowds_so_far)
+    }
+
+    /// Goes on from what another run has seen of crowds.
+    pub(crate) fn go_on_from(&mut self, before: Option<CrowdsSoFar>) {
+        if let (Some(events), Some(before)) = (self.events_mut(), before) {
+            events.go_on_from(before);
+        }
     }
 
     /// The error of the run is estimated.

@@ -6,6 +6,7 @@ use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::Energy;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
 use crate::simulation::parallel::between::Knot;
@@ -104,7 +105,7 @@ impl Observer for Shown {
     }
 }
 
-impl IslandRun<'_> {
+impl<'a> IslandRun<'a> {
     pub(crate) fn new(island: Island, whole: &State) -> Self {
         IslandRun {
             state: island.state(whole),
@@ -123,6 +124,50 @@ impl IslandRun<'_> {
             iterations: 0,
             failed: None,
         }
+    }
+
+    /// Gives it its efforts of those on the whole.
+    pub(crate) fn set_efforts(&mut self, whole: &[f64]) {
+        self.efforts.clear();
+        let freedoms = self.island.pieces.iter().map(|piece| piece.velocities.clone());
+        freedoms.for_each(|freedoms| self.efforts.extend_from_slice(&whole[freedoms]));
+    }
+
+    /// Gives its motor along this freedom of the whole a target from now on, if it has such a motor.
+    pub(crate) fn aim(&mut self, freedom: usize, value: f64) {
+        let mut local = 0;
+        for piece in &self.island.pieces {
+            if piece.velocities.contains(&freedom) {
+                let own = local + freedom - piece.velocities.start;
+                let motors = &self.island.mechanism.nonsmooth.motors;
+                let motor = motors.iter().position(|motor| motor.coordinate.freedom == own);
+                // An island with a motor never sleeps.
+                if let (Some(motor), Some(run)) = (motor, &mut self.awake) {
+                    run.aim(motor, value);
+                }
+            }
+            local += piece.velocities.len();
+        }
+    }
+
+    /// Puts the efforts that its sampled motors hold from the present state on in their places of the whole, an entry a motor.
+    pub(crate) fn put_held(&self, motors: &[Motor], whole: &mut [Option<f64>]) {
+        let mut own = Vec::new();
+        self.awake.iter().for_each(|run| run.held_efforts(false, &mut own));
+        put_held(&self.island, &own, motors, whole);
+    }
+
+    /// Prepares a run from the present state whose samples are those of a run that began at `start` (s).
+    pub(crate) fn begin_within(&mut self, start: f64, duration: f64, rate: f64) -> Result<(), RunError> {
+        let now = std::mem::replace(&mut self.state.time, start);
+        let begun = self.begin(duration, rate);
+        self.shown.samples.clear();
+        self.state.time = now;
+        self.last.time = now;
+        if let Some(course) = &mut self.course {
+            course.skip_to(now);
+        }
+        begun
     }
 
     /// Prepares a run from the present state.

@@ -24,7 +24,8 @@ use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::method::step_choice::StepChoice;
-use crate::simulation::parallel::island::{IslandRun, first_error, frontier, put_held};
+use crate::simulation::parallel::groups::Groups;
+use crate::simulation::parallel::island::{IslandRun, first_error, frontier};
 use crate::simulation::parallel::merged::MergedRun;
 use crate::simulation::parallel::partition::Plan;
 use crate::simulation::parallel::threads::{Threads, spread};
@@ -32,6 +33,7 @@ use crate::simulation::steps::course::{Aim, RunError, RunOptions};
 use crate::simulation::steps::observer::Observer;
 use crate::simulation::steps::summary::Summary;
 use crate::simulation::tolerance::estimated_run::EstimatedRun;
+use crate::stepping::integrator::MethodError;
 use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
@@ -41,12 +43,14 @@ const CHECKPOINTS: f64 = 16.0;
 
 /// The integrators of all islands of a mechanism.
 pub struct Islands<'a> {
-    parts: Vec<IslandRun<'a>>,
-    threads: Threads,
+    pub(super) parts: Vec<IslandRun<'a>>,
+    pub(super) threads: Threads,
     /// The window of simulated time for all islands, and the wall time of the last one (s).
     window: f64,
-    took: f64,
-    kept: Vec<Rule>,
+    pub(super) took: f64,
+    pub(super) kept: Vec<Rule>,
+    /// Which bodies are one group for now, if groups form and fall apart.
+    pub(super) groups: Option<Groups<'a>>,
 }
 
 /// The figures of an island in a run, for the report.
@@ -93,30 +97,39 @@ impl<'a> Islands<'a> {
             }
             parts.push(part);
         }
-        Ok((Islands { parts, threads, window: 0.0, took: 0.0, kept }, notes))
+        Ok((Islands { parts, threads, window: 0.0, took: 0.0, kept, groups: None }, notes))
+    }
+
+    /// The same, whose groups form and fall apart.
+    #[must_use]
+    pub(crate) fn regrouped(self, groups: Groups<'a>) -> Self {
+        Islands { groups: Some(groups), ..self }
+    }
+
+    /// The run of all groups together, if they form and fall apart; from the start of the run on.
+    pub(crate) fn joined(&self, mechanism: &Mechanism) -> Option<Result<EstimatedRun<'a>, MethodError>> {
+        self.groups.as_ref().map(|groups| groups.first(mechanism, None))
+    }
+
+    /// Whether groups form and fall apart.
+    pub(crate) fn are_regrouped(&self) -> bool {
+        self.groups.is_some()
     }
 
     /// Gives the motor along this freedom of the whole a target from now on.
     pub(crate) fn aim(&mut self, freedom: usize, value: f64) {
-        for part in &mut self.parts {
-            let mut local = 0;
-            for piece in &part.island.pieces {
-                if piece.velocities.contains(&freedom) {
-                    let own = local + freedom - piece.velocities.start;
-                    let motors = &part.island.mechanism.nonsmooth.motors;
-                    let motor = motors.iter().position(|motor| motor.coordinate.freedom == own);
-                    // An island with a motor never sleeps.
-                    if let (Some(motor), Some(run)) = (motor, &mut part.awake) {
-                        run.aim(motor, value);
-                    }
-                }
-                local += piece.velocities.len();
-            }
+        if let Some(groups) = &mut self.groups {
+            groups.aimed.retain(|(other, _)| *other != freedom);
+            groups.aimed.push((freedom, value));
         }
+        self.parts.iter_mut().for_each(|part| part.aim(freedom, value));
     }
 
-    /// A copy of all islands; `None` if they estimate their errors.
+    /// A copy of all islands; `None` if they estimate their errors, or if groups form and fall apart.
     pub(crate) fn keep(&self) -> Option<Vec<KeptIsland>> {
+        if self.groups.is_some() {
+            return None;
+        }
         let kept = self.parts.iter().map(|part| {
             let awake = match &part.awake {
                 None => None,
@@ -130,7 +143,7 @@ impl<'a> Islands<'a> {
     /// Goes on from a copy; stays as it is and returns `false` if the copy is of other islands.
     pub(crate) fn restore(&mut self, kept: &[KeptIsland]) -> bool {
         let alike = |(part, kept): (&IslandRun, &KeptIsland)| part.state.velocity.len() == kept.state.velocity.len();
-        if self.parts.len() != kept.len() || !self.parts.iter().zip(kept).all(alike) {
+        if self.groups.is_some() || self.parts.len() != kept.len() || !self.parts.iter().zip(kept).all(alike) {
             return false;
         }
         for (part, kept) in self.parts.iter_mut().zip(kept) {
@@ -141,38 +154,42 @@ impl<'a> Islands<'a> {
         true
     }
 
-    /// The combined method of the awake islands; `None` if all sleep.
+    /// The combined method of the awake islands, and of groups that are no more; `None` if all sleep.
     ///
     /// It has the largest number of stages, the mean step, and the smallest margin of stability of all islands.
     pub fn description(&self) -> Option<MethodDescription> {
-        let mut all = self.parts.iter().filter_map(|part| Some((part.awake.as_ref()?.description(), part.steps)));
-        let (mut together, mut steps) = all.next()?;
-        let mut stepped = together.step * steps as f64;
-        for (one, count) in all {
-            together.stages = together.stages.max(one.stages);
-            together.order = together.order.max(one.order);
-            steps += count;
-            stepped += one.step * count as f64;
-            together.include_stability(&one);
-            together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
-            together.unsolved_contacts += one.unsolved_contacts;
-            together.contact_solvers.add(&one.contact_solvers);
-            together.first_order_steps += one.first_order_steps;
-            together.over_slips_steps += one.over_slips_steps;
-            together.over_slips_time = together.over_slips_time.max(one.over_slips_time);
-            together.few_stage_steps += one.few_stage_steps;
-            together.rebounds_left_out += one.rebounds_left_out;
-            together.rebounds_energy += one.rebounds_energy;
-            together.first_order_residual = together.first_order_residual.max(one.first_order_residual);
-            together.first_order_lift = together.first_order_lift.max(one.first_order_lift);
-            together.first_order_asleep = together.first_order_asleep.max(one.first_order_asleep);
-            together.first_order_time = together.first_order_time.max(one.first_order_time);
-            together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
-        }
+        let gone = self.groups.as_ref().and_then(|groups| groups.gone.clone());
+        let own = self.parts.iter().filter_map(|part| Some((part.awake.as_ref()?.description(), part.steps)));
+        gone.into_iter().chain(own).reduce(Self::add).map(|(together, _)| together)
+    }
+
+    /// Two methods as one, each with the number of its steps.
+    pub(super) fn add(
+        (mut together, count): (MethodDescription, usize),
+        (one, other): (MethodDescription, usize),
+    ) -> (MethodDescription, usize) {
+        let steps = count + other;
         if steps > 0 {
-            together.step = stepped / steps as f64;
+            together.step = (together.step * count as f64 + one.step * other as f64) / steps as f64;
         }
-        Some(together)
+        together.stages = together.stages.max(one.stages);
+        together.order = together.order.max(one.order);
+        together.include_stability(&one);
+        together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
+        together.unsolved_contacts += one.unsolved_contacts;
+        together.contact_solvers.add(&one.contact_solvers);
+        together.first_order_steps += one.first_order_steps;
+        together.over_slips_steps += one.over_slips_steps;
+        together.over_slips_time = together.over_slips_time.max(one.over_slips_time);
+        together.few_stage_steps += one.few_stage_steps;
+        together.rebounds_left_out += one.rebounds_left_out;
+        together.rebounds_energy += one.rebounds_energy;
+        together.first_order_residual = together.first_order_residual.max(one.first_order_residual);
+        together.first_order_lift = together.first_order_lift.max(one.first_order_lift);
+        together.first_order_asleep = together.first_order_asleep.max(one.first_order_asleep);
+        together.first_order_time = together.first_order_time.max(one.first_order_time);
+        together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
+        (together, steps)
     }
 
     /// The status of each body's joint (free, held, on a limit).
@@ -198,12 +215,7 @@ impl<'a> Islands<'a> {
 
     /// Puts the efforts that sampled motors hold from the present state on in their places of the whole, an entry a motor.
     pub(crate) fn held_efforts(&self, motors: &[Motor], whole: &mut [Option<f64>]) {
-        let mut own = Vec::new();
-        for IslandRun { island, awake, .. } in &self.parts {
-            own.clear();
-            awake.iter().for_each(|run| run.held_efforts(false, &mut own));
-            put_held(island, &own, motors, whole);
-        }
+        self.parts.iter().for_each(|part| part.put_held(motors, whole));
     }
 
     /// Calls a function with each island that moves, and its state.
@@ -268,6 +280,9 @@ impl<'a> Islands<'a> {
     ) -> Result<(), RunError> {
         // The first window is one step of each island, to measure its time.
         (self.window, self.took) = (0.0, 0.0);
+        if let Some(groups) = &mut self.groups {
+            groups.begin(state);
+        }
         for part in &mut self.parts {
             part.state = part.island.state(state);
             part.begin(options.duration, sampling_rate(options))?;
@@ -287,23 +302,21 @@ impl<'a> Islands<'a> {
         whole: &MergedRun,
         options: &RunOptions,
     ) -> Result<(), RunError> {
+        if let Some(groups) = &mut self.groups {
+            groups.efforts = if inputs.is_none() { Vec::new() } else { inputs.efforts.to_vec() };
+        }
         for part in &mut self.parts {
-            let of_part = part.island.pieces.iter().map(|piece| piece.velocities.clone());
-            part.efforts.clear();
-            if !inputs.is_none() {
-                of_part.for_each(|freedoms| part.efforts.extend_from_slice(&inputs.efforts[freedoms]));
+            if inputs.is_none() {
+                part.efforts.clear();
+            } else {
+                part.set_efforts(inputs.efforts);
             }
             let driven = part.efforts.iter().any(|&effort| effort != 0.0);
             if part.awake.is_none() && driven {
                 let Ok(integrator) = choice.integrator(&part.island.mechanism, &self.kept) else { continue };
                 part.awake = Some(integrator.into());
-                part.state.time = whole.start;
-                part.begin(options.duration, sampling_rate(options))?;
-                part.shown.samples.clear();
                 part.state.time = whole.state.time;
-                if let Some(course) = &mut part.course {
-                    course.skip_to(whole.state.time);
-                }
+                part.begin_within(whole.start, options.duration, sampling_rate(options))?;
             }
         }
         Ok(())
@@ -312,16 +325,13 @@ impl<'a> Islands<'a> {
     /// Moves `state` to the present time of the run, or, after an error, to the last sample that all islands have reached.
     pub(crate) fn settle(&mut self, mechanism: &Mechanism, state: &mut State, whole: &mut MergedRun, together: bool) {
         let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
-        // The sum starts from 0, because an empty sum would be −0.
-        whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
+        whole.summary.solve_cpu_seconds = times.fold(whole.spent, |sum, time| sum + time);
         for part in self.parts.iter().filter_map(|part| part.course.as_ref()) {
             whole.summary.see_contacts(&part.summary().contact, part.summary().deepest_at);
         }
         if together {
             for IslandRun { island, state: own, .. } in &self.parts {
-                island.put(&own.position, &mut state.position, |piece| &piece.positions);
-                island.put(&own.compensation, &mut state.compensation, |piece| &piece.positions);
-                island.put(&own.velocity, &mut state.velocity, |piece| &piece.velocities);
+                island.put_state(own, state);
             }
             let moving = self.parts.iter().filter(|part| part.awake.is_some()).map(|part| part.state.time);
             state.time = moving.reduce(f64::min).unwrap_or(whole.state.time);
@@ -341,6 +351,11 @@ impl<'a> Islands<'a> {
         observers: &mut [&mut dyn Observer],
         whole: &mut MergedRun,
     ) -> Result<(), RunError> {
+        if let Some(mut groups) = self.groups.take() {
+            let ended = self.proceed_in_groups(&mut groups, mechanism, until, options, observers, whole);
+            self.groups = Some(groups);
+            return ended;
+        }
         let mut awake = awake(&mut self.parts);
         if awake.is_empty() {
             return whole.show_rest(mechanism, until, options, observers);
@@ -370,11 +385,11 @@ impl<'a> Islands<'a> {
 }
 
 /// The islands that move.
-fn awake<'p, 'a>(parts: &'p mut [IslandRun<'a>]) -> Vec<&'p mut IslandRun<'a>> {
+pub(super) fn awake<'p, 'a>(parts: &'p mut [IslandRun<'a>]) -> Vec<&'p mut IslandRun<'a>> {
     parts.iter_mut().filter(|part| part.awake.is_some()).collect()
 }
 
 /// Samples of each island per simulated second.
-fn sampling_rate(options: &RunOptions) -> f64 {
+pub(super) fn sampling_rate(options: &RunOptions) -> f64 {
     options.rate.unwrap_or(CHECKPOINTS / options.duration)
 }

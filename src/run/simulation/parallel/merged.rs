@@ -4,7 +4,7 @@ use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
-use crate::mechanism::motion::energy::{energy_with_forces, violation};
+use crate::mechanism::motion::energy::{Energy, energy_with_forces, violation};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
@@ -13,7 +13,7 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::parallel::island::{IslandRun, frontier, put_held};
 use crate::simulation::steps::course::{RunError, RunOptions, held_at};
 use crate::simulation::steps::observer::{Observer, Sample, StepEnd, show};
-use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, pushes};
+use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, moved_by_motors, pushes};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
@@ -32,6 +32,8 @@ pub(crate) struct MergedRun {
     kinetic: f64,
     deviation: f64,
     exchange: Exchange,
+    /// Whether there are motors.
+    driven: bool,
     largest_kinetic: f64,
     largest_deviation: f64,
     /// Total cost of the steps since the last sample, and the number of steps before it.
@@ -47,6 +49,10 @@ pub(crate) struct MergedRun {
     contacts: Vec<ContactPoint>,
     /// The efforts that sampled motors hold at the last sample, if there are such motors.
     held: Option<Vec<Option<f64>>>,
+    /// How the energies of groups that are no more have changed, their exchanges (J), and the CPU time of their steps (s).
+    changed: Energy,
+    exchanged: Exchange,
+    pub(super) spent: f64,
 }
 
 impl MergedRun {
@@ -70,6 +76,7 @@ impl MergedRun {
             kinetic: initial.kinetic,
             deviation: 0.0,
             exchange: Exchange::default(),
+            driven: !mechanism.nonsmooth.motors.is_empty(),
             largest_kinetic: initial.kinetic,
             largest_deviation: 0.0,
             since: StepOutcome::default(),
@@ -79,6 +86,20 @@ impl MergedRun {
             events: Vec::new(),
             contacts: Vec::new(),
             held: held_at(mechanism, state),
+            changed: Energy::default(),
+            exchanged: Exchange::default(),
+            spent: 0.0,
+        }
+    }
+
+    /// Takes over the figures of a group that is no more.
+    pub(super) fn let_go(&mut self, part: &IslandRun) {
+        add_change(&mut self.changed, &part.last.energy, &part.initial);
+        self.exchanged += part.last.exchange;
+        if let Some(course) = &part.course {
+            let summary = course.summary();
+            self.spent += summary.solve_cpu_seconds;
+            self.summary.see_contacts(&summary.contact, summary.deepest_at);
         }
     }
 
@@ -186,9 +207,11 @@ impl MergedRun {
         }
         waiting.clear();
         self.waiting = waiting;
-        let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
+        let moved = if self.driven { moved_by_motors(&self.exchange, &self.summary.initial_energy) } else { 0.0 };
+        let scale = self.largest_kinetic.max(moved);
         self.summary.max_energy_error = self.largest_deviation;
-        self.summary.max_relative_energy_error = self.largest_deviation / scale;
+        self.summary.max_relative_energy_error =
+            if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
         self.summary.exchange = self.exchange;
     }
 
@@ -218,18 +241,15 @@ impl MergedRun {
         later: &[(StepEnd, usize)],
     ) -> StepEnd {
         let (mut end, _) = instant[instant.len() - 1];
-        (end.energy, end.exchange, end.so_far) =
-            (self.summary.initial_energy, Exchange::default(), self.summary.counts());
+        (end.energy, end.exchange, end.so_far) = (self.summary.initial_energy, self.exchanged, self.summary.counts());
+        add_change(&mut end.energy, &self.changed, &Energy::default());
         end.outcome.exchange.impacts = instant.iter().map(|(end, _)| end.outcome.exchange.impacts).sum();
         for (number, part) in awake.iter_mut().enumerate() {
             let waits = later.iter().find(|(_, of)| *of == number).map(|(next, _)| *next);
             let next = waits.or_else(|| part.shown.steps.front().copied());
             let own = part.between(end.time, next.as_ref());
             // Islands that sleep keep their energies of the start.
-            end.energy.kinetic += own.energy.kinetic - part.initial.kinetic;
-            end.energy.potential += own.energy.potential - part.initial.potential;
-            end.energy.spring += own.energy.spring - part.initial.spring;
-            end.energy.load += own.energy.load - part.initial.load;
+            add_change(&mut end.energy, &own.energy, &part.initial);
             end.exchange += own.exchange;
         }
         end
@@ -291,6 +311,14 @@ impl MergedRun {
         }
         Ok(())
     }
+}
+
+/// Adds the change of energies from `before` to `after` (J).
+fn add_change(sum: &mut Energy, after: &Energy, before: &Energy) {
+    sum.kinetic += after.kinetic - before.kinetic;
+    sum.potential += after.potential - before.potential;
+    sum.spring += after.spring - before.spring;
+    sum.load += after.load - before.load;
 }
 
 /// Takes all events of the islands up to `until`, in the order of their times.

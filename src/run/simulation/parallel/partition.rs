@@ -36,16 +36,14 @@ impl Plan {
     ) -> Self {
         let all =
             if switched_off.contains(&Rule::Islands) { vec![Island::whole(mechanism)] } else { islands(mechanism) };
+        Self::of(all, state, switched_off, counted)
+    }
+
+    /// These islands of a mechanism.
+    pub(crate) fn of(all: Vec<Island>, state: &State, switched_off: &[Rule], counted: Option<&Arc<Counted>>) -> Self {
         let of_all = counted.filter(|_| all.len() == 1);
-        let sleeps = |island: &Island| {
-            // The efforts of motors can change, and are not among the forces that decide on equilibrium.
-            let driven = !island.mechanism.nonsmooth.motors.is_empty();
-            !switched_off.contains(&Rule::Sleep)
-                && !driven
-                && is_at_rest_counted(&island.mechanism, &island.state(state), of_all.cloned())
-        };
         let with_sleep = |island: Island| {
-            let asleep = sleeps(&island);
+            let asleep = rests(&island.mechanism, &island.state(state), switched_off, of_all);
             (island, asleep)
         };
         Plan { islands: all.into_iter().map(with_sleep).collect(), kept: switched_off.to_vec() }
@@ -55,8 +53,9 @@ impl Plan {
     /// joins the last group. Islands in parallel planes are grouped among themselves, and so are trees and closed loops, if they have enough
     /// bodies.
     pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
+        let is_small = |mechanism: &Mechanism| mechanism.bodies.len() < smallest && mechanism.nonsmooth.is_empty();
         let (small, mut parts): (Vec<_>, Vec<_>) =
-            self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
+            self.islands.into_iter().partition(|(island, asleep)| !asleep && is_small(&island.mechanism));
         let small = small.into_iter().map(|(island, _)| island).collect();
         for class in alike(small, smallest, &self.kept) {
             parts.extend(groups(class, smallest).into_iter().map(|group| match <[Island; 1]>::try_from(group) {
@@ -92,6 +91,18 @@ impl Plan {
     pub fn sleeping(&self) -> usize {
         self.islands.iter().filter(|(_, asleep)| *asleep).count()
     }
+}
+
+/// Whether an island is at rest in equilibrium, and need not be simulated.
+pub(super) fn rests(
+    mechanism: &Mechanism,
+    state: &State,
+    switched_off: &[Rule],
+    counted: Option<&Arc<Counted>>,
+) -> bool {
+    // The efforts of motors can change, and are not among the forces that decide on equilibrium.
+    let driven = !mechanism.nonsmooth.motors.is_empty();
+    !switched_off.contains(&Rule::Sleep) && !driven && is_at_rest_counted(mechanism, state, counted.cloned())
 }
 
 /// Islands that are grouped only with each other: islands in parallel planes, and trees apart from closed loops (whose steps cost more), if they have

@@ -1,6 +1,7 @@
 //! The loop of a run: it makes steps, takes samples inside them, and passes both to the observers.
 
 use crate::events::first_contacts::first_contacts;
+use crate::instant::meeting::Moved;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -15,6 +16,7 @@ use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks_at_contacts, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
 use crate::simulation::steps::undefined::{beyond, undefined};
+use crate::simulation::steps::way::Way;
 use crate::simulation::tolerance::accuracy_so_far::{AccuracySoFar, Tells};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -119,6 +121,8 @@ pub(crate) struct Course {
     /// there has lasted: where an event at the same instant opens it again, or a step of first order follows, which has impulses of its own, no such
     /// force has acted.
     not_lasted: (ContactFigures, usize),
+    /// How far its bodies have moved, if somebody wants to know.
+    way: Option<Way>,
 }
 
 impl Course {
@@ -143,7 +147,21 @@ impl Course {
             contacts: Vec::new(),
             held: held_at(mechanism, state),
             not_lasted: (ContactFigures::default(), 0),
+            way: None,
         }
+    }
+
+    /// From this state on, how far bodies move is measured.
+    pub(crate) fn measure_way(&mut self, mechanism: &Mechanism, state: &State) {
+        match &mut self.way {
+            Some(way) => way.begin(mechanism, state),
+            none => *none = Some(Way::new(mechanism, state)),
+        }
+    }
+
+    /// How far they have moved; empty if nobody wanted to know.
+    pub(crate) fn moved(&self) -> &[Moved] {
+        self.way.as_ref().map_or(&[], |way| way.moved())
     }
 
     /// Disables the figures: figures of steps that observers receive keep their values at the start.
@@ -239,6 +257,7 @@ impl Course {
             }
             let clock = self.figures.then(Instant::now);
             inputs.check(mechanism, state)?;
+            let from = state.time;
             let outcome = integrator.step(mechanism, inputs, state, end);
             self.solving += clock.map_or(Duration::ZERO, |clock| clock.elapsed());
             let outcome = outcome.inspect_err(|_| {
@@ -246,6 +265,9 @@ impl Course {
             })?;
             if integrator.begins_again() {
                 return Err(RunError::BeginsAgain { time: state.time });
+            }
+            if let Some(way) = &mut self.way {
+                way.go_on(mechanism, integrator, from, state);
             }
             self.see_events(integrator, observers);
             if self.figures {

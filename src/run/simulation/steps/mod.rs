@@ -5,3 +5,4 @@ pub(crate) mod course;
 pub(crate) mod observer;
 pub(crate) mod summary;
 pub(crate) mod undefined;
+pub(crate) mod way;

@@ -145,13 +145,17 @@ impl Bookkeeper {
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_energy_error = self.largest_deviation;
-        // Motors hold a robot with next to no motion: the balance is one of the energies that they move, too.
-        let exchanged = exchange.dissipated.abs() + exchange.work.abs() + exchange.friction + exchange.impacts;
-        let moved = if self.driven { exchanged.max(AT_REST * (energy.potential.abs() + energy.spring)) } else { 0.0 };
+        let moved = if self.driven { moved_by_motors(&exchange, &energy) } else { 0.0 };
         let scale = self.largest_kinetic.max(moved);
         summary.max_relative_energy_error =
             if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
     }
+}
+
+/// The energy that motors have moved (J). They hold a robot with next to no motion: the balance is one of the energies that they move, too.
+pub(crate) fn moved_by_motors(exchange: &Exchange, energy: &Energy) -> f64 {
+    let exchanged = exchange.dissipated.abs() + exchange.work.abs() + exchange.friction + exchange.impacts;
+    exchanged.max(AT_REST * (energy.potential.abs() + energy.spring))
 }
 
 /// The energy that springs of motors store in a state, up to their bounds (J).

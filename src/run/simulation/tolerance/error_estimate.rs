@@ -22,6 +22,7 @@
 //! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]). A run that is not far from the accuracy at
 //! its end, because of steps over events, restarts once with shorter and fewer of these ([`opinions`]).
 
+use crate::events::crowded::CrowdsSoFar;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes, probes_of_bodies, size};
 use crate::mechanism::motion::event::Event;
@@ -34,6 +35,7 @@ use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, OWN_ROUNDINGS};
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::tolerance::given_forces::GivenForces;
+use crate::simulation::tolerance::handed::Fineness;
 use crate::simulation::tolerance::horizon::Horizon;
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
@@ -60,6 +62,7 @@ const AFTER_FAILURE: f64 = 1e-3;
 /// In this first part of the run stability may change the stages: stiffness shows from the start, and a later restart is expensive.
 const EARLY: f64 = 1.0 / 16.0;
 
+mod handing;
 mod opinions;
 
 /// How the error of a run is estimated.
@@ -110,6 +113,12 @@ pub struct ErrorEstimate<'a> {
     driven: bool,
     /// The error of forces given in time.
     given: GivenForces,
+    /// The motion beside the run where it begins, if it is another one; and the error there that such a motion does not show (m).
+    companion: Option<State>,
+    before: f64,
+    /// The steps of the runs that it goes on from, and what the motions beside them have seen of crowds.
+    earlier: usize,
+    crowds: Option<CrowdsSoFar>,
 }
 
 impl<'a> ErrorEstimate<'a> {
@@ -118,8 +127,21 @@ impl<'a> ErrorEstimate<'a> {
     /// # Errors
     /// [`MethodError`] for invalid steps.
     pub fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<(Self, RunIntegrator), MethodError> {
-        let stop = terms.first_stop(mechanism);
-        let stages = StageChoice::of(mechanism, terms.tolerance);
+        let fineness = Fineness::first(mechanism, &terms);
+        Self::as_fine_as(mechanism, terms, fineness)
+    }
+
+    /// The same, as fine as that.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub(crate) fn as_fine_as(
+        mechanism: &Mechanism,
+        mut terms: Terms<'a>,
+        fineness: Fineness,
+    ) -> Result<(Self, RunIntegrator), MethodError> {
+        let Fineness { stop, stages, begun, may_begin_again, may_refine, over_events, horizon } = fineness;
+        terms.over_events = over_events;
         let mut run = terms.run(mechanism, stop, stages)?;
         let wanted = wanted(mechanism, &terms, stop);
         let mut estimate = ErrorEstimate {
@@ -127,9 +149,9 @@ impl<'a> ErrorEstimate<'a> {
             stages,
             by: By::Nothing,
             forecast: Forecast::new(wanted),
-            begun: 1,
-            may_begin_again: true,
-            may_refine: true,
+            begun,
+            may_begin_again,
+            may_refine,
             next: None,
             origin: None,
             size: 0.0,
@@ -142,9 +164,13 @@ impl<'a> ErrorEstimate<'a> {
             asked: false,
             events: Vec::new(),
             differ: None,
-            horizon: Horizon::default(),
+            horizon,
             driven: false,
             given: GivenForces::default(),
+            companion: None,
+            before: 0.0,
+            earlier: 0,
+            crowds: None,
             terms,
         };
         estimate.accompany(mechanism, &mut run);
@@ -170,9 +196,9 @@ impl<'a> ErrorEstimate<'a> {
     /// # Errors
     /// [`MethodError`] for invalid steps.
     pub fn begin_again(&mut self, mechanism: &Mechanism, before: &RunIntegrator) -> Result<RunIntegrator, MethodError> {
-        self.begun += usize::from(self.next.is_some());
-        self.horizon.begin_again(self.difference(before).map(|differ| (differ, self.stop)));
-        (self.stop, self.stages) = self.next.take().unwrap_or((self.stop, self.stages));
+        let Fineness { stop, stages, .. } = self.next_fineness(before);
+        (self.stop, self.stages) = (stop, stages);
+        self.next = None;
         let mut run = self.terms.run(mechanism, self.stop, self.stages)?;
         self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
         (self.steps, self.looked, self.parted, self.asked) = (0, 0, false, false);
@@ -201,8 +227,12 @@ impl<'a> ErrorEstimate<'a> {
         self.origin = Some(state.clone());
         self.size = size(mechanism, state);
         self.due = self.terms.start;
-        if self.terms.estimate && !matches!(self.by, By::Carried) {
-            self.by = self.beside(mechanism, state);
+        if self.terms.estimate && !matches!(self.by, By::Carried) && !self.parted && !self.driven {
+            let companion = self.companion.take();
+            self.by = self.beside(mechanism, companion.as_ref().unwrap_or(state));
+            if let By::Beside(beside) = &mut self.by {
+                beside.run.go_on_from(self.crowds);
+            }
         }
     }
 
@@ -263,13 +293,13 @@ impl<'a> ErrorEstimate<'a> {
         let restarts = self.finer_stop(state, error, ringing, run);
         // A separate run, and then a finer one.
         for _ in 0..2 {
-            if restarts.is_none() && error + self.doubt(state, run) > wanted {
+            if restarts.is_none() && error + self.doubt(state.time, run) > wanted {
                 error = self.second_opinion(mechanism, state, error, run);
             }
         }
         // The ends of accumulating impacts are errors of the run and of its companion alike, and so are those of forces given in time.
-        let of_impacts = run.error_of_impacts(state.time) + self.doubt(state, run);
-        let estimate = error.max(ringing) + of_impacts + self.given.error(state.time);
+        let of_impacts = run.error_of_impacts(state.time) + self.doubt(state.time, run);
+        let estimate = error.max(ringing) + of_impacts + self.given.error(state.time) + self.before;
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
         let holds_until = if estimate <= wanted { state.time } else { held };
         self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
@@ -316,7 +346,7 @@ impl<'a> ErrorEstimate<'a> {
         if self.driven {
             return Err(UnknownAccuracy::Driven);
         }
-        if self.steps == 0 {
+        if self.steps == 0 && self.so_far.is_none() {
             return Err(UnknownAccuracy::NotYet);
         }
         if self.so_far.is_none_or(|so_far| so_far.time < state.time) {

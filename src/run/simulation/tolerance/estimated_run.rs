@@ -15,6 +15,7 @@ use crate::simulation::method::run_integrator::RunIntegrator;
 use crate::simulation::tolerance::accuracy::{Accuracy, UnknownAccuracy};
 use crate::simulation::tolerance::accuracy_so_far::{AccuracySoFar, Tells};
 use crate::simulation::tolerance::error_estimate::ErrorEstimate;
+use crate::simulation::tolerance::handed::{Fineness, Handed};
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::{Lobatto, MethodError};
 
@@ -44,6 +45,42 @@ impl<'a> EstimatedRun<'a> {
     pub fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<Self, MethodError> {
         let (estimate, run) = ErrorEstimate::new(mechanism, terms)?;
         Ok(EstimatedRun { run, estimate: Some(Box::new(estimate)) })
+    }
+
+    /// The same, going on from what the runs of other groups have handed on.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub(crate) fn going_on(mechanism: &Mechanism, terms: Terms<'a>, handed: Handed) -> Result<Self, MethodError> {
+        let (estimate, run) = ErrorEstimate::going_on(mechanism, terms, handed)?;
+        Ok(EstimatedRun { run, estimate: Some(Box::new(estimate)) })
+    }
+
+    /// The same from the beginning, as fine as that.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub(crate) fn as_fine_as(mechanism: &Mechanism, terms: Terms<'a>, fineness: Fineness) -> Result<Self, MethodError> {
+        let (estimate, run) = ErrorEstimate::as_fine_as(mechanism, terms, fineness)?;
+        Ok(EstimatedRun { run, estimate: Some(Box::new(estimate)) })
+    }
+
+    /// What it hands on where it is; `None` if it begins again, or has no estimate.
+    pub(crate) fn hand_on(&mut self, mechanism: &Mechanism, state: &State) -> Option<Handed> {
+        let EstimatedRun { run, estimate } = self;
+        estimate.as_mut()?.hand_on(mechanism, state, run)
+    }
+
+    /// The same for a run that goes back to an instant (s).
+    pub(crate) fn hand_back(&mut self, time: f64) -> Option<Handed> {
+        let EstimatedRun { run, estimate } = self;
+        estimate.as_mut()?.hand_back(time, run)
+    }
+
+    /// How fine its next beginning is; `None` without an estimate.
+    pub(crate) fn next_fineness(&mut self) -> Option<Fineness> {
+        let EstimatedRun { run, estimate } = self;
+        Some(estimate.as_mut()?.next_fineness(run))
     }
 
     /// The steps alone; `None` where their error is estimated by a second motion.

@@ -66,6 +66,17 @@ impl Forecast {
         Forecast { wanted, looked: 0 }
     }
 
+    /// The forecasts before a time (s) were made by others.
+    pub fn go_on_from(&mut self, time: f64) {
+        self.looked = self.due(time);
+    }
+
+    /// The number of instants up to a time (s).
+    fn due(&self, time: f64) -> usize {
+        let Wanted { start, end, .. } = self.wanted;
+        INSTANTS.iter().filter(|&&share| time - start >= share * (end - start)).count()
+    }
+
     /// The forecast error at the end (m) if the run must restart, from its error at a time (s) after this many steps, and from an error that does not
     /// grow (m).
     pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64, constant: f64) -> Option<f64> {
@@ -75,7 +86,7 @@ impl Forecast {
         let growth = ((error / stop).log10().max(0.0) + SEEN * USUAL) / (steps + SEEN);
         let by_steps = if grows { 10_f64.powf(growth * (all - steps)) } else { 1.0 };
         let predicted = error * by_steps.max(whole / passed);
-        let due = INSTANTS.iter().filter(|&&share| passed >= share * whole).count();
+        let due = self.due(time);
         let is_due = due > std::mem::replace(&mut self.looked, due);
         let is_over = error.is_nan() || error > 0.5 * accuracy;
         let will_be = is_due && grows && all >= FEWEST && predicted > TOO_COARSE * accuracy;

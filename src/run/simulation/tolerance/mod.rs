@@ -8,5 +8,6 @@ pub mod estimated_run;
 pub(crate) mod event_order;
 pub(crate) mod forecast;
 pub(crate) mod given_forces;
+pub(crate) mod handed;
 pub(crate) mod horizon;
 pub mod terms;

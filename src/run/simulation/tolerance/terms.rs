@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The wanted accuracy of a run, and its settings.
+#[derive(Clone)]
 pub struct Terms<'a> {
     /// The accuracy (m).
     pub tolerance: f64,

@@ -31,15 +31,15 @@ impl ErrorEstimate<'_> {
         if !self.may_begin_again || self.stop <= FINEST {
             return None;
         }
-        let predicted = self.forecast.too_coarse(state.time, self.steps, error, ringing)?;
+        let predicted = self.forecast.too_coarse(state.time, self.earlier + self.steps, error, ringing)?;
         self.gains_by_finer_steps(state, run).then(|| self.forecast.finer(predicted, self.begun > 1))
     }
 
-    /// The distance by which the order of blows can have moved bodies or joints up to a state (m or rad): a finer run leaves out less, and shows it.
-    pub(super) fn doubt(&self, state: &State, run: &RunIntegrator) -> f64 {
+    /// The distance by which the order of blows can have moved bodies or joints up to an instant (s) (m or rad): a finer run leaves out less, and shows it.
+    pub(super) fn doubt(&self, time: f64, run: &RunIntegrator) -> f64 {
         match &self.by {
             By::Beside(beside) if beside.is_finer() => 0.0,
-            _ => run.doubt_of_blows(state.time),
+            _ => run.doubt_of_blows(time),
         }
     }
 
@@ -59,7 +59,7 @@ impl ErrorEstimate<'_> {
             By::Beside(_) => (Beside::finer, false),
         };
         let Some(other) = ask(mechanism, &self.terms, self.stop, self.stages, origin) else { return error };
-        let off = error + self.doubt(state, run);
+        let off = error + self.doubt(state.time, run);
         let before = std::mem::replace(&mut self.by, By::Beside(Box::new(other)));
         match self.error(mechanism, state, run) {
             Some(told) if told < off => {

@@ -1,0 +1,175 @@
+//! The groups of bodies of a run at present, and how their runs are made.
+
+use crate::instant::meeting::Meeting;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::HeldEffort;
+use crate::mechanism::motion::integrator::MethodDescription;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::Island;
+use crate::simulation::parallel::island::IslandRun;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
+use crate::simulation::tolerance::handed::{Fineness, Handed};
+use crate::stepping::integrator::MethodError;
+
+/// What the run of a group begins with.
+pub(crate) enum Begins {
+    /// At the start of the run, as fine as that; `None` for the first time.
+    First(Option<Fineness>),
+    /// With what others have handed on.
+    GoingOn(Box<Handed>),
+}
+
+/// Makes the run of a group from a state on.
+pub(crate) type Make<'a> = Box<dyn Fn(&Mechanism, Begins) -> Result<EstimatedRun<'a>, MethodError> + Send + Sync + 'a>;
+
+/// The groups of a run.
+pub(crate) struct Groups<'a> {
+    pub(super) meeting: Meeting,
+    pub(super) make: Make<'a>,
+    /// The number of the group of each body: the places of the groups in the list of islands.
+    pub(super) groups: Vec<usize>,
+    /// How long they are expected to stay apart (s).
+    pub(super) length: f64,
+    /// The whole where the present time of the groups began.
+    pub(super) at: State,
+    /// The efforts that sampled motors hold there: an entry a motor, or empty without such motors.
+    pub(super) held: Vec<Option<f64>>,
+    /// External efforts on the joints of the whole, and targets that motors were given since the start.
+    pub(super) efforts: Vec<f64>,
+    pub(super) aimed: Vec<(usize, f64)>,
+    /// How steps of groups that are no more were made, and their number.
+    pub(super) gone: Option<(MethodDescription, usize)>,
+}
+
+impl<'a> Groups<'a> {
+    /// The groups of a state; `None` if there is one alone.
+    pub fn new(mechanism: &Mechanism, state: &State, make: Make<'a>) -> Option<Self> {
+        let meeting = Meeting::new(mechanism);
+        let (groups, length) = meeting.groups(&body_states(mechanism, state), None);
+        let several = groups.iter().any(|&group| group > 0);
+        several.then(|| Groups {
+            meeting,
+            make,
+            groups,
+            length,
+            at: state.clone(),
+            held: Vec::new(),
+            efforts: Vec::new(),
+            aimed: Vec::new(),
+            gone: None,
+        })
+    }
+
+    /// The run begins in a state.
+    pub(super) fn begin(&mut self, state: &State) {
+        self.at.copy_from(state);
+        self.gone = None;
+    }
+
+    /// From where all groups are, how far their bodies move is measured.
+    pub(super) fn measure_ways(&self, parts: &mut [IslandRun]) {
+        for IslandRun { island, state, course, .. } in parts.iter_mut().filter(|part| part.state.time == self.at.time) {
+            course.iter_mut().for_each(|course| course.measure_way(&island.mechanism, state));
+        }
+    }
+
+    /// Takes the efforts that sampled motors hold where all groups are.
+    pub(super) fn see_held(&mut self, parts: &[IslandRun], mechanism: &Mechanism) {
+        let motors = &mechanism.nonsmooth.motors;
+        self.held.clear();
+        if motors.iter().any(|motor| motor.period > 0.0) {
+            self.held.resize(motors.len(), None);
+            parts.iter().for_each(|part| part.put_held(motors, &mut self.held));
+        }
+    }
+
+    /// The number of the group of each body.
+    pub fn groups(&self) -> &[usize] {
+        &self.groups
+    }
+
+    /// Makes the run of a group from the start of the run on.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub fn first(&self, mechanism: &Mechanism, fineness: Option<Fineness>) -> Result<EstimatedRun<'a>, MethodError> {
+        (self.make)(mechanism, Begins::First(fineness))
+    }
+}
+
+/// A division of bodies into groups by another one: the groups before of the bodies of each group, and whether it is one of those.
+pub(super) struct Division {
+    pub members: Vec<Vec<usize>>,
+    pub stays: Vec<bool>,
+}
+
+impl Division {
+    /// From the numbers of the groups of bodies before, and after.
+    pub fn new(before: &[usize], after: &[usize]) -> Self {
+        let count = after.iter().max().map_or(0, |last| last + 1);
+        let mut members: Vec<Vec<usize>> = vec![Vec::new(); count];
+        for (&group, &one) in after.iter().zip(before) {
+            if !members[group].contains(&one) {
+                members[group].push(one);
+            }
+        }
+        let size = |of: &[usize], number: usize| of.iter().filter(|one| **one == number).count();
+        let stays = members.iter().enumerate().map(|(number, members)| match members[..] {
+            [one] => size(before, one) == size(after, number),
+            _ => false,
+        });
+        Division { stays: stays.collect(), members }
+    }
+
+    /// The division that puts these pairs of groups together.
+    pub fn joining(before: &[usize], pairs: &[[usize; 2]]) -> Vec<usize> {
+        let count = before.iter().max().map_or(0, |last| last + 1);
+        let mut first: Vec<usize> = (0..count).collect();
+        for &[a, b] in pairs {
+            let (a, b) = (first[a], first[b]);
+            first.iter_mut().filter(|group| **group == a.max(b)).for_each(|group| *group = a.min(b));
+        }
+        let mut numbers = vec![usize::MAX; count];
+        let mut next = 0;
+        let after = before.iter().map(|&group| {
+            let joined = first[group];
+            if numbers[joined] == usize::MAX {
+                numbers[joined] = next;
+                next += 1;
+            }
+            numbers[joined]
+        });
+        after.collect()
+    }
+}
+
+/// Lets the sampled motors of a group hold what they held at an instant (s).
+pub(super) fn hold(island: &mut Island, whole: &Mechanism, held: &[Option<f64>], since: f64) {
+    let own: Vec<usize> = island.mechanism.nonsmooth.motors.iter().map(|motor| motor.coordinate.body).collect();
+    for (index, body) in own.into_iter().enumerate() {
+        let body = island.body_of_whole(body);
+        let place = whole.nonsmooth.motors.iter().position(|motor| motor.coordinate.body == body);
+        if let Some(effort) = place.and_then(|place| held.get(place).copied().flatten()) {
+            island.mechanism.nonsmooth.motors[index].held = Some(HeldEffort { since, effort });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_group_stays_if_its_bodies_are_those_of_one_before() {
+        let Division { members, stays } = Division::new(&[0, 0, 1, 2, 2], &[0, 1, 2, 1, 1]);
+        assert_eq!(members, [vec![0], vec![0, 2], vec![1]]);
+        assert_eq!(stays, [false, false, true]);
+    }
+
+    #[test]
+    fn groups_that_meet_a_third_one_are_joined_and_numbers_follow_the_first_bodies() {
+        assert_eq!(Division::joining(&[0, 1, 2, 3, 1], &[[1, 3], [2, 3]]), [0, 1, 1, 1, 1]);
+        assert_eq!(Division::joining(&[0, 1, 2, 3], &[[0, 2]]), [0, 1, 0, 2]);
+    }
+}

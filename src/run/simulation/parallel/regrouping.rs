@@ -1,0 +1,245 @@
+//! Groups of bodies that form and fall apart: each has its own steps as long as it meets no other.
+//!
+//! ```text
+//!     x(t_k) ─ Meeting::groups ─▶ groups, L ─▶ runs of new groups go on from what those before hand on
+//!     each group ─ its own steps ─▶ t_(k+1) = t_k + L, and how far its bodies have moved ─ Meeting::met ─▶ groups that may have met
+//!     these go back to t_k, as one group, and again to t_(k+1); then all are shown up to there
+//! ```
+//!
+//! All groups are at t_k together (s), the end of a step of each. What is shown was proved: no pair of two groups can have met between t_k and
+//! t_(k+1). A run depends on its bodies alone and on the instants t_k, which depend on states: it is the same to the last bit, whatever the threads.
+//!
+//! Source: B. Mirtich, Timewarp Rigid Body Simulation, SIGGRAPH 2000 (groups go back where they have met).
+
+use crate::instant::meeting::Moved;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::integrator::Integrator;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::{Island, group};
+use crate::simulation::parallel::groups::{Begins, Division, Groups, hold};
+use crate::simulation::parallel::island::{IslandRun, first_error};
+use crate::simulation::parallel::islands::{Islands, awake, sampling_rate};
+use crate::simulation::parallel::merged::MergedRun;
+use crate::simulation::parallel::partition::rests;
+use crate::simulation::parallel::threads::spread;
+use crate::simulation::steps::course::{Aim, RunError, RunOptions};
+use crate::simulation::steps::observer::Observer;
+use crate::simulation::tolerance::estimated_run::EstimatedRun;
+use crate::simulation::tolerance::handed::{Fineness, Handed};
+use crate::stepping::integrator::MethodError;
+use std::time::Instant;
+
+/// A group that would leave less than this part of its time to the end goes on to the end.
+const SLIVER: f64 = 1e-6;
+
+/// How far groups that are put together go back.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Back {
+    /// They are where all are.
+    Nowhere,
+    /// To where their present time began: they may have met since.
+    ToTheBeginning,
+}
+
+impl<'a> Islands<'a> {
+    /// Prepares another beginning from a state: groups as fine as the runs of their bodies ask for.
+    ///
+    /// # Errors
+    /// [`MethodError`] for invalid steps.
+    pub(crate) fn begin_groups_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
+        let Some(mut own) = self.groups.take() else { return Ok(()) };
+        let mut fineness: Vec<Option<Fineness>> = vec![None; mechanism.bodies.len()];
+        for part in &mut self.parts {
+            if let Some(next) = part.awake.as_mut().and_then(EstimatedRun::next_fineness) {
+                (0..part.island.mechanism.bodies.len())
+                    .for_each(|body| fineness[part.island.body_of_whole(body)] = Some(next.clone()));
+            }
+        }
+        (own.groups, own.length) = own.meeting.groups(&body_states(mechanism, state), None);
+        (own.gone, own.at) = (None, state.clone());
+        let count = own.groups.iter().max().map_or(0, |last| last + 1);
+        let mut parts = Vec::with_capacity(count);
+        for number in 0..count {
+            let island = group(mechanism, &own.groups, number);
+            let mut part = IslandRun::new(island, state);
+            if !rests(&part.island.mechanism, &part.state, &self.kept, None) {
+                let all = (0..own.groups.len()).filter(|&body| own.groups[body] == number);
+                let finest = all.filter_map(|body| fineness[body].clone()).reduce(|one, other| one.with(&other));
+                part.awake = Some(own.first(&part.island.mechanism, finest)?);
+            }
+            parts.push(part);
+        }
+        self.parts = parts;
+        self.groups = Some(own);
+        Ok(())
+    }
+
+    /// Makes steps until all groups are at `until` (s) or at the end of the run, and calls the observers with merged results.
+    pub(super) fn proceed_in_groups(
+        &mut self,
+        own: &mut Groups<'a>,
+        mechanism: &Mechanism,
+        until: f64,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+        whole: &mut MergedRun,
+    ) -> Result<(), RunError> {
+        let end = whole.end.min(until);
+        while own.at.time < end {
+            let bodies = body_states(mechanism, &own.at);
+            let next = own.at.time + own.length;
+            let next = if end - next < SLIVER * own.length { end } else { next };
+            own.see_held(&self.parts, mechanism);
+            own.measure_ways(&mut self.parts);
+            loop {
+                let ended = self.go_to(next, options);
+                let mut moved = vec![Moved::default(); bodies.len()];
+                for part in &self.parts {
+                    let way = part.course.as_ref().map_or(&[][..], |course| course.moved());
+                    way.iter().enumerate().for_each(|(body, &way)| moved[part.island.body_of_whole(body)] = way);
+                }
+                let met = own.meeting.met(&bodies, &moved, &own.groups);
+                if met.is_empty() {
+                    let mut awake = awake(&mut self.parts);
+                    if !awake.is_empty() {
+                        whole.take(mechanism, &mut awake, observers)?;
+                    }
+                    ended.map_err(|error| match error {
+                        RunError::Interrupted { .. } => RunError::Interrupted { time: whole.state.time },
+                        error => error,
+                    })?;
+                    break;
+                }
+                let joined = Division::joining(&own.groups, &met);
+                self.regroup(own, joined, Back::ToTheBeginning, mechanism, options, whole)?;
+                own.measure_ways(&mut self.parts);
+            }
+            if self.parts.iter().all(|part| part.awake.is_none()) {
+                whole.show_rest(mechanism, next, options, observers)?;
+            }
+            self.parts.iter_mut().for_each(|part| part.state.time = next);
+            self.gather(&mut own.at);
+            let bodies = body_states(mechanism, &own.at);
+            let (groups, length) = own.meeting.groups(&bodies, Some(&own.groups));
+            own.length = length;
+            if next < whole.end && groups != own.groups {
+                own.see_held(&self.parts, mechanism);
+                self.regroup(own, groups, Back::Nowhere, mechanism, options, whole)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes steps of all groups to a time (s); an error is the first one.
+    fn go_to(&mut self, next: f64, options: &RunOptions) -> Result<(), RunError> {
+        let mut awake = awake(&mut self.parts);
+        awake.retain(|part| part.state.time < next);
+        let clock = Instant::now();
+        let threads = self.threads.for_work_of(self.took);
+        // The largest group comes first, because a large one started last would delay the end.
+        awake.sort_by_key(|part| std::cmp::Reverse(part.island.mechanism.bodies.len()));
+        spread(&mut awake, threads, |part| part.proceed(Aim { horizon: next, until: next }, options));
+        self.took = clock.elapsed().as_secs_f64();
+        first_error(&mut awake).map_or(Ok(()), Err)
+    }
+
+    /// Makes the runs of these groups from those before; groups that are the same stay.
+    fn regroup(
+        &mut self,
+        own: &mut Groups<'a>,
+        groups: Vec<usize>,
+        back: Back,
+        mechanism: &Mechanism,
+        options: &RunOptions,
+        whole: &mut MergedRun,
+    ) -> Result<(), RunError> {
+        let Division { members, stays } = Division::new(&own.groups, &groups);
+        own.groups = groups;
+        let mut old: Vec<Option<IslandRun>> = std::mem::take(&mut self.parts).into_iter().map(Some).collect();
+        let mut handed = HandedOn { by: old.iter().map(|_| None).collect(), companion: own.at.clone(), again: false };
+        for &one in members.iter().zip(&stays).filter(|(_, stays)| !**stays).flat_map(|(members, _)| members) {
+            if let Some(part) = &mut old[one] {
+                handed.take(one, part, back, own.at.time);
+            }
+        }
+        for (number, (members, stays)) in members.iter().zip(stays).enumerate() {
+            if stays && let Some(part) = old[members[0]].take() {
+                self.parts.push(part);
+                continue;
+            }
+            let mut island = group(mechanism, &own.groups, number);
+            hold(&mut island, mechanism, &own.held, own.at.time);
+            let mut part = IslandRun::new(island, &own.at);
+            if !handed.again {
+                let begins = handed.to(members, &part.island);
+                let made = (own.make)(&part.island.mechanism, begins);
+                part.awake = Some(made.map_err(|error| RunError::Observer(error.into()))?);
+                if !own.efforts.is_empty() {
+                    part.set_efforts(&own.efforts);
+                }
+                own.aimed.iter().for_each(|&(freedom, value)| part.aim(freedom, value));
+                part.begin_within(whole.start, options.duration, sampling_rate(options))?;
+            }
+            self.parts.push(part);
+        }
+        for part in old.iter().flatten() {
+            whole.let_go(part);
+            if let Some(run) = &part.awake {
+                let last = (run.description(), part.steps);
+                own.gone = Some(own.gone.take().map_or_else(|| last.clone(), |gone| Islands::add(gone, last.clone())));
+            }
+        }
+        if handed.again { Err(RunError::BeginsAgain { time: own.at.time }) } else { Ok(()) }
+    }
+
+    /// Puts the states of all groups together.
+    fn gather(&self, whole: &mut State) {
+        for IslandRun { island, state, .. } in &self.parts {
+            island.put_state(state, whole);
+            whole.time = state.time;
+        }
+    }
+}
+
+/// What groups that are no more hand on.
+struct HandedOn {
+    /// By the numbers of the groups.
+    by: Vec<Option<Handed>>,
+    /// The motions beside them, put together; the runs themselves for those without.
+    companion: State,
+    /// Whether one of them was too coarse: the run begins again.
+    again: bool,
+}
+
+impl HandedOn {
+    /// Takes over what a group hands on at an instant (s).
+    fn take(&mut self, number: usize, part: &mut IslandRun, back: Back, time: f64) {
+        let IslandRun { island, state, awake: Some(run), .. } = part else { return };
+        if self.by[number].is_some() {
+            return;
+        }
+        let given = match back {
+            Back::Nowhere => run.hand_on(&island.mechanism, state),
+            Back::ToTheBeginning => run.hand_back(time),
+        };
+        if let Some(at) = given.as_ref().and_then(|given| given.companion.as_ref()) {
+            island.put_state(at, &mut self.companion);
+        }
+        self.again |= given.is_none();
+        self.by[number] = given;
+    }
+
+    /// What a group of bodies of these groups begins with.
+    fn to(&self, members: &[usize], island: &Island) -> Begins {
+        let mut all = members.iter().filter_map(|&one| self.by[one].as_ref());
+        let Some(mut given) = all.next().cloned() else { return Begins::First(None) };
+        let mut has_companion = given.companion.is_some();
+        for other in all {
+            given.add(other);
+            has_companion |= other.companion.is_some();
+        }
+        given.companion = has_companion.then(|| island.state(&self.companion));
+        Begins::GoingOn(Box::new(given))
+    }
+}
