@@ -232,6 +232,10 @@ fn as_text(linear: &Linear, slopes: &[EigenvalueSlopes]) -> String {
     // Writing into a String cannot fail.
     let _ =
         writeln!(text, "{}: {}", counted(linear.names.len(), "independent coordinate", "independent coordinates"), at);
+    if linear.velocities.len() < linear.names.len() {
+        let count = counted(linear.velocities.len(), "of their velocities is", "of their velocities are");
+        let _ = writeln!(text, "{count} independent, because contacts roll");
+    }
     if linear.iterations.is_none() && linear.largest_acceleration > 0.0 {
         let _ =
             writeln!(text, "not an equilibrium: joints accelerate by up to {}", number(linear.largest_acceleration));
@@ -243,7 +247,13 @@ fn as_text(linear: &Linear, slopes: &[EigenvalueSlopes]) -> String {
         let _ = writeln!(text, "the motor of {joint} is at its bound");
     }
     if linear.sticking_contacts > 0 {
-        let _ = writeln!(text, "{} stick", counted(linear.sticking_contacts, "contact", "contacts"));
+        let _ = writeln!(text, "{}", counted(linear.sticking_contacts, "contact sticks", "contacts stick"));
+    }
+    if linear.rolling_contacts > 0 {
+        let _ = writeln!(text, "{}", counted(linear.rolling_contacts, "contact rolls", "contacts roll"));
+    }
+    if linear.sliding_contacts > 0 {
+        let _ = writeln!(text, "{}", counted(linear.sliding_contacts, "contact slides", "contacts slide"));
     }
     let head = ["mode", "frequency [Hz]", "damping ratio", "time constant [s]", "stable", "largest parts"];
     let mut table = Table::new("Modes", &head);
@@ -315,6 +325,7 @@ fn as_json(args: &LinearizeArgs, linear: &Linear, slopes: &[EigenvalueSlopes]) -
         "v": linear.v,
         "coordinates": linear.names,
         "units": linear.units,
+        "velocities": linear.velocities,
         "A": rows(&linear.a),
         "freedoms": linear.freedoms,
         "B": rows(&linear.b),
@@ -327,6 +338,8 @@ fn as_json(args: &LinearizeArgs, linear: &Linear, slopes: &[EigenvalueSlopes]) -
         "stuck": stuck,
         "saturated": linear.saturated,
         "sticking_contacts": linear.sticking_contacts,
+        "rolling_contacts": linear.rolling_contacts,
+        "sliding_contacts": linear.sliding_contacts,
     });
     if !slopes.is_empty() {
         let of = |of: &EigenvalueSlopes| {

@@ -6,6 +6,7 @@ mod control;
 mod dynamics;
 mod forces_at_jumps;
 mod linear;
+mod linear_contacts;
 mod linear_slopes;
 mod quantities;
 mod runs;

@@ -189,6 +189,10 @@ fn linearize_has_the_derivatives_of_its_eigenvalues_and_multipliers_in_json() {
     let linear = report(&["--by", "gravity.z", "--discrete", "0.1"]);
     let by = &linear["by"][0];
     assert_eq!(by["key"], "gravity.z");
+    assert_eq!(linear["velocities"], linear["coordinates"]);
+    for kind in ["sticking_contacts", "rolling_contacts", "sliding_contacts"] {
+        assert_eq!(linear[kind], 0, "{kind}");
+    }
     let (frequency, slope) = (&linear["modes"][0]["frequency"], &by["modes"][0]["frequency"]);
     // f goes with the root of g.
     let ratio = slope.as_f64().expect("a slope") / frequency.as_f64().expect("a frequency");

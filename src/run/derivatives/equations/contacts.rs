@@ -6,7 +6,7 @@
 //!
 //! A feature is fixed in the frame of its collider. The corners, edges and ends of boxes, cylinders and capsules move with their sizes.
 
-use crate::derivatives::equations::figures::{End, Frame};
+use crate::derivatives::equations::figures::{End, Frame, frame};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::{Placed, end_frame};
 use crate::derivatives::numbers::jet::Jet;
@@ -114,6 +114,15 @@ impl<T: Number> TouchFigures<T> {
         };
         let radii = [round(joint.touch.features[0], colliders[0].1), round(joint.touch.features[1], colliders[1].1)];
         Some(TouchFigures { pairing, side: joint.touch.side, reach: radii[0] + radii[1], radius: radii[1], a, b })
+    }
+
+    /// A contact of constants, with attachments in the frames of the bodies. `None` for features without a gap.
+    pub fn constant(joint: &TouchJoint) -> Option<Self> {
+        let pairing = joint.touch.pairing()?;
+        let [a, b] = [&joint.a, &joint.b].map(|at| End { body: at.body, frame: frame(&at.frame, &mut T::of) });
+        // The length of a rope stays with its cores.
+        let reach = if pairing.cores == Cores::Hollow { 0.0 } else { pairing.reach };
+        Some(TouchFigures { pairing, side: joint.touch.side, reach: T::of(reach), radius: T::of(pairing.radius), a, b })
     }
 
     /// The same contact for places with rates.
