@@ -152,7 +152,7 @@ impl Moving {
         freedoms
     }
 
-    /// The number of contacts that roll, and of those that slide.
+    /// The number of contacts that roll, and of contacts that slide.
     pub fn rolling_and_sliding(&self) -> [usize; 2] {
         let touches = &self.held.mechanism.touches;
         let rolling = touches.iter().filter(|touch| touch.touch.grip == Grip::Rolls).count();

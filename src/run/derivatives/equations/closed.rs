@@ -73,7 +73,7 @@ impl<T> Default for ClosedContacts<T> {
 }
 
 impl<T> ClosedContacts<T> {
-    /// Whether there are none.
+    /// Whether no contact is closed.
     pub fn is_empty(&self) -> bool {
         self.anchors.is_empty() && self.touches.is_empty()
     }
@@ -165,7 +165,7 @@ impl<T: Number> ClosedTouch<T> {
         ContactForce { bodies: [self.touch.a.body, self.touch.b.body], point: found.point, force }
     }
 
-    /// Whether a slip is none beside the speeds of its bodies.
+    /// Whether a slip is zero beside the speeds of its bodies.
     pub fn rests(&self, placed: &[Placed<Jet<T>>], found: &Touching<T>, slip: Vector<T>) -> bool {
         let size = |of: Vector<T>| of.0.iter().map(|entry| entry.value().powi(2)).sum::<f64>().sqrt();
         let speed = |body: Option<usize>| {

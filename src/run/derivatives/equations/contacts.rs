@@ -116,7 +116,7 @@ impl<T: Number> TouchFigures<T> {
         Some(TouchFigures { pairing, side: joint.touch.side, reach: radii[0] + radii[1], radius: radii[1], a, b })
     }
 
-    /// A contact of constants, with attachments in the frames of the bodies. `None` for features without a gap.
+    /// A contact of constants, with attachments in the frames of the bodies, if its features have a gap.
     pub fn constant(joint: &TouchJoint) -> Option<Self> {
         let pairing = joint.touch.pairing()?;
         let [a, b] = [&joint.a, &joint.b].map(|at| End { body: at.body, frame: frame(&at.frame, &mut T::of) });

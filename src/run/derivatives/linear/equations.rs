@@ -11,7 +11,7 @@
 //! | λ      | multipliers                                                         | m; N and N m      |
 //! | P      | the directions in which multipliers push                            | n × m             |
 //!
-//! The rows are those of closures, then the gaps of closed contacts, then two slips of each contact that rolls: these have G and no g.
+//! The rows are closures, then the gaps of closed contacts, then two slips of each contact that rolls: these have G and no g.
 //! The derivatives come from dual numbers, and are exact.
 
 use crate::derivatives::equations::closed::{ClosedTouch, Friction};
@@ -84,12 +84,12 @@ impl Equations {
         self.closures + self.touches.iter().map(ClosedTouch::rows).sum::<usize>()
     }
 
-    /// Number of those that are closures of joints; they come first.
+    /// The closures of joints, which come first.
     pub fn closures(&self) -> usize {
         self.closures
     }
 
-    /// Number of those that are closures of positions; they come first.
+    /// The rows of positions, which come before all others.
     pub fn of_positions(&self) -> usize {
         self.closures + self.touches.len()
     }
@@ -252,7 +252,7 @@ impl Evaluated {
     }
 }
 
-/// A closed contact as constants; `None` for features without a gap.
+/// A closed contact as constants, if its features have a gap.
 fn closed(joint: &TouchJoint) -> Option<ClosedTouch<Part>> {
     let friction = match joint.touch.grip {
         Grip::Slides { friction, direction } => {

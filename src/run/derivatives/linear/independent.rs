@@ -26,14 +26,14 @@ pub struct Independent {
     pub independent: Vec<usize>,
 }
 
-/// The splits of positions, and of velocities, whose independent entries are some of those of positions.
+/// The splits of positions, and of velocities, which are some of the independent positions.
 pub struct BothIndependent {
     pub positions: Independent,
     pub velocities: Independent,
 }
 
 impl BothIndependent {
-    /// The splits for a gradient of which only the first rows are closures of positions; `None` if their pivots are singular.
+    /// The splits for a gradient whose first rows are the closures of positions; without an answer if their pivots are singular.
     pub fn of(gradient: &DMatrix<f64>, of_positions: usize, weights: &[f64]) -> Option<Self> {
         let closed = gradient.rows(0, of_positions).into_owned();
         let positions = Independent::of(&closed, weights);
@@ -92,7 +92,7 @@ impl Independent {
         Independent { rows, dependent, independent }
     }
 
-    /// T (n × d); `None` if the pivots are singular.
+    /// T (n × d), unless the pivots are singular.
     pub fn motions(&self, gradient: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let d = self.independent.len();
         self.solve(gradient, &DMatrix::zeros(gradient.nrows(), d), &DMatrix::identity(d, d))

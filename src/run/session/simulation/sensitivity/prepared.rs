@@ -14,8 +14,9 @@ use crate::mechanism::description::joint::{FreeRotation, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::state::State;
+use crate::session::between_ticks::hold;
 use crate::session::error::Error;
-use crate::session::held_start::mechanism_from;
+use crate::session::held_start::motors_from;
 use crate::session::linear::freedom_name;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
@@ -109,7 +110,11 @@ impl Prepared {
     pub fn new(mut simulation: Simulation, keys: &[&str], times: &[f64]) -> Result<Self, Error> {
         let start = simulation.look(State::clone)?;
         let model = simulation.model.clone();
-        let mechanism = mechanism_from(model.description(), &start).into_owned();
+        let mut mechanism = model.description().mechanism.clone();
+        if let Some(motors) = motors_from(model.description(), &start, &simulation.held_at) {
+            mechanism.nonsmooth.motors = motors;
+        }
+        hold(&mut mechanism.nonsmooth.motors, &simulation.held, start.time);
         refuse(&mechanism)?;
         let names: Vec<String> =
             (0..mechanism.velocity_count).map(|freedom| freedom_name(&mechanism, freedom)).collect();
