@@ -16,6 +16,7 @@ mod sensitivity_events;
 mod sensitivity_frames;
 mod sensitivity_gradient;
 mod sensitivity_keys;
+mod sensitivity_starts;
 mod sensitivity_ticks;
 mod sensors;
 mod states;

@@ -16,6 +16,7 @@ pub mod parameter;
 pub(crate) mod reverse;
 mod sharing;
 mod solving;
+mod starting;
 mod struck;
 mod ticks;
 pub mod validity;

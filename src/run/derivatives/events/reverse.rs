@@ -107,6 +107,16 @@ impl<'t> Tape<'t> {
         &self.walk.events
     }
 
+    /// How far derivatives by some parameters hold at the start of the run.
+    pub fn start_validity(&self, parameters: &[Parameter]) -> Validity {
+        let local = Subject { parameters, ..*self.subject };
+        let first = self.pieces.iter().flatten().find_map(step_of);
+        let (Some(place), Some(step)) = (self.kept.first(), first) else { return Validity::new(parameters.len()) };
+        let mut walk = Walk::new(&local, &place.state);
+        walk.see_start(step);
+        walk.validity
+    }
+
     /// Adds a piece, and goes along it.
     ///
     /// # Errors
