@@ -17,7 +17,7 @@ use crate::mechanism::motion::state::State;
 impl Walk<'_> {
     /// Notes limits that a joint has turned back from within a step, from its start with its derivatives and its stages i = 2..s.
     pub(super) fn see_near(&mut self, traced: &TracedStep, (before, was): (&State, &Tangent), stages: &[State]) {
-        if !self.tells {
+        if !self.tells || stages.len() + 1 != self.subject.tableau.stages {
             return;
         }
         let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);

@@ -140,7 +140,7 @@ impl<'t> Tape<'t> {
         self.walk.keeps = self.every == 1 && trace.iter().filter_map(step_of).count() == 1 && self.room > 0;
         self.walk.along(&trace, &mut |_, _, _| {})?;
         let solved = self.walk.kept.take();
-        let rows = solved.as_ref().map_or(0, |step| step.mode.size(self.subject.tableau.stages));
+        let rows = solved.as_ref().map_or(0, |step| step.mode.size(step.efforts.len()));
         self.room = self.room.saturating_sub(rows * rows * size_of::<f64>());
         self.solved.push(solved);
         self.pieces.push(trace);
@@ -321,7 +321,7 @@ impl Back<'_> {
         };
         let KeptStep { mode, solved, efforts: values, .. } = &*kept;
         let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
-        let nodes = &self.walk.subject.tableau.nodes;
+        let nodes = &self.walk.tableau(values.len()).nodes;
         let efforts = self.walk.efforts_over(traced, step);
         let problem = self.walk.problem(mode, step, values);
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;

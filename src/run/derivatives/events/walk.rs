@@ -45,6 +45,8 @@ pub(crate) struct Subject<'w> {
     /// The frames of the bodies, each in the body's own.
     pub frames: &'w [Pose],
     pub tableau: &'w Tableau,
+    /// Two stages, for brief steps.
+    pub brief: &'w Tableau,
     pub laws: &'w TimeLaws,
     pub parameters: &'w [Parameter],
     /// When the run ends (s).

@@ -98,6 +98,7 @@ pub(super) struct Prepared {
     frames: Vec<Pose>,
     laws: TimeLaws,
     tableau: &'static Tableau,
+    brief: &'static Tableau,
     end: State,
     /// Ends of steps in order of time (s), and whether each was asked for.
     instants: Vec<(f64, bool)>,
@@ -145,7 +146,8 @@ impl Prepared {
         let (beside, ends): (Vec<f64>, Vec<f64>) = asked.partition(|time| near(*time));
         instants.extend(ends.into_iter().map(|time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
-        let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
+        let of = |stages: usize| Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time });
+        let (tableau, brief) = (of(stages)?, of(2)?);
         let elements = Elements::new(&mechanism);
         Ok(Prepared {
             frames: frames(&model),
@@ -153,6 +155,7 @@ impl Prepared {
             mechanism,
             elements,
             tableau,
+            brief,
             end,
             beside,
             instants,
@@ -171,6 +174,7 @@ impl Prepared {
             elements: &self.elements,
             frames: &self.frames,
             tableau: self.tableau,
+            brief: self.brief,
             laws: &self.laws,
             parameters,
             end: self.end.time,
