@@ -11,6 +11,7 @@ mod linear_slopes;
 mod quantities;
 mod runs;
 mod sensitivity;
+mod sensitivity_close_events;
 mod sensitivity_contacts;
 mod sensitivity_events;
 mod sensitivity_frames;

@@ -13,6 +13,7 @@ use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::{KeptStep, Subject, Walk};
 use crate::derivatives::events::watched::Sight;
 use crate::derivatives::forward::failure::SensitivityError;
+use crate::derivatives::forward::figure_slopes::FigureSlopes;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH};
 use crate::derivatives::forward::tangent::{Tangent, with};
 use crate::derivatives::forward::tree::by_length;
@@ -306,7 +307,13 @@ impl Walk<'_> {
             let own = end.body.map_or_else(Pose::identity, |body| self.subject.frames[body].inverse());
             Attachment { body: end.body, frame: own * end.frame }
         };
-        TouchFigures::new(&contact.joint, colliders, laws, &in_frame)
+        let touch = TouchFigures::new(&contact.joint, colliders, laws, &in_frame)?;
+        let varies = |number: usize| {
+            let radius = |slopes: &FigureSlopes| slopes.laws.colliders[number].sizes[0];
+            self.varied.slopes().iter().flatten().any(|slopes| radius(slopes) != 0.0)
+        };
+        let is_lost = touch.fixed().into_iter().zip(numbers).any(|(fixed, number)| fixed && varies(number));
+        (!is_lost).then_some(touch)
     }
 
     /// An event in words.
