@@ -6,7 +6,8 @@
 //! ```
 //!
 //! n, p, u: as in [`crate::derivatives::equations::contacts`]. The tangents are constant vectors that are kept square to n. A contact without slip that
-//! begins to slide has a given direction. Corners that stick are anchors, which are loops ([`crate::derivatives::equations::closures`]).
+//! begins to slide has a given direction, with its own derivatives. Corners that stick are anchors, which are loops
+//! ([`crate::derivatives::equations::closures`]).
 //!
 //! Source: [`crate::mechanism::description::contact`].
 

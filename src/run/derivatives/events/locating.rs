@@ -39,12 +39,12 @@ const ROUNDINGS: f64 = 2.0 * f64::EPSILON;
 const SOON: f64 = 1e-4;
 
 /// A direction in which a state varies: by the length of its step, or by some parameters.
-struct Varying<'v> {
+pub(super) struct Varying<'v> {
     /// The parameters among all that are meant; `None` for the length of the step.
-    chunk: Option<usize>,
-    tangent: &'v Tangent,
+    pub chunk: Option<usize>,
+    pub tangent: &'v Tangent,
     /// Of the state without its derivatives, if they were asked for.
-    accelerations: &'v OnceCell<Option<Accelerations>>,
+    pub accelerations: &'v OnceCell<Option<Accelerations>>,
 }
 
 /// A solved step that ends at an event.
@@ -171,14 +171,19 @@ impl Walk<'_> {
     ) -> Option<(f64, f64, Tangent)> {
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
         let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
-        let (positions, velocities) = by_length(&self.problem(mode, step, &values), solved, &rates)?;
+        let end = solved.stages.last()?;
+        let (positions, velocities) = if self.is_brief(traced) {
+            let found = Accelerations::of(&self.constant, end, mode, values.last()?.as_slice())?;
+            (DVector::from_column_slice(&end.velocity), DVector::from_column_slice(found.values()))
+        } else {
+            by_length(&self.problem(mode, step, &values), solved, &rates)?
+        };
         let n = positions.len();
         let along = Tangent {
             positions: DMatrix::from_column_slice(n, 1, positions.as_slice()),
             velocities: DMatrix::from_column_slice(n, 1, velocities.as_slice()),
             times: DVector::from_element(1, 1.0),
         };
-        let end = solved.stages.last()?;
         let varying = Varying { chunk: None, tangent: &along, accelerations: &OnceCell::new() };
         let value = self.seen(traced, mode, end, self.state.time, &varying, &mode.constant, of)?;
         Some((value.value, value.parts[0], along))
@@ -230,6 +235,21 @@ impl Walk<'_> {
         closed: &ClosedContacts<Part>,
         (trigger, contact): (Watched, Option<&Contact>),
     ) -> Option<Part> {
+        self.sighted(traced, mode, (state, since), varying, closed, contact, |sight| sight.value(trigger))
+    }
+
+    /// An answer of a state with its derivatives.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn sighted<R>(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        (state, since): (&State, f64),
+        varying: &Varying,
+        closed: &ClosedContacts<Part>,
+        contact: Option<&Contact>,
+        answer: impl FnOnce(&Sight) -> Option<R>,
+    ) -> Option<R> {
         let n = state.velocity.len();
         let Tangent { positions, velocities, times } = varying.tangent;
         let first = varying.chunk.unwrap_or(0) * WIDTH;
@@ -276,7 +296,7 @@ impl Walk<'_> {
             contacts: &contacts,
             accelerations: varying.accelerations,
         };
-        sight.value(trigger)
+        answer(&sight)
     }
 
     /// The contact at which a pair closes: the one with the least gap of those that were not closed before.

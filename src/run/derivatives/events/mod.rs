@@ -2,6 +2,7 @@
 
 mod bearing;
 mod closing;
+mod directions;
 pub mod efforts;
 mod impact;
 mod impulse_factors;

@@ -4,8 +4,9 @@
 //!     start, stages of the run ─▶ solved to rounding with the factors of R_u ─▶ ∂q̄/∂θ, ∂v̄/∂θ
 //! ```
 //!
-//! Between events that follow each other at once a step is so short that its stages are hardly ahead of a straight line. Their differences have roundings of places times the
-//! weights of the scheme over h: of seven stages 4e-13 m/h, of two 4e-16 m/h. The order of such a step is of no account, so it is made with two.
+//! Between events that follow each other at once a step is so short that its stages are hardly ahead of a straight line. Their differences have
+//! roundings of places times the weights of the scheme over h: of seven stages 4e-13 m/h, of two 4e-16 m/h. The order of such a step is of no account,
+//! so it is made with two. Its end moves with its length at the velocities and accelerations there.
 
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::events::efforts::Efforts;
@@ -32,12 +33,16 @@ impl<'w> Walk<'w> {
         if stages == brief.stages { brief } else { tableau }
     }
 
+    /// Whether a step of the run is brief, and no slip in it is slow: that turns as fast as a step is short.
+    pub(super) fn is_brief(&self, traced: &TracedStep) -> bool {
+        let slides = traced.mode.contacts.iter().any(|closed| closed.slides.is_some());
+        !slides && traced.end.time - traced.start.time < BRIEF
+    }
+
     /// The tableau for a step of the run.
     fn tableau_for(&self, traced: &TracedStep) -> &'w Tableau {
         let Subject { tableau, brief, .. } = *self.subject;
-        // A slow slip turns as fast as a step is short.
-        let slides = traced.mode.contacts.iter().any(|closed| closed.slides.is_some());
-        if !slides && traced.end.time - traced.start.time < BRIEF { brief } else { tableau }
+        if self.is_brief(traced) { brief } else { tableau }
     }
 
     /// Goes to the start of a step of a run, if roundings lie between, or if both have drifted apart: motions that amplify errors would part for

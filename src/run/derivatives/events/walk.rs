@@ -247,8 +247,9 @@ impl<'w> Walk<'w> {
         }
         let known = self.known.take();
         let mode = known.as_ref().map_or_else(|| self.mode(traced), |known| Ok(known.mode.clone()))?;
-        let closed = self.closed(traced, &mode)?;
+        let mut closed = self.closed(traced, &mode)?;
         self.enter(traced, &mode, &closed)?;
+        self.turn_directions(traced, &mode, &mut closed);
         if let Some(&trigger) = traced.triggers.first() {
             return self.step_to_event(traced, (&mode, known), &closed, trigger, next);
         }
