@@ -239,15 +239,17 @@ class Linear:
 
     Attributes
     ----------
-    A, B : (2d, 2d) and (2d, n), B for efforts along ``freedoms``
-    B_targets : (2d, m), for targets of the motors of the joints ``targets``
-    inertia, damping, stiffness : (d, d)
+    A, B : (d + e, d + e) and (d + e, n), B for efforts along ``freedoms``
+    B_targets : (d + e, m), for targets of the motors of the joints ``targets``
+    inertia, damping, stiffness : (e, e), (e, e) and (e, d)
     names, units : of the d independent coordinates; ``JOINT.x`` where a joint has several
+    velocities : those of the names whose velocities are independent, e; all of them unless contacts roll
     q, v : the state; ``largest_acceleration`` is zero at an equilibrium
     eigenvalues : of the modes, complex, the slowest first; one for each pair of conjugates
     frequencies, damping_ratios : of the modes, Hz and −Re λ/|λ| (nan for free motions)
     shapes : (modes, n), complex, along ``freedoms``
     stable : "yes", "neutral", "no" or "free" for each mode
+    sticking_contacts, rolling_contacts, sliding_contacts : how many contacts are closed
     stuck, saturated : joints that do not move, with the reason; joints whose motor is at its bound
     eigenvalues_by : by key path, the derivatives of the eigenvalues (nan where eigenvalues are equal)
     frequencies_by : the same of the frequencies, Hz per unit
@@ -262,6 +264,8 @@ class Linear:
         self.A, self.B, self.B_targets = told["A"], told["B"], told["B_targets"]
         self.inertia, self.damping, self.stiffness = told["inertia"], told["damping"], told["stiffness"]
         self.names, self.units, self.freedoms, self.targets = told["names"], told["units"], told["freedoms"], told["targets"]
+        self.velocities = told["velocities"]
+        self.sticking_contacts, self.rolling_contacts, self.sliding_contacts = (told[f"{kind}_contacts"] for kind in ("sticking", "rolling", "sliding"))
         self.q, self.v, self.largest_acceleration = told["q"], told["v"], told["largest_acceleration"]
         self.iterations, self.stuck, self.saturated, self.stable = told["iterations"], told["stuck"], told["saturated"], told["stable"]
         self.eigenvalues = told["eigenvalues_re"] + 1j * told["eigenvalues_im"]
@@ -386,7 +390,7 @@ class Model:
 
         Raises
         ------
-        InputError : if there is no equilibrium near q, or contacts slide or roll
+        InputError : if there is no equilibrium near q, or contacts begin to slide
         """
         if at is None:
             at = "rest" if v is None and efforts is None else "state"

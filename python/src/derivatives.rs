@@ -28,6 +28,7 @@ pub fn linear_equations<'py>(py: Python<'py>, linear: &Linear) -> PyResult<Bound
     }
     out.set_item("names", &linear.names)?;
     out.set_item("units", &linear.units)?;
+    out.set_item("velocities", &linear.velocities)?;
     out.set_item("freedoms", &linear.freedoms)?;
     out.set_item("targets", &linear.targets)?;
     out.set_item("q", linear.q.to_pyarray(py))?;
@@ -36,6 +37,11 @@ pub fn linear_equations<'py>(py: Python<'py>, linear: &Linear) -> PyResult<Bound
     out.set_item("iterations", linear.iterations)?;
     out.set_item("stuck", linear.stuck.iter().cloned().collect::<BTreeMap<_, _>>())?;
     out.set_item("saturated", &linear.saturated)?;
+    let kinds = [linear.sticking_contacts, linear.rolling_contacts, linear.sliding_contacts];
+    ["sticking_contacts", "rolling_contacts", "sliding_contacts"]
+        .iter()
+        .zip(kinds)
+        .try_for_each(|(name, count)| out.set_item(name, count))?;
     let modes: Vec<_> = linear.modes.iter().collect();
     let parts = |of: &dyn Fn(&Mode) -> f64| modes.iter().map(|mode| of(mode)).collect::<Vec<f64>>().to_pyarray(py);
     out.set_item("eigenvalues_re", parts(&|mode| mode.eigenvalue.re))?;

@@ -9,7 +9,9 @@ use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
 use catena::output::log::reading::reader::{Item, read_log};
 use catena::output::log::{INPUTS, START, sha256};
-use catena::scene::{Format, Geometry, Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
+use catena::scene::{
+    Format, Geometry, Problem, Robot, Scene, SceneError, SceneFiles, robot_without_meshes, scene_from_text,
+};
 use catena::session::Loaded;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -22,6 +24,8 @@ pub struct Recorded {
     pub arguments: simulate::Arguments,
     /// The simulated model, read from the log.
     pub loaded: Loaded,
+    /// Its scene: all numbers of the input, before options change them.
+    pub scene: Scene,
     /// The metadata record `simulation`.
     pub simulation: BTreeMap<String, String>,
 }
@@ -61,18 +65,20 @@ impl Recorded {
         let path = log.join(&main.name);
         let text = as_text(main.data, &path).map_err(anyhow::Error::from);
         let loaded = text.and_then(|text| load(&path, &text, files, &arguments.input.world));
-        let mut loaded = loaded.with_context(|| format!("{}: its input", log.display()))?;
+        let (scene, mut loaded) = loaded.with_context(|| format!("{}: its input", log.display()))?;
         loaded.model.keep(&arguments.input.keep);
-        Ok(Recorded { arguments, loaded, simulation })
+        Ok(Recorded { arguments, loaded, scene, simulation })
     }
 }
 
 /// Loads the text of the main input, and the files it names.
-fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> anyhow::Result<Loaded> {
+fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> anyhow::Result<(Scene, Loaded)> {
     if Format::of(path, text) != Format::Scene {
-        return Ok(world.world().place_robot(files.with_meshes(robot_without_meshes(text, path)?))?);
+        let robot = files.with_meshes(robot_without_meshes(text, path)?);
+        return Ok((Scene::of_robot(robot.clone()), world.world().place_robot(robot)?));
     }
-    Ok(world.world().place_scene(scene_from_text(text, path, &mut files)?)?)
+    let scene = scene_from_text(text, path, &mut files)?;
+    Ok((scene.clone(), world.world().place_scene(scene)?))
 }
 
 /// A file that a log carries.

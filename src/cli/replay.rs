@@ -40,7 +40,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let Setup { state, settled, log: mut options } = setup;
     // The time of the clock at the recorded run.
     options.start = recorded.start();
-    let Recorded { arguments: made_with, loaded, simulation } = recorded;
+    let Recorded { arguments: made_with, loaded, simulation, .. } = recorded;
     let made_by = simulation.get("version").map_or("?", String::as_str);
     let interrupt = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let shows = !arguments.quiet && std::io::stderr().is_terminal();

@@ -217,12 +217,14 @@ fn forty_random_scenes_have_the_derivatives_of_their_runs() {
 }
 
 /// Seeds whose derivatives were wrong once.
-const WRONG_ONCE: [(&str, &[u64]); 5] = [
+const WRONG_ONCE: [(&str, &[u64]); 7] = [
     ("starts that other shapes pushed back while a number varied by the width of differences", &[72, 212]),
     ("the same by limits, on closed loops", &[95, 159]),
     ("instants of targets at which steps end, which move with their times", &[195, 275, 355]),
     ("a mechanism without a freedom that moves, which was a panic", &[235]),
     ("a start on a limit, which has a derivative on one side alone", &[375]),
+    ("events that follow each other within a nanosecond", &[167]),
+    ("a contact that begins to slide from rest, and turns its direction with a number", &[350]),
 ];
 
 #[test]
@@ -248,9 +250,9 @@ fn impacts_that_kick_open_what_a_run_keeps_at_rest_have_the_derivatives_of_their
     }
 }
 
-/// Derivatives that are known to be wrong in a thousand scenes without a word, of four scenes: in one events follow each other within a nanosecond, one
-/// passes a gimbal lock, in one a sampled motor chatters, and one (seed 350) was not looked into.
-const KNOWN_WRONG: usize = 6;
+/// Derivatives that are known to be wrong in a thousand scenes without a word, of two scenes: one passes a gimbal lock (seed 337), and in one a sampled
+/// motor chatters, which makes roundings as large as 1e-3 (seed 985).
+const KNOWN_WRONG: usize = 2;
 
 #[test]
 #[ignore = "some ten minutes: cargo test --release --test random slopes -- --ignored --nocapture"]

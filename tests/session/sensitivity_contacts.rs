@@ -242,3 +242,40 @@ fn the_end_of_rebounds_is_told() {
         assert_eq!(words, told, "{time} s: {:?}", run.warnings);
     }
 }
+
+#[test]
+fn a_can_that_strikes_with_its_rim_and_one_that_rolls_on_it_have_the_derivatives_of_their_runs_by_their_sizes() {
+    for (name, restitution, time) in [("struck_can", 0.5, 0.2), ("rolling_can", 0.0, 0.25)] {
+        let text = format!(
+            "[[body]]\nname = \"can\"\nshape = {{ type = \"cylinder\", radius = 0.1, length = 0.3 }}\nmass = 2\n\
+             pose = {{ position = [0, 0, 0.25], rpy = [0.4, 0.2, 0] }}\nvelocity = {{ linear = [0.1, 0, -1], angular = [0.5, 1, 2] }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.8\nrestitution = {restitution}\n"
+        );
+        let model = Model::load(scene(&format!("{name}.toml"), &text)).expect("a model");
+        // Differences of order eight over a thousandth of a size, and runs that are solved to 1e-12.
+        agrees_with_runs(&model, &["body.can.shape.radius", "body.can.shape.length"], (7, 0.01, time), 1e-4, 1e-7);
+    }
+}
+
+#[test]
+fn a_ball_that_begins_to_slide_from_rest_has_the_derivatives_of_its_direction() {
+    let (gravity, friction, time) = ([8.0, 1.5, -10.0], 0.1, 0.4);
+    let model = ball("turned_start", gravity, "pose = { position = [0, 0, 0.1] }", friction);
+    let run = derivatives(&model, 5, 0.1, time, &["gravity.x", "gravity.y", "gravity.z", "floor.friction"]);
+    // x = (|g_T| − μ g_z) t²/2 along g_T.
+    let at = |axis: usize, by: [f64; 4]| {
+        let (x, y) = (gravity[0] + by[0], gravity[1] + by[1]);
+        let size = x.hypot(y);
+        let speeds_up = size - (friction + by[3]) * (10.0 - by[2]);
+        0.5 * speeds_up * time * time * [x, y][axis] / size
+    };
+    for axis in [0, 1] {
+        for key in 0..4 {
+            let of = |by: f64| at(axis, std::array::from_fn(|own| if own == key { by } else { 0.0 }));
+            let (found, wanted) = (last(&run, axis, key)[0], difference(&of, 1e-3));
+            println!("{axis}, {}: {found} for {wanted}, off {:e}", run.keys[key], (found - wanted).abs());
+            // Motions of constant acceleration are exact; differences over 1e-3 leave 1e-13 of a metre.
+            assert!((found - wanted).abs() < 1e-10, "{axis}, {}: {found} for {wanted}", run.keys[key]);
+        }
+    }
+}

@@ -1,26 +1,34 @@
 //! The mechanism that moves in a state: for equations that hold until the next event.
 //!
 //! The mode of a state is decided as at the start of a run ([`crate::events::modes::mode`]): held joints are parts of their parents, motors are
-//! springs, dampers and efforts, closed contacts that stick and taut ropes are closures. Sampled motors count as motors that follow their laws at every instant.
+//! springs, dampers and efforts, closed contacts that stick and taut ropes are closures, and contacts that roll or slide are touches. Sampled motors count
+//! as motors that follow their laws at every instant.
 
 use crate::events::integrator::Eventful;
 use crate::events::modes::drives::Drives;
 use crate::events::modes::mode::{Closed, JointMode, MotorMode};
 use crate::instant::holding::held::Held;
 use crate::instant::holding::rope::is_rope;
-use crate::mechanism::description::closure::{LoopJoint, LoopKind};
-use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use crate::mechanism::description::contact::{Grip, Moments, TouchJoint};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::mechanism::ground::words::counted;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
 use crate::mechanism::motion::integrator::StepError;
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::{Recipe, Steps};
 use nalgebra::DVector;
 use std::sync::Arc;
+
+/// A contact that slips less than this begins to slide [m/s].
+const SLIPLESS: f64 = 1e-12;
+/// Frames of features that differ by less are one (m, rad).
+const SAME_PLACE: f64 = 1e-6;
 
 /// A joint that does not move, and its cause.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,11 +89,11 @@ pub enum MovingError {
     /// The state cannot be.
     #[error(transparent)]
     State(#[from] StepError),
-    /// Contacts slide or roll.
+    /// Contacts have moments of friction, or belts.
     #[error(
-        "{} here, and linear equations know contacts that stick at a point alone; \
+        "{} rolling or spinning friction or a belt here, and linear equations know neither; \
          leave contact out with --contact none, or take an instant without these contacts",
-        counted(*count, "closed contact slides or rolls", "closed contacts slide or roll")
+        counted(*count, "closed contact has", "closed contacts have")
     )]
     Contacts { count: usize },
     /// Ropes through several points are taut.
@@ -101,7 +109,7 @@ impl Moving {
     /// In a state of a mechanism, under efforts along its degrees of freedom.
     ///
     /// # Errors
-    /// [`MovingError`] for states outside of limits, and contacts that slide or roll.
+    /// [`MovingError`] for states outside of limits, and contacts that linear equations do not know.
     pub fn at(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<Self, MovingError> {
         let mut whole = mechanism.clone();
         whole.nonsmooth.motors.iter_mut().for_each(|motor| motor.period = 0.0);
@@ -144,6 +152,48 @@ impl Moving {
         freedoms
     }
 
+    /// The number of contacts that roll, and of contacts that slide.
+    pub fn rolling_and_sliding(&self) -> [usize; 2] {
+        let touches = &self.held.mechanism.touches;
+        let rolling = touches.iter().filter(|touch| touch.touch.grip == Grip::Rolls).count();
+        [rolling, touches.len() - rolling]
+    }
+
+    /// The number of contacts with friction that begin to slide: it has two directions there, and no derivative.
+    pub fn beginning_to_slide(&self) -> usize {
+        let bodies = body_states(&self.held.mechanism, &self.state);
+        let begins =
+            |joint: &&TouchJoint| joint.touch.friction() > 0.0 && touch_motion(joint, &bodies).slip.norm() <= SLIPLESS;
+        self.held.mechanism.touches.iter().filter(begins).count()
+    }
+
+    /// Lets contacts with friction roll, as they do at an equilibrium.
+    pub fn let_roll(&mut self) {
+        let slides = |joint: &TouchJoint| joint.touch.friction() > 0.0;
+        if self.held.mechanism.touches.iter().any(slides) {
+            let touches = &mut Arc::make_mut(&mut self.held).mechanism.touches;
+            touches.iter_mut().filter(|joint| slides(joint)).for_each(|joint| joint.touch.grip = Grip::Rolls);
+        }
+    }
+
+    /// Whether the same joints are stuck, motors at their bounds, and contacts closed as of another one.
+    pub fn is_like(&self, other: &Moving) -> bool {
+        let [own, others] = [self, other].map(|moving| &moving.held.mechanism.touches);
+        let are_near = |one: &Attachment, other: &Attachment| {
+            one.body == other.body && (one.frame.to_homogeneous() - other.frame.to_homogeneous()).amax() <= SAME_PLACE
+        };
+        let is_same = |one: &TouchJoint, other: &TouchJoint| {
+            let rolls = [one, other].map(|joint| joint.touch.grip == Grip::Rolls);
+            one.touch.features == other.touch.features
+                && rolls[0] == rolls[1]
+                && are_near(&one.a, &other.a)
+                && are_near(&one.b, &other.b)
+        };
+        (&self.stuck, &self.motors, self.sticking) == (&other.stuck, &other.motors, other.sticking)
+            && own.len() == others.len()
+            && own.iter().zip(others).all(|(one, other)| is_same(one, other))
+    }
+
     /// The degrees of freedom that motors drive.
     pub fn driven(&self) -> Vec<usize> {
         self.motors.iter().filter_map(|motor| motor.freedom).collect()
@@ -179,9 +229,10 @@ impl Eventful {
         if reeved > 0 {
             return Err(MovingError::Reeved { count: reeved });
         }
-        let slides_or_rolls = held.mechanism.touches.len();
-        if slides_or_rolls > 0 {
-            return Err(MovingError::Contacts { count: slides_or_rolls });
+        let unknown = |touch: &&TouchJoint| touch.moments != Moments::default() || touch.is_belt();
+        let unknown = held.mechanism.touches.iter().filter(unknown).count();
+        if unknown > 0 {
+            return Err(MovingError::Contacts { count: unknown });
         }
         let mut of_whole = vec![0.0; whole.velocity_count];
         Inputs::constant(efforts).write_constant(&mut of_whole);
@@ -207,7 +258,7 @@ impl Eventful {
                 }
             });
         let motors = motors.collect();
-        let sticks = |closed: &&Closed| closed.slides.is_none();
+        let sticks = |closed: &&Closed| self.mode.is_anchored(closed);
         let mut moving = Moving {
             state: held.gather(&whole, state),
             efforts: DVector::zeros(own.len()),

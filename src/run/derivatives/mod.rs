@@ -8,7 +8,7 @@
 //! | `events` | the same through events: a step ends where a function is zero, and velocities jump |
 //! | `linear` | equilibria, linear equations of motion, and their modes |
 //!
-//! A room imports those above it in this table. Runs without derivatives call none of this code.
+//! A room imports those above it in this table. Only runs with derivatives call this code.
 
 pub mod equations;
 pub mod events;

@@ -1,8 +1,10 @@
 //! Linear equations of motion of a model: about its equilibrium, or about a state.
 //!
 //! ```text
-//!     d/dt (ξ, η) = A (ξ, η) + B u         ξ (d): independent joint coordinates,  η = their velocities
+//!     d/dt (ξ, η) = A (ξ, η) + B u         ξ (d): independent joint coordinates,  η (e) = their velocities
 //! ```
+//!
+//! Contacts that roll leave fewer independent velocities than coordinates, e < d. Without them e = d.
 //!
 //! A slight change of q is along the entries of v, without a quaternion: ball and floating joints have a rotation vector φ in the frame of the joint on
 //! the parent, `R ← exp(φ̂) R`, and floating joints the displacement of the origin of the child link. B takes efforts as `set_efforts` does, and the rows
@@ -46,17 +48,19 @@ pub struct Linear {
     pub names: Vec<String>,
     /// Their units: `rad` or `m`.
     pub units: Vec<&'static str>,
-    /// A (2d × 2d).
+    /// Names of the coordinates whose velocities are independent, η (e).
+    pub velocities: Vec<String>,
+    /// A ((d + e) × (d + e)).
     pub a: DMatrix<f64>,
-    /// B for efforts along all freedoms that move (2d × n).
+    /// B for efforts along all freedoms that move ((d + e) × n).
     pub b: DMatrix<f64>,
     /// The names of all freedoms that move (n): inputs of B, and entries of the shapes.
     pub freedoms: Vec<String>,
-    /// B for the targets of motors (2d × the motors that move something).
+    /// B for the targets of motors ((d + e) × the motors that move something).
     pub b_targets: DMatrix<f64>,
     /// The joints of these motors.
     pub targets: Vec<String>,
-    /// Inertia H, damping C and stiffness K (d × d): `H ξ̈ + C ξ̇ + K ξ = B_u u` at rest.
+    /// Inertia H, damping C (e × e) and stiffness K (e × d): `H η̇ + C η + K ξ = B_u u` at rest.
     pub inertia: DMatrix<f64>,
     /// C.
     pub damping: DMatrix<f64>,
@@ -78,8 +82,12 @@ pub struct Linear {
     pub stuck: Vec<(String, String)>,
     /// The joints of motors at their bounds.
     pub saturated: Vec<String>,
-    /// Contacts that are closed and stick.
+    /// Contacts that are closed and stick at a point.
     pub sticking_contacts: usize,
+    /// Contacts that are closed and roll.
+    pub rolling_contacts: usize,
+    /// Contacts that are closed and slide.
+    pub sliding_contacts: usize,
 }
 
 impl Linear {
@@ -187,9 +195,11 @@ impl Model {
             driving.iter().map(|&(motor, freedom)| linearised.input.column(freedom) * motor.by_target).collect();
         let b_targets = DMatrix::from_fn(linearised.input.nrows(), columns.len(), |row, column| columns[column][row]);
         let (q, v) = self.flat(state);
+        let [rolling, sliding] = moving.rolling_and_sliding();
         Ok(Linear {
             names: linearised.independent.iter().map(name).collect(),
             units: linearised.independent.iter().map(unit).collect(),
+            velocities: linearised.rates.iter().map(name).collect(),
             a: linearised.state.clone(),
             b: linearised.input.clone(),
             freedoms: (0..of_whole.len()).map(|own| name(&own)).collect(),
@@ -219,6 +229,8 @@ impl Model {
                 .map(|motor| motor_joint(motor.motor))
                 .collect(),
             sticking_contacts: moving.sticking,
+            rolling_contacts: rolling,
+            sliding_contacts: sliding,
         })
     }
 }

@@ -174,8 +174,9 @@ impl Model {
     }
 
     /// The same model, whose numbers are found in this scene and in no file.
-    #[cfg(feature = "urdf-rs")]
-    pub(crate) fn of_scene(mut self, scene: Scene) -> Self {
+    #[doc(hidden)]
+    #[must_use]
+    pub fn of_scene(mut self, scene: Scene) -> Self {
         if let Some(shared) = Arc::get_mut(&mut self.shared) {
             shared.scene = Arc::new(scene).into();
         }
@@ -303,7 +304,8 @@ impl Model {
     }
 
     /// q and v of a state.
-    pub(crate) fn flat(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
+    #[doc(hidden)]
+    pub fn flat(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         let (mut q, mut v) = (vec![0.0; self.coordinates().q_count()], vec![0.0; self.coordinates().v_count()]);
         self.coordinates().write(self.description(), &state.position, &state.velocity, &mut q, &mut v);
         (q, v)

@@ -4,6 +4,7 @@ mod beginnings;
 mod contact;
 mod errors;
 mod joints;
+mod linearize;
 mod pieces;
 mod report;
 mod runs;

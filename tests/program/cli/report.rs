@@ -176,28 +176,3 @@ fn a_step_longer_than_the_run_is_reported_as_long_as_it_is_made() {
     assert_eq!(summary["simulation"]["step"], "0.01");
     assert_eq!(run(&folder, &["replay", "pendulum.mcap"]).status.code(), Some(0));
 }
-
-#[test]
-fn linearize_has_the_derivatives_of_its_eigenvalues_and_multipliers_in_json() {
-    let folder = folder("linearize_json");
-    let report = |more: &[&str]| -> Value {
-        let words = [&["linearize", "pendulum.urdf", "--json"], more].concat();
-        let output = run(&folder, &words);
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        serde_json::from_slice(&output.stdout).expect("one JSON object")
-    };
-    let linear = report(&["--by", "gravity.z", "--discrete", "0.1"]);
-    let by = &linear["by"][0];
-    assert_eq!(by["key"], "gravity.z");
-    let (frequency, slope) = (&linear["modes"][0]["frequency"], &by["modes"][0]["frequency"]);
-    // f goes with the root of g.
-    let ratio = slope.as_f64().expect("a slope") / frequency.as_f64().expect("a frequency");
-    assert!((ratio - 1.0 / (2.0 * -9.81)).abs() < 1e-10, "{ratio}");
-    let orbit = report(&["--orbit", "0.5"]);
-    assert!(orbit["period"] == 0.5 && orbit["apart"].is_number() && orbit["warnings"].is_array(), "{orbit}");
-    for key in ["multiplier", "size", "turn", "growth"] {
-        assert!(orbit["multipliers"][0].get(key).is_some(), "{key}: {orbit}");
-    }
-    let both = run(&folder, &["linearize", "pendulum.urdf", "--orbit", "1", "--at", "rest"]);
-    assert_eq!(both.status.code(), Some(2));
-}

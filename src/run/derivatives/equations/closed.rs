@@ -6,7 +6,8 @@
 //! ```
 //!
 //! n, p, u: as in [`crate::derivatives::equations::contacts`]. The tangents are constant vectors that are kept square to n. A contact without slip that
-//! begins to slide has a given direction. Corners that stick are anchors, which are loops ([`crate::derivatives::equations::closures`]).
+//! begins to slide has a given direction, with its own derivatives. Corners that stick are anchors, which are loops
+//! ([`crate::derivatives::equations::closures`]).
 //!
 //! Source: [`crate::mechanism::description::contact`].
 
@@ -73,7 +74,7 @@ impl<T> Default for ClosedContacts<T> {
 }
 
 impl<T> ClosedContacts<T> {
-    /// Whether there are none.
+    /// Whether no contact is closed.
     pub fn is_empty(&self) -> bool {
         self.anchors.is_empty() && self.touches.is_empty()
     }
@@ -165,7 +166,7 @@ impl<T: Number> ClosedTouch<T> {
         ContactForce { bodies: [self.touch.a.body, self.touch.b.body], point: found.point, force }
     }
 
-    /// Whether a slip is none beside the speeds of its bodies.
+    /// Whether a slip is zero beside the speeds of its bodies.
     pub fn rests(&self, placed: &[Placed<Jet<T>>], found: &Touching<T>, slip: Vector<T>) -> bool {
         let size = |of: Vector<T>| of.0.iter().map(|entry| entry.value().powi(2)).sum::<f64>().sqrt();
         let speed = |body: Option<usize>| {

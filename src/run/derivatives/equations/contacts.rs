@@ -4,9 +4,14 @@
 //!     φ, n, p  as in [`crate::mechanism::motion::contact_geometry`]        u = v_b(p) − v_a(p)
 //! ```
 //!
-//! A feature is fixed in the frame of its collider. The corners, edges and ends of boxes, cylinders and capsules move with their sizes.
+//! A feature is fixed in the frame of its collider. The corners, edges and ends of boxes, cylinders and capsules move with their sizes. The rim of a
+//! cylinder on a plane grows with its radius ρ:
+//!
+//! ```text
+//!     p ← p + δρ r,   φ ← φ + δρ n · r        r = (p − c)/ρ, c: the middle of the rim
+//! ```
 
-use crate::derivatives::equations::figures::{End, Frame};
+use crate::derivatives::equations::figures::{End, Frame, frame};
 use crate::derivatives::equations::laws::Laws;
 use crate::derivatives::equations::placed::{Placed, end_frame};
 use crate::derivatives::numbers::jet::Jet;
@@ -26,6 +31,8 @@ pub struct TouchFigures<T> {
     /// The sum of the radii, and the radius of the second feature (m).
     reach: T,
     radius: T,
+    /// How much wider a rim on a plane is than in its core: zero but for its derivatives (m).
+    wider: T,
     pub a: End<T>,
     pub b: End<T>,
 }
@@ -99,8 +106,9 @@ impl<T: Number> TouchFigures<T> {
             let sized = |axis: usize| {
                 let at = local.translation.vector[axis];
                 let (size, own) = (figures.sizes[axis].value(), figures.sizes[axis]);
-                let scales = matches!(collider.shape, Shape::Box { .. })
-                    || axis == 2 && matches!(collider.shape, Shape::Capsule { .. } | Shape::Cylinder { .. });
+                // Places on the axis of a cylinder, or on its rims.
+                let scales = matches!(collider.shape, Shape::Box { .. } | Shape::Cylinder { .. })
+                    || axis == 2 && matches!(collider.shape, Shape::Capsule { .. });
                 if scales && size != 0.0 { own.times(at / size) } else { T::of(at) }
             };
             let origin = Vector([sized(0), sized(1), sized(2)]);
@@ -113,7 +121,42 @@ impl<T: Number> TouchFigures<T> {
             _ => T::zero(),
         };
         let radii = [round(joint.touch.features[0], colliders[0].1), round(joint.touch.features[1], colliders[1].1)];
-        Some(TouchFigures { pairing, side: joint.touch.side, reach: radii[0] + radii[1], radius: radii[1], a, b })
+        let wider = match pairing.cores {
+            Cores::PlaneRim(_) => {
+                let own = laws.colliders[colliders[1].1].sizes[0];
+                own - T::of(own.value())
+            }
+            _ => T::zero(),
+        };
+        Some(TouchFigures {
+            pairing,
+            side: joint.touch.side,
+            reach: radii[0] + radii[1],
+            radius: radii[1],
+            wider,
+            a,
+            b,
+        })
+    }
+
+    /// A contact of constants, with attachments in the frames of the bodies, if its features have a gap.
+    pub fn constant(joint: &TouchJoint) -> Option<Self> {
+        let pairing = joint.touch.pairing()?;
+        let [a, b] = [&joint.a, &joint.b].map(|at| End { body: at.body, frame: frame(&at.frame, &mut T::of) });
+        // The length of a rope stays with its cores.
+        let reach = if pairing.cores == Cores::Hollow { 0.0 } else { pairing.reach };
+        let (reach, radius) = (T::of(reach), T::of(pairing.radius));
+        Some(TouchFigures { pairing, side: joint.touch.side, reach, radius, wider: T::zero(), a, b })
+    }
+
+    /// The features whose sizes have no derivatives here: rims that meet other than planes. First and second.
+    pub fn fixed(&self) -> [bool; 2] {
+        match self.pairing.cores {
+            Cores::LineRim(_) => [false, true],
+            Cores::RimLine(_) | Cores::RimPoint(_) | Cores::RimBesideLine(_) => [true, false],
+            Cores::Rims(..) | Cores::LevelRims(..) => [true, true],
+            _ => [false, false],
+        }
     }
 
     /// The same contact for places with rates.
@@ -123,8 +166,8 @@ impl<T: Number> TouchFigures<T> {
             let Frame { axes, origin } = end.frame;
             End { body: end.body, frame: Frame { axes: axes.map(|column| column.map(jet)), origin: origin.map(jet) } }
         };
-        let (reach, radius) = (jet(self.reach), jet(self.radius));
-        TouchFigures { pairing: self.pairing, side: self.side, reach, radius, a: end(&self.a), b: end(&self.b) }
+        let [reach, radius, wider] = [self.reach, self.radius, self.wider].map(jet);
+        TouchFigures { pairing: self.pairing, side: self.side, reach, radius, wider, a: end(&self.a), b: end(&self.b) }
     }
 
     /// Where the bodies are.
@@ -143,7 +186,12 @@ impl<T: Number> TouchFigures<T> {
         let found = contact(cores, self.side, place(&a), place(&b), || axis(&b, 0));
         let normal = Vector(found.normal.0.map(|entry| entry.0));
         let point = Vector(found.point.0.map(|entry| entry.0)) - normal.scaled(self.radius);
-        Touching { gap: found.gap.0 - self.reach, normal, point }
+        let gap = found.gap.0 - self.reach;
+        if let Cores::PlaneRim(rim) = self.pairing.cores {
+            let wider = (point - b.origin).scaled(self.wider.times(1.0 / rim));
+            return Touching { gap: gap + normal.dot(wider), normal, point: point + wider };
+        }
+        Touching { gap, normal, point }
     }
 
     /// u: the velocity of the second body at a point of the world, seen from the first [m/s].

@@ -31,7 +31,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Gaps and rates of contacts whose derivatives are this small have none (m, and m/s, per unit).
 pub(super) const STAYS: f64 = 1e-8;
-/// A slip below this is none [m/s].
+/// A slip below this is zero [m/s].
 const NO_SPEED: f64 = 1e-12;
 /// A slip that turns by less than this in a step is straight (rad): roundings and tolerances are smaller.
 const STRAIGHT: f64 = 1e-6;
@@ -73,7 +73,7 @@ impl Walk<'_> {
         closed.map(touch).collect()
     }
 
-    /// The directions of the slips of all closed contacts where the state is now; the given ones where there is none.
+    /// The directions of the slips of all closed contacts where the state is now, and the given ones of contacts that do not slip.
     pub(super) fn slips_of(&self, traced: &TracedStep) -> Vec<Vector3<f64>> {
         let bodies = body_states(self.subject.mechanism, &self.state);
         let of = |closed: &Closed| {

@@ -66,6 +66,12 @@ impl<T: Number> Instant<'_, T> {
         place(&self.figures.moving, &self.offsets_of(&first, &second))
     }
 
+    /// The bodies with these velocities and accelerations (n each).
+    pub fn accelerated(&self, velocities: &[T], accelerations: &[T]) -> Vec<Placed<Jet<T>>> {
+        let [first, second] = self.jets(velocities, accelerations);
+        place(&self.figures.moving, &self.offsets_of(&first, &second))
+    }
+
     fn offsets_of<'o>(&'o self, first: &'o [Jet<T>], second: &'o [Jet<T>]) -> Offsets<'o, Jet<T>> {
         Offsets { from: self.state, to: self.state, first, second, motion: &[] }
     }
@@ -246,6 +252,11 @@ impl Accelerations {
         mode.free.iter().zip(found.iter()).for_each(|(&freedom, &value)| values[freedom] = value);
         mode.rows.iter().zip(found.iter().skip(free)).for_each(|(&row, &value)| multipliers[row] = value);
         Some(Accelerations { values, multipliers, factors })
+    }
+
+    /// a without its derivatives (n).
+    pub fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// a and λ with their derivatives, for a state, velocities and efforts with theirs; `None` if the factors are singular.

@@ -13,6 +13,7 @@ use crate::derivatives::events::validity::MetEvent;
 use crate::derivatives::events::walk::{KeptStep, Subject, Walk};
 use crate::derivatives::events::watched::Sight;
 use crate::derivatives::forward::failure::SensitivityError;
+use crate::derivatives::forward::figure_slopes::FigureSlopes;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, WIDTH};
 use crate::derivatives::forward::tangent::{Tangent, with};
 use crate::derivatives::forward::tree::by_length;
@@ -38,12 +39,12 @@ const ROUNDINGS: f64 = 2.0 * f64::EPSILON;
 const SOON: f64 = 1e-4;
 
 /// A direction in which a state varies: by the length of its step, or by some parameters.
-struct Varying<'v> {
+pub(super) struct Varying<'v> {
     /// The parameters among all that are meant; `None` for the length of the step.
-    chunk: Option<usize>,
-    tangent: &'v Tangent,
+    pub chunk: Option<usize>,
+    pub tangent: &'v Tangent,
     /// Of the state without its derivatives, if they were asked for.
-    accelerations: &'v OnceCell<Option<Accelerations>>,
+    pub accelerations: &'v OnceCell<Option<Accelerations>>,
 }
 
 /// A solved step that ends at an event.
@@ -170,14 +171,19 @@ impl Walk<'_> {
     ) -> Option<(f64, f64, Tangent)> {
         let values: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.values.clone()).collect();
         let rates: Vec<DVector<f64>> = efforts.iter().map(|efforts| efforts.rates.clone()).collect();
-        let (positions, velocities) = by_length(&self.problem(mode, step, &values), solved, &rates)?;
+        let end = solved.stages.last()?;
+        let (positions, velocities) = if self.is_brief(traced) {
+            let found = Accelerations::of(&self.constant, end, mode, values.last()?.as_slice())?;
+            (DVector::from_column_slice(&end.velocity), DVector::from_column_slice(found.values()))
+        } else {
+            by_length(&self.problem(mode, step, &values), solved, &rates)?
+        };
         let n = positions.len();
         let along = Tangent {
             positions: DMatrix::from_column_slice(n, 1, positions.as_slice()),
             velocities: DMatrix::from_column_slice(n, 1, velocities.as_slice()),
             times: DVector::from_element(1, 1.0),
         };
-        let end = solved.stages.last()?;
         let varying = Varying { chunk: None, tangent: &along, accelerations: &OnceCell::new() };
         let value = self.seen(traced, mode, end, self.state.time, &varying, &mode.constant, of)?;
         Some((value.value, value.parts[0], along))
@@ -229,6 +235,21 @@ impl Walk<'_> {
         closed: &ClosedContacts<Part>,
         (trigger, contact): (Watched, Option<&Contact>),
     ) -> Option<Part> {
+        self.sighted(traced, mode, (state, since), varying, closed, contact, |sight| sight.value(trigger))
+    }
+
+    /// An answer of a state with its derivatives.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn sighted<R>(
+        &self,
+        traced: &TracedStep,
+        mode: &StepMode,
+        (state, since): (&State, f64),
+        varying: &Varying,
+        closed: &ClosedContacts<Part>,
+        contact: Option<&Contact>,
+        answer: impl FnOnce(&Sight) -> Option<R>,
+    ) -> Option<R> {
         let n = state.velocity.len();
         let Tangent { positions, velocities, times } = varying.tangent;
         let first = varying.chunk.unwrap_or(0) * WIDTH;
@@ -275,7 +296,7 @@ impl Walk<'_> {
             contacts: &contacts,
             accelerations: varying.accelerations,
         };
-        sight.value(trigger)
+        answer(&sight)
     }
 
     /// The contact at which a pair closes: the one with the least gap of those that were not closed before.
@@ -306,7 +327,13 @@ impl Walk<'_> {
             let own = end.body.map_or_else(Pose::identity, |body| self.subject.frames[body].inverse());
             Attachment { body: end.body, frame: own * end.frame }
         };
-        TouchFigures::new(&contact.joint, colliders, laws, &in_frame)
+        let touch = TouchFigures::new(&contact.joint, colliders, laws, &in_frame)?;
+        let varies = |number: usize| {
+            let radius = |slopes: &FigureSlopes| slopes.laws.colliders[number].sizes[0];
+            self.varied.slopes().iter().flatten().any(|slopes| radius(slopes) != 0.0)
+        };
+        let is_lost = touch.fixed().into_iter().zip(numbers).any(|(fixed, number)| fixed && varies(number));
+        (!is_lost).then_some(touch)
     }
 
     /// An event in words.

@@ -2,6 +2,7 @@
 
 mod bearing;
 mod closing;
+mod directions;
 pub mod efforts;
 mod impact;
 mod impulse_factors;
@@ -16,6 +17,7 @@ pub mod parameter;
 pub(crate) mod reverse;
 mod sharing;
 mod solving;
+mod starting;
 mod struck;
 mod ticks;
 pub mod validity;

@@ -12,47 +12,12 @@ use crate::derivatives::events::walk::Walk;
 use crate::derivatives::forward::tangent::Tangent;
 use crate::events::trace::{JointMode, TracedStep};
 use crate::instant::holding::elements::inward;
-use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
-/// A start this close to a limit is on it (rad or m): assembly leaves as much.
-const ON_LIMIT: f64 = 1e-9;
-
 impl Walk<'_> {
-    /// Notes limits that the start is on, if it leaves them with a parameter: such a start is put back on one side, and on the other it is not. And
-    /// joints that friction holds from the start on, if they begin to move with a parameter.
-    pub(super) fn see_start(&mut self, traced: &TracedStep) {
-        let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);
-        for (body, _) in mechanism.bodies.iter().zip(&traced.held).filter(|(_, held)| **held) {
-            let what = format!("joint {:?} starts at rest and is held", body.joint.name);
-            for column in 0..self.tangent.times.len() {
-                let rates = self.tangent.velocities.column(column);
-                if rates.rows_range(body.joint.velocity_range()).amax() > ON_LIMIT {
-                    self.validity.none(column, &what);
-                }
-            }
-        }
-        for (index, joint) in elements.joints.iter().enumerate().filter(|(_, joint)| !joint.is_locked()) {
-            for side in joint.sides().filter(|&side| joint.gap(side, joint.position(&self.state)).abs() <= ON_LIMIT) {
-                let slopes = self.varied.slopes();
-                let bound = |column: usize| {
-                    let laws = slopes[column].as_ref().map(|slopes| &slopes.laws.joints[index]);
-                    laws.map_or(0.0, |laws| if side == Side::Lower { laws.lower } else { laws.upper })
-                };
-                let row = joint.coordinate.freedom;
-                let leaves = (0..slopes.len()).filter(|&column| {
-                    let off = self.tangent.positions[(row, column)] - bound(column);
-                    off.abs() > ON_LIMIT
-                });
-                let what = format!("joint {:?} starts on its limit", mechanism.bodies[joint.owner(side)].joint.name);
-                leaves.collect::<Vec<usize>>().into_iter().for_each(|column| self.validity.none(column, &what));
-            }
-        }
-    }
-
     /// Notes limits that a joint has turned back from within a step, from its start with its derivatives and its stages i = 2..s.
     pub(super) fn see_near(&mut self, traced: &TracedStep, (before, was): (&State, &Tangent), stages: &[State]) {
-        if !self.tells {
+        if !self.tells || stages.len() + 1 != self.subject.tableau.stages {
             return;
         }
         let (mechanism, elements) = (self.subject.mechanism, self.subject.elements);

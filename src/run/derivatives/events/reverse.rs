@@ -107,6 +107,16 @@ impl<'t> Tape<'t> {
         &self.walk.events
     }
 
+    /// How far derivatives by some parameters hold at the start of the run.
+    pub fn start_validity(&self, parameters: &[Parameter]) -> Validity {
+        let local = Subject { parameters, ..*self.subject };
+        let first = self.pieces.iter().flatten().find_map(step_of);
+        let (Some(place), Some(step)) = (self.kept.first(), first) else { return Validity::new(parameters.len()) };
+        let mut walk = Walk::new(&local, &place.state);
+        walk.see_start(step);
+        walk.validity
+    }
+
     /// Adds a piece, and goes along it.
     ///
     /// # Errors
@@ -130,7 +140,7 @@ impl<'t> Tape<'t> {
         self.walk.keeps = self.every == 1 && trace.iter().filter_map(step_of).count() == 1 && self.room > 0;
         self.walk.along(&trace, &mut |_, _, _| {})?;
         let solved = self.walk.kept.take();
-        let rows = solved.as_ref().map_or(0, |step| step.mode.size(self.subject.tableau.stages));
+        let rows = solved.as_ref().map_or(0, |step| step.mode.size(step.efforts.len()));
         self.room = self.room.saturating_sub(rows * rows * size_of::<f64>());
         self.solved.push(solved);
         self.pieces.push(trace);
@@ -311,7 +321,7 @@ impl Back<'_> {
         };
         let KeptStep { mode, solved, efforts: values, .. } = &*kept;
         let Factors::Tree(factors) = &solved.factors else { return Ok(false) };
-        let nodes = &self.walk.subject.tableau.nodes;
+        let nodes = &self.walk.tableau(values.len()).nodes;
         let efforts = self.walk.efforts_over(traced, step);
         let problem = self.walk.problem(mode, step, values);
         let Adjoint { positions: of_q, velocities: of_v, time } = &self.adjoint;

@@ -3,14 +3,19 @@
 //! ```text
 //!     start, stages of the run ─▶ solved to rounding with the factors of R_u ─▶ ∂q̄/∂θ, ∂v̄/∂θ
 //! ```
+//!
+//! Between events that follow each other at once a step is so short that its stages are hardly ahead of a straight line. Their differences have
+//! roundings of places times the weights of the scheme over h: of seven stages 4e-13 m/h, of two 4e-16 m/h. The order of such a step is of no account,
+//! so it is made with two. Its end moves with its length at the velocities and accelerations there.
 
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::events::efforts::Efforts;
-use crate::derivatives::events::walk::{Walk, fastest};
+use crate::derivatives::events::walk::{Subject, Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, SolvedStep, StepMode, StepProblem};
 use crate::derivatives::forward::tangent::InputSlopes;
 use crate::events::trace::TracedStep;
+use crate::lobatto::tableau::butcher::Tableau;
 use nalgebra::DVector;
 
 /// Solved steps end this close to the steps of the run (rad or m, per s, and s): roundings of both, and where an event is found.
@@ -18,7 +23,28 @@ const SAME: f64 = 1e-11;
 /// Solved steps that end this far from the steps of the run have drifted away from them.
 const DRIFTED: f64 = 1e-9;
 
-impl Walk<'_> {
+/// Steps of the run that are shorter have two stages here (s): their truncation is h³ of an acceleration's change, below 1e-9 of most.
+const BRIEF: f64 = 1e-6;
+
+impl<'w> Walk<'w> {
+    /// The tableau with this number of stages.
+    pub(super) fn tableau(&self, stages: usize) -> &'w Tableau {
+        let Subject { tableau, brief, .. } = *self.subject;
+        if stages == brief.stages { brief } else { tableau }
+    }
+
+    /// Whether a step of the run is brief, and no slip in it is slow: that turns as fast as a step is short.
+    pub(super) fn is_brief(&self, traced: &TracedStep) -> bool {
+        let slides = traced.mode.contacts.iter().any(|closed| closed.slides.is_some());
+        !slides && traced.end.time - traced.start.time < BRIEF
+    }
+
+    /// The tableau for a step of the run.
+    fn tableau_for(&self, traced: &TracedStep) -> &'w Tableau {
+        let Subject { tableau, brief, .. } = *self.subject;
+        if self.is_brief(traced) { brief } else { tableau }
+    }
+
     /// Goes to the start of a step of a run, if roundings lie between, or if both have drifted apart: motions that amplify errors would part for
     /// good. Stops the joints that are held. The stages of the run are solved then.
     pub(super) fn begin(&mut self, traced: &TracedStep) {
@@ -41,7 +67,7 @@ impl Walk<'_> {
     /// The efforts at all stages of a step of some length (s).
     pub(super) fn efforts_over(&self, traced: &TracedStep, step: f64) -> Vec<Efforts> {
         let since = self.state.time;
-        let times: Vec<f64> = self.subject.tableau.nodes.iter().map(|node| since + step * node).collect();
+        let times: Vec<f64> = self.tableau_for(traced).nodes.iter().map(|node| since + step * node).collect();
         self.efforts_at(&traced.mode, since, &times)
     }
 
@@ -66,7 +92,7 @@ impl Walk<'_> {
             mechanism: self.subject.mechanism,
             figures: &self.figures,
             constant: &self.constant,
-            tableau: self.subject.tableau,
+            tableau: self.tableau(efforts.len()),
             mode,
             start: &self.state,
             step,

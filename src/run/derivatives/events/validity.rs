@@ -4,6 +4,7 @@
 //!     two events change their order     |δθ| = |t₂ − t₁| / |∂t₂/∂θ − ∂t₁/∂θ|
 //!     an event is missed (grazing)      |δθ| = |φ̇| / (2 |φ̈| |∂t/∂θ|)               φ̈ of gaps at the event, of other functions over its step
 //!     a limit is met that was missed    |δθ| = φ / |∂φ/∂θ|                          where a joint turns back before it
+//!     a slip starts the other way       |δθ| = |r| / |∂r/∂θ|                        its rate r at the start; zero from rest, and one side is told
 //! ```
 //!
 //! Each is the change of one parameter at which the derivative ends, to first order: a size, no bound. The smallest is told for each parameter. The
@@ -54,6 +55,11 @@ impl Validity {
     /// No change of a parameter at all keeps the derivative.
     pub fn none(&mut self, parameter: usize, cause: &str) {
         self.see(parameter, 0.0, || cause.to_string());
+    }
+
+    /// A change of this size ends it.
+    pub fn within_of(&mut self, parameter: usize, size: f64, cause: &str) {
+        self.see(parameter, size, || cause.to_string());
     }
 
     /// An event with φ̈, after another event.

@@ -45,6 +45,8 @@ pub(crate) struct Subject<'w> {
     /// The frames of the bodies, each in the body's own.
     pub frames: &'w [Pose],
     pub tableau: &'w Tableau,
+    /// Two stages, for brief steps.
+    pub brief: &'w Tableau,
     pub laws: &'w TimeLaws,
     pub parameters: &'w [Parameter],
     /// When the run ends (s).
@@ -245,8 +247,9 @@ impl<'w> Walk<'w> {
         }
         let known = self.known.take();
         let mode = known.as_ref().map_or_else(|| self.mode(traced), |known| Ok(known.mode.clone()))?;
-        let closed = self.closed(traced, &mode)?;
+        let mut closed = self.closed(traced, &mode)?;
         self.enter(traced, &mode, &closed)?;
+        self.turn_directions(traced, &mode, &mut closed);
         if let Some(&trigger) = traced.triggers.first() {
             return self.step_to_event(traced, (&mode, known), &closed, trigger, next);
         }

@@ -18,7 +18,7 @@ pub enum SensitivityError {
     NoValue { key: String },
     /// The structure changes with the number.
     #[error(
-        "{key}: other values than {value} change the structure of the mechanism, or a cylinder, ellipsoid, rope or mesh that may touch, so that there is no derivative by it"
+        "{key}: other values than {value} change the structure of the mechanism, or an ellipsoid, rope or mesh that may touch, so that there is no derivative by it"
     )]
     Structure { key: String, value: f64 },
     /// An event whose function has no derivative here.

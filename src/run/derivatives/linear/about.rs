@@ -1,13 +1,15 @@
 //! Linear equations about an instant of a run, or about the equilibrium near a state.
 //!
 //! They hold within a mode: joints that are stuck stay so, motors keep to their laws or bounds, and contacts stay as they are. An equilibrium belongs to
-//! its own mode: joints that Newton's iteration moves beyond a limit are put on it, and the mode is decided again.
+//! its own mode: joints that Newton's iteration moves beyond a limit are put on it, and the mode is decided again. Contacts with friction roll on the way
+//! to it.
 
 use crate::derivatives::linear::equilibrium::{EquilibriumError, settle};
 use crate::derivatives::linear::linearised::{LinearError, Linearised};
 use crate::derivatives::linear::modes::NoModes;
 use crate::events::{Moving, MovingError};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::words::counted;
 use crate::mechanism::motion::state::State;
 
 /// Modes that are tried for an equilibrium.
@@ -22,6 +24,20 @@ pub enum LinearizeError {
     /// The equations cannot be solved.
     #[error(transparent)]
     Linear(#[from] LinearError),
+    /// Friction has no derivative.
+    #[error(
+        "{} to slide here, and friction has no derivative between two directions; \
+         take an instant at which they slide, or rest",
+        counted(*count, "closed contact begins", "closed contacts begin")
+    )]
+    Begins { count: usize },
+    /// Rest needs more friction than there is.
+    #[error(
+        "no equilibrium was found: {} more friction than there is, where the forces balance; \
+         give more friction, a start at which they rest, or take an instant with --at T",
+        counted(*count, "closed contact needs", "closed contacts need")
+    )]
+    Slips { count: usize },
     /// There is no equilibrium.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
@@ -66,6 +82,7 @@ pub fn about_rest(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Resu
     let mut moving = Moving::at(mechanism, &state, efforts)?;
     let mut iterations = 0;
     for _ in 0..MODES {
+        moving.let_roll();
         let mut own = moving.state.clone();
         let mut there = state.clone();
         let mut is_outside = |own: &State| {
@@ -77,13 +94,16 @@ pub fn about_rest(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Resu
         state.velocity.fill(0.0);
         let is_within = put_within_limits(mechanism, &mut state);
         let there = Moving::at(mechanism, &state, efforts)?;
-        let same = there.stuck == moving.stuck && there.motors == moving.motors && there.sticking == moving.sticking;
+        let same = there.is_like(&moving);
         moving = there;
         if same && is_within {
             return of(moving, state, Some(iterations));
         }
     }
-    Err(LinearizeError::Undecided)
+    match moving.beginning_to_slide() {
+        0 => Err(LinearizeError::Undecided),
+        count => Err(LinearizeError::Slips { count }),
+    }
 }
 
 /// Refuses forces that the equations of [`Linearised`] leave out.
@@ -95,6 +115,10 @@ fn refuse_unknown(mechanism: &Mechanism) -> Result<(), LinearError> {
 }
 
 fn of(moving: Moving, state: State, iterations: Option<usize>) -> Result<About, LinearizeError> {
+    let count = moving.beginning_to_slide();
+    if count > 0 {
+        return Err(LinearizeError::Begins { count });
+    }
     let linearised = Linearised::about(moving.mechanism(), &moving.state, &moving.efforts, &moving.driven())?;
     Ok(About { moving, state, linearised, iterations })
 }

@@ -1,7 +1,7 @@
 //! The equilibrium near a state, in independent coordinates.
 //!
 //! ```text
-//!     r = Tᵀ (ρ(q, 0, 0) − τ) = 0,   g(q) = 0          T (n × d): motions that the closures allow
+//!     r = Tᵀ (ρ(q, 0, 0) − τ) = 0,   g(q) = 0          T (n × d): motions that the closures, and contacts that roll, allow
 //!     K = Tᵀ ∂(ρ − Gᵀλ)/∂q T,        λ = G_D⁻ᵀ (ρ − τ)_D
 //!
 //!     near the start     K ξ = −r                         Newton's method; least norm where K is singular
@@ -15,7 +15,7 @@
 //! Source: J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, chapters 3 and 11.
 
 use crate::derivatives::linear::equations::{By, Equations, Point};
-use crate::derivatives::linear::independent::Independent;
+use crate::derivatives::linear::independent::BothIndependent;
 use crate::derivatives::linear::linearised::weights;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -149,14 +149,14 @@ impl Search<'_> {
     /// Moves a state, and brings it onto its closures by the least motions.
     fn displace(&self, state: &mut State, motion: &DVector<f64>) {
         state.displace(self.mechanism, motion.as_slice());
-        let (n, m) = (self.mechanism.velocity_count, self.equations.rows());
+        let (n, m, closed) = (self.mechanism.velocity_count, self.equations.rows(), self.equations.of_positions());
         let (still, unloaded) = (DVector::zeros(n), DVector::zeros(m));
         let mut last = f64::INFINITY;
-        for _ in 0..if m > 0 { CLOSING } else { 0 } {
+        for _ in 0..if closed > 0 { CLOSING } else { 0 } {
             let point = Point { state, accelerations: &still, multipliers: &unloaded };
-            let gap = self.equations.at(&point).closures[0].column(0).into_owned();
-            let gradient = &self.equations.derivatives(&point, By::Velocities).closures[1];
-            let Some(motion) = least_norm(gradient, &-&gap, CLOSED) else { break };
+            let gap = self.equations.at(&point).closures[0].rows(0, closed).column(0).into_owned();
+            let gradient = self.equations.derivatives(&point, By::Velocities).closures[1].rows(0, closed).into_owned();
+            let Some(motion) = least_norm(&gradient, &-&gap, CLOSED) else { break };
             let size = motion.amax();
             if !size.is_finite() || size < ROUNDING && size >= 0.25 * last {
                 break;
@@ -196,9 +196,8 @@ impl Search<'_> {
         let values = self.equations.at(&point);
         let gradient = self.equations.derivatives(&point, By::Velocities).closures[1].clone();
         let mass = self.equations.derivatives(&point, By::Accelerations).efforts;
-        let split = Independent::of(&gradient, &self.weights);
-        let d = split.independent.len();
-        let motions = split.solve(&gradient, &DMatrix::zeros(m, d), &DMatrix::identity(d, d))?;
+        let split = BothIndependent::of(&gradient, self.equations.of_positions(), &self.weights)?.velocities;
+        let motions = split.motions(&gradient)?;
         let lacking = values.efforts.column(0) - self.efforts;
         let multipliers = split.multipliers(&gradient, &lacking)?;
         let point = Point { state, accelerations: &still, multipliers: &multipliers };

@@ -8,6 +8,9 @@
 //! Otherwise Schur's decomposition of A gives λ. The shape z is the singular vector of A − λ with the least singular value, or with one of the next
 //! if an eigenvalue is met again.
 //!
+//! Contacts that roll leave fewer velocities η than positions ξ. At rest `ξ̇ = S η`, so that motions have the stiffness K S along the velocities, and
+//! swing with the shapes S z.
+//!
 //! Free motions are the null space of K. Their zeros are counted there, because a double zero of A is only found to the root of a rounding:
 //! a free motion without damping has two zeros, one with damping has one.
 //!
@@ -107,12 +110,11 @@ impl Linearised {
 
     /// The modes by the symmetric problem; `None` if there is damping, or forces without a potential.
     fn undamped(&self) -> Option<Vec<LinearMode>> {
-        let Linearised { inertia, damping, stiffness, .. } = self;
-        let (d, scale) = (inertia.nrows(), self.scale());
-        let turning = self.state.view((0, 0), (d, d)).amax();
+        let Linearised { inertia, damping, .. } = self;
+        let (stiffness, scale) = (&self.along_velocities(), self.scale());
         let rubs = self.scaled(damping).amax() > ROUNDING * scale.sqrt();
         let circulates = self.scaled(&(stiffness - stiffness.transpose())).amax() > ROUNDING * scale;
-        if rubs || circulates || turning > 0.0 {
+        if rubs || circulates || self.turns() {
             return None;
         }
         let lower = inertia.clone().cholesky()?.l();
@@ -121,12 +123,14 @@ impl Linearised {
         let SymmetricEigen { eigenvalues, eigenvectors } =
             (0.5 * (&symmetric + symmetric.transpose())).symmetric_eigen();
         let shapes = lower.transpose().solve_upper_triangular(&eigenvectors)?;
-        let mut modes = Vec::new();
+        let mut modes = if self.rolls() { self.free_motions() } else { Vec::new() };
         for (index, &square) in eigenvalues.iter().enumerate() {
-            let shape = shapes.column(index).map(|entry| Complex::new(entry, 0.0));
+            let shape = self.places(&shapes.column(index).map(|entry| Complex::new(entry, 0.0)));
             let mut add = |eigenvalue, stability| modes.push(self.mode(eigenvalue, stability, &shape));
             if square.abs() <= ROUNDING * scale {
-                add(Complex::new(0.0, 0.0), Stability::Free);
+                if !self.rolls() {
+                    add(Complex::new(0.0, 0.0), Stability::Free);
+                }
             } else if square > 0.0 {
                 add(Complex::new(0.0, square.sqrt()), Stability::Neutral);
             } else {
@@ -139,8 +143,11 @@ impl Linearised {
 
     /// The modes by the eigenvalues of A.
     fn damped(&self) -> Result<Vec<LinearMode>, NoModes> {
-        let d = self.inertia.nrows();
-        let mut balanced = self.state.clone();
+        // At rest free motions are counted apart, and the velocities swing alone.
+        let alone = self.rolls() && !self.turns();
+        let state = if alone { self.of_velocities() } else { self.state.clone() };
+        let (count, d) = (state.nrows(), self.independent.len());
+        let mut balanced = state.clone();
         nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced);
         let mut values = eigenvalues(balanced)?;
         values.sort_by(|one, other| one.norm().total_cmp(&other.norm()));
@@ -148,17 +155,22 @@ impl Linearised {
         let zeros = self.zeros();
         values[..zeros].fill(Complex::new(0.0, 0.0));
         let mut modes: Vec<LinearMode> = self.free_motions().into_iter().collect();
-        let complex = self.state.map(|entry| Complex::new(entry, 0.0));
+        let complex = state.map(|entry| Complex::new(entry, 0.0));
         let mut before: Vec<Complex<f64>> = Vec::new();
         for &value in values[zeros..].iter().filter(|value| value.im >= 0.0) {
             let again = before.iter().filter(|other| (*other - value).norm() <= EQUAL * largest).count();
             before.push(value);
-            let shifted = &complex - DMatrix::from_diagonal_element(2 * d, 2 * d, value);
+            let shifted = &complex - DMatrix::from_diagonal_element(count, count, value);
             let decomposed = shifted.try_svd(false, true, f64::EPSILON, 0).ok_or(NoModes)?;
             let rows = decomposed.v_t.ok_or(NoModes)?;
             // The singular values are sorted, the largest first.
-            let row = (2 * d).saturating_sub(1 + again);
-            let shape = rows.row(row).adjoint().rows(0, d).into_owned();
+            let row = count.saturating_sub(1 + again);
+            let own = rows.row(row).adjoint();
+            let shape = if alone {
+                self.places(&own.rows(0, self.rates.len()).into_owned())
+            } else {
+                own.rows(0, d).into_owned()
+            };
             let stability = match value.re {
                 re if re.abs() <= NEUTRAL * value.norm() => Stability::Neutral,
                 re if re < 0.0 => Stability::Stable,
@@ -171,16 +183,19 @@ impl Linearised {
 
     /// The free motions: the null space of K.
     fn free_motions(&self) -> Vec<LinearMode> {
-        let null = self.null_space(false);
+        let null = self.null_space();
         let of = |shape: nalgebra::DVectorView<f64>| {
             self.mode(Complex::new(0.0, 0.0), Stability::Free, &shape.map(|entry| Complex::new(entry, 0.0)))
         };
         null.column_iter().map(|column| of(column.as_view())).collect()
     }
 
-    /// How often zero is an eigenvalue of A, at rest.
+    /// How often zero is an eigenvalue, at rest: along the velocities if some contacts roll.
     fn zeros(&self) -> usize {
-        let (right, left) = (self.null_space(false), self.null_space(true));
+        let own = self.along_velocities();
+        let weights = self.weights();
+        let (right, left) =
+            (self.null_space_of(&own, &weights, &weights), self.null_space_of(&own.transpose(), &weights, &weights));
         if right.is_empty() {
             return 0;
         }
@@ -189,26 +204,82 @@ impl Linearised {
         (2 * right.ncols() - braked).min(self.state.nrows())
     }
 
-    /// Right or left null vectors of K in columns; without any where ball joints turn.
-    fn null_space(&self, of_transpose: bool) -> DMatrix<f64> {
-        let d = self.inertia.nrows();
-        if self.state.view((0, 0), (d, d)).amax() > 0.0 {
+    /// Null vectors of K in columns; without any where ball joints turn.
+    fn null_space(&self) -> DMatrix<f64> {
+        let weights = self.weights();
+        let across = if self.rolls() { self.weights_of_places() } else { weights.clone() };
+        self.null_space_of(&self.stiffness, &weights, &across)
+    }
+
+    /// Null vectors of a matrix of stiffness in columns, with the weights of its rows and columns.
+    fn null_space_of(&self, matrix: &DMatrix<f64>, down: &DVector<f64>, across: &DVector<f64>) -> DMatrix<f64> {
+        let d = matrix.ncols();
+        if self.turns() {
             return DMatrix::zeros(d, 0);
         }
-        let scaled = self.scaled(&self.stiffness);
-        let scaled = if of_transpose { scaled.transpose() } else { scaled };
+        // Rows of zeros make a null space of all columns.
+        let scaled = DMatrix::from_fn(d, d, |row, column| {
+            if row < matrix.nrows() { down[row] * matrix[(row, column)] * across[column] } else { 0.0 }
+        });
         let least = ROUNDING * self.scale();
         let decomposed = scaled.svd(false, true);
         let Some(rows) = decomposed.v_t else { return DMatrix::zeros(d, 0) };
         let null: Vec<usize> = (0..d).filter(|&index| decomposed.singular_values[index] <= least).collect();
         // Back from scaled coordinates.
-        let weights = self.weights();
-        DMatrix::from_fn(d, null.len(), |row, column| weights[row] * rows[(null[column], row)])
+        DMatrix::from_fn(d, null.len(), |row, column| across[row] * rows[(null[column], row)])
+    }
+
+    /// Whether ball joints or the contacts that roll turn in the state itself.
+    fn turns(&self) -> bool {
+        let d = self.independent.len();
+        self.state.view((0, 0), (d, d)).amax() > 0.0
+    }
+
+    /// Whether there are fewer velocities than positions.
+    fn rolls(&self) -> bool {
+        self.rates.len() < self.independent.len()
+    }
+
+    /// S (d × e).
+    fn sliding(&self) -> DMatrix<f64> {
+        let (d, e) = (self.independent.len(), self.rates.len());
+        self.state.view((0, d), (d, e)).into_owned()
+    }
+
+    /// K S (e × e).
+    fn along_velocities(&self) -> DMatrix<f64> {
+        if self.rolls() { &self.stiffness * self.sliding() } else { self.stiffness.clone() }
+    }
+
+    /// `[0 1; −H⁻¹ K S, −H⁻¹ C]`: the motions along the velocities, at rest.
+    fn of_velocities(&self) -> DMatrix<f64> {
+        let (d, e) = (self.independent.len(), self.rates.len());
+        let mut matrix = DMatrix::zeros(2 * e, 2 * e);
+        matrix.view_mut((0, e), (e, e)).fill_with_identity();
+        matrix.view_mut((e, 0), (e, e)).copy_from(&(self.state.view((d, 0), (e, d)) * self.sliding()));
+        matrix.view_mut((e, e), (e, e)).copy_from(&self.state.view((d, d), (e, e)));
+        matrix
+    }
+
+    /// The shape along the positions for one along the velocities.
+    fn places(&self, shape: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        if self.rolls() { self.sliding().map(|entry| Complex::new(entry, 0.0)) * shape } else { shape.clone() }
     }
 
     /// `H_ii^{−1/2}`: coordinates in which all inertias are about one.
     fn weights(&self) -> DVector<f64> {
         self.inertia.diagonal().map(|inertia| 1.0 / inertia.max(f64::MIN_POSITIVE).sqrt())
+    }
+
+    /// The same of positions: how far each one moves with velocities whose inertias are about one.
+    fn weights_of_places(&self) -> DVector<f64> {
+        let (sliding, weights) = (self.sliding(), self.weights());
+        let moved: Vec<f64> = sliding.row_iter().map(|row| row.transpose().component_mul(&weights).norm()).collect();
+        let largest = moved.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        DVector::from_iterator(
+            moved.len(),
+            moved.iter().map(|&way| if way > ROUNDING * largest { way } else { largest }),
+        )
     }
 
     fn scaled(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -220,7 +291,7 @@ impl Linearised {
 
     /// The size of K in these coordinates [1/s²].
     fn scale(&self) -> f64 {
-        self.scaled(&self.stiffness).amax().max(f64::MIN_POSITIVE)
+        self.scaled(&self.along_velocities()).amax().max(self.pressed).max(f64::MIN_POSITIVE)
     }
 
     /// A mode with its shape along all degrees of freedom.

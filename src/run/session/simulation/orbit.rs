@@ -20,6 +20,8 @@ const CLOSED: f64 = 1e-8;
 /// Multipliers of a motion over a period.
 #[derive(Clone, Debug)]
 pub struct Multipliers {
+    /// The time at which it begins (s).
+    pub begin: f64,
     /// T (s).
     pub period: f64,
     /// μ, the largest first; a complex pair has two.
@@ -72,7 +74,7 @@ impl Simulation {
             };
             apart = apart.max(turned(1.0).min(turned(-1.0)));
         }
-        let period = run.times[last] - run.times[0];
-        Ok(Multipliers { period, values, apart, warnings: run.warnings })
+        let (begin, period) = (run.times[0], run.times[last] - run.times[0]);
+        Ok(Multipliers { begin, period, values, apart, warnings: run.warnings })
     }
 }

@@ -7,7 +7,7 @@
 //! The steps of the run also end at the samples, so that no interpolation has a part in it. Samples within 1e-6 s of an event have its state.
 
 use crate::derivatives::events::reverse::{Adjoint, Tape};
-use crate::derivatives::events::validity::MetEvent;
+use crate::derivatives::events::validity::{MetEvent, Validity};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::mechanism::motion::state::State;
 use crate::session::error::Error;
@@ -90,7 +90,7 @@ pub struct Gradient {
     pub value: f64,
     /// ∂/∂θ (p).
     pub by: Vec<f64>,
-    /// Events behind which the derivatives are worse than their order.
+    /// Events behind which the derivatives are worse than their order, and starts at which they hold on one side alone.
     pub warnings: Vec<String>,
 }
 
@@ -203,7 +203,10 @@ impl Simulation {
             samples.v.push(v);
         }
         prepared.check(tape.state())?;
-        let warnings = tape.warnings().to_vec();
+        let mut warnings = tape.warnings().to_vec();
+        let Validity { within, causes } = tape.start_validity(&prepared.parameters);
+        let kinks = within.iter().zip(causes).zip(&prepared.told).filter(|((within, _), _)| **within == 0.0);
+        warnings.extend(kinks.map(|((_, cause), key)| format!("{key}: {cause}")));
         samples.events = tape.events().iter().map(|event| SampledEvent::of(&prepared.model, event)).collect();
         let lost = loss(&samples);
         let n = prepared.start.velocity.len();

@@ -304,13 +304,10 @@ fn listed(mechanism: &Mechanism, frames: &[Pose]) -> Vec<f64> {
     all
 }
 
-/// The shapes whose features do not follow their numbers here, as points that are given one by one and rims: no parameter may change these.
+/// The shapes whose features do not follow their numbers here, as points that are given one by one: no parameter may change these.
 fn given_shapes(mechanism: &Mechanism) -> impl Iterator<Item = &Shape> {
     let shapes = mechanism.nonsmooth.colliders.iter().map(|collider| &collider.shape);
     shapes.filter(|shape| {
-        matches!(
-            shape,
-            Shape::Cylinder { .. } | Shape::Ellipsoid { .. } | Shape::Hollow { .. } | Shape::Hull(_) | Shape::Mesh(_)
-        )
+        matches!(shape, Shape::Ellipsoid { .. } | Shape::Hollow { .. } | Shape::Hull(_) | Shape::Mesh(_))
     })
 }

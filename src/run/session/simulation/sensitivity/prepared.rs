@@ -14,8 +14,9 @@ use crate::mechanism::description::joint::{FreeRotation, Pose};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::state::State;
+use crate::session::between_ticks::hold;
 use crate::session::error::Error;
-use crate::session::held_start::mechanism_from;
+use crate::session::held_start::motors_from;
 use crate::session::linear::freedom_name;
 use crate::session::model::Model;
 use crate::session::simulation::Simulation;
@@ -97,6 +98,7 @@ pub(super) struct Prepared {
     frames: Vec<Pose>,
     laws: TimeLaws,
     tableau: &'static Tableau,
+    brief: &'static Tableau,
     end: State,
     /// Ends of steps in order of time (s), and whether each was asked for.
     instants: Vec<(f64, bool)>,
@@ -109,7 +111,11 @@ impl Prepared {
     pub fn new(mut simulation: Simulation, keys: &[&str], times: &[f64]) -> Result<Self, Error> {
         let start = simulation.look(State::clone)?;
         let model = simulation.model.clone();
-        let mechanism = mechanism_from(model.description(), &start).into_owned();
+        let mut mechanism = model.description().mechanism.clone();
+        if let Some(motors) = motors_from(model.description(), &start, &simulation.held_at) {
+            mechanism.nonsmooth.motors = motors;
+        }
+        hold(&mut mechanism.nonsmooth.motors, &simulation.held, start.time);
         refuse(&mechanism)?;
         let names: Vec<String> =
             (0..mechanism.velocity_count).map(|freedom| freedom_name(&mechanism, freedom)).collect();
@@ -140,7 +146,8 @@ impl Prepared {
         let (beside, ends): (Vec<f64>, Vec<f64>) = asked.partition(|time| near(*time));
         instants.extend(ends.into_iter().map(|time| (time, true)));
         instants.sort_by(|(one, _), (other, _)| one.total_cmp(other));
-        let tableau = Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time })?;
+        let of = |stages: usize| Tableau::of(stages).map_err(|_| SensitivityError::Step { time: start.time });
+        let (tableau, brief) = (of(stages)?, of(2)?);
         let elements = Elements::new(&mechanism);
         Ok(Prepared {
             frames: frames(&model),
@@ -148,6 +155,7 @@ impl Prepared {
             mechanism,
             elements,
             tableau,
+            brief,
             end,
             beside,
             instants,
@@ -166,6 +174,7 @@ impl Prepared {
             elements: &self.elements,
             frames: &self.frames,
             tableau: self.tableau,
+            brief: self.brief,
             laws: &self.laws,
             parameters,
             end: self.end.time,
