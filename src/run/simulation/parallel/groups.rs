@@ -29,6 +29,8 @@ pub(crate) struct Groups<'a> {
     pub(super) make: Make<'a>,
     /// The number of the group of each body: the places of the groups in the list of islands.
     pub(super) groups: Vec<usize>,
+    /// The same for bodies that were in one group at any time of the run: their errors are of all of them.
+    pub(super) kin: Vec<usize>,
     /// How long they are expected to stay apart (s).
     pub(super) length: f64,
     /// The whole where the present time of the groups began.
@@ -51,6 +53,7 @@ impl<'a> Groups<'a> {
         several.then(|| Groups {
             meeting,
             make,
+            kin: groups.clone(),
             groups,
             length,
             at: state.clone(),
@@ -64,7 +67,20 @@ impl<'a> Groups<'a> {
     /// The run begins in a state.
     pub(super) fn begin(&mut self, state: &State) {
         self.at.copy_from(state);
+        self.kin.clone_from(&self.groups);
         self.gone = None;
+    }
+
+    /// The groups are these from now on.
+    pub(super) fn set(&mut self, groups: Vec<usize>) {
+        for (body, &group) in groups.iter().enumerate() {
+            let first = groups.iter().position(|&other| other == group).unwrap_or(body);
+            let (one, other) = (self.kin[first], self.kin[body]);
+            if one != other {
+                self.kin.iter_mut().filter(|kin| **kin == one.max(other)).for_each(|kin| *kin = one.min(other));
+            }
+        }
+        self.groups = groups;
     }
 
     /// From where all groups are, how far their bodies move is measured.

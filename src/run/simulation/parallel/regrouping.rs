@@ -49,11 +49,14 @@ impl<'a> Islands<'a> {
     /// [`MethodError`] for invalid steps.
     pub(crate) fn begin_groups_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
         let Some(mut own) = self.groups.take() else { return Ok(()) };
+        // Of all bodies that have been in one group with those of a part.
         let mut fineness: Vec<Option<Fineness>> = vec![None; mechanism.bodies.len()];
         for part in &mut self.parts {
             if let Some(next) = part.awake.as_mut().and_then(EstimatedRun::next_fineness) {
-                (0..part.island.mechanism.bodies.len())
-                    .for_each(|body| fineness[part.island.body_of_whole(body)] = Some(next.clone()));
+                let kin = own.kin[part.island.body_of_whole(0)];
+                let of_kin = fineness.iter_mut().zip(&own.kin).filter(|(_, other)| **other == kin);
+                of_kin
+                    .for_each(|(known, _)| *known = Some(known.take().map_or(next.clone(), |known| known.with(&next))));
             }
         }
         (own.groups, own.length) = own.meeting.groups(&body_states(mechanism, state), None);
@@ -94,6 +97,9 @@ impl<'a> Islands<'a> {
             own.measure_ways(&mut self.parts);
             loop {
                 let ended = self.go_to(next, options);
+                if let Err(RunError::BeginsAgain { .. }) = ended {
+                    return ended;
+                }
                 let mut moved = vec![Moved::default(); bodies.len()];
                 for part in &self.parts {
                     let way = part.course.as_ref().map_or(&[][..], |course| course.moved());
@@ -155,7 +161,6 @@ impl<'a> Islands<'a> {
         whole: &mut MergedRun,
     ) -> Result<(), RunError> {
         let Division { members, stays } = Division::new(&own.groups, &groups);
-        own.groups = groups;
         let mut old: Vec<Option<IslandRun>> = std::mem::take(&mut self.parts).into_iter().map(Some).collect();
         let mut handed = HandedOn { by: old.iter().map(|_| None).collect(), companion: own.at.clone(), again: false };
         for &one in members.iter().zip(&stays).filter(|(_, stays)| !**stays).flat_map(|(members, _)| members) {
@@ -163,6 +168,11 @@ impl<'a> Islands<'a> {
                 handed.take(one, part, back, own.at.time);
             }
         }
+        if handed.again {
+            self.parts = old.into_iter().flatten().collect();
+            return Err(RunError::BeginsAgain { time: own.at.time });
+        }
+        own.set(groups);
         for (number, (members, stays)) in members.iter().zip(stays).enumerate() {
             if stays && let Some(part) = old[members[0]].take() {
                 self.parts.push(part);
@@ -171,16 +181,14 @@ impl<'a> Islands<'a> {
             let mut island = group(mechanism, &own.groups, number);
             hold(&mut island, mechanism, &own.held, own.at.time);
             let mut part = IslandRun::new(island, &own.at);
-            if !handed.again {
-                let begins = handed.to(members, &part.island);
-                let made = (own.make)(&part.island.mechanism, begins);
-                part.awake = Some(made.map_err(|error| RunError::Observer(error.into()))?);
-                if !own.efforts.is_empty() {
-                    part.set_efforts(&own.efforts);
-                }
-                own.aimed.iter().for_each(|&(freedom, value)| part.aim(freedom, value));
-                part.begin_within(whole.start, options.duration, sampling_rate(options))?;
+            let begins = handed.to(members, &part.island);
+            let made = (own.make)(&part.island.mechanism, begins);
+            part.awake = Some(made.map_err(|error| RunError::Observer(error.into()))?);
+            if !own.efforts.is_empty() {
+                part.set_efforts(&own.efforts);
             }
+            own.aimed.iter().for_each(|&(freedom, value)| part.aim(freedom, value));
+            part.begin_within(whole.start, options.duration, sampling_rate(options))?;
             self.parts.push(part);
         }
         for part in old.iter().flatten() {
@@ -190,7 +198,7 @@ impl<'a> Islands<'a> {
                 own.gone = Some(own.gone.take().map_or_else(|| last.clone(), |gone| Islands::add(gone, last.clone())));
             }
         }
-        if handed.again { Err(RunError::BeginsAgain { time: own.at.time }) } else { Ok(()) }
+        Ok(())
     }
 
     /// Puts the states of all groups together.
