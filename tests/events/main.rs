@@ -50,6 +50,7 @@ mod continuous;
 mod continuous_events;
 mod costs;
 mod couplings;
+mod cranks;
 mod crowds;
 mod ellipsoids;
 mod exact;

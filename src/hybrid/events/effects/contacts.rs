@@ -9,6 +9,7 @@
 //! `rim_points.rs` adds the points that flat ends lack. `seizing.rs` stops contacts that slide and jam.
 
 use crate::events::effects::decision::{Candidate, Decided, Scene, Yielding};
+use crate::events::effects::immobile::at_dead_points;
 use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::Found;
 use crate::events::effects::planar_rims::{land_opposite, point_that_begins, touching_point};
@@ -230,6 +231,9 @@ impl Contacts {
             })
             .map(|joint| joint.coordinate.freedom)
             .collect();
+        // An impulse along a joint at a dead point moves it by roundings, and the rest of its loop by anything.
+        let dead = at_dead_points(scene.whole, scene.response, state, &still);
+        let fixed: Vec<usize> = still.iter().copied().filter(|freedom| !dead.contains(freedom)).collect();
         for contact in &mut self.all {
             if let Some(point) = touching_point(scene.touching, contact, &bodies, self.rest) {
                 *contact = point;
@@ -266,9 +270,9 @@ impl Contacts {
             candidates.push(Candidate { contact: contact.clone(), slip, slides, opens, turning, turns });
         }
         self.candidates = candidates;
-        rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
+        rows.extend(fixed.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
         let mut lost = bring_rows_to_rest(scene, state, rows.clone());
-        lost += self.close_gaps(scene, state, &bodies, &still);
+        lost += self.close_gaps(scene, state, &bodies, &fixed);
         still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
         // Tiny slips turn when others come to rest, and stop if these contacts hold their points.
         let bodies = body_states(scene.whole, state);

@@ -126,6 +126,20 @@ fn rows_of_held_turns(whole: &Mechanism, bodies: &[BodyState], closed: &Closed) 
     held.map(|along| row_of_torque(whole, bodies, &joint, &along)).collect()
 }
 
+/// The freedoms among these that are at dead points of loops in a state.
+pub(crate) fn at_dead_points(
+    whole: &Mechanism,
+    response: &mut Response,
+    state: &State,
+    freedoms: &[usize],
+) -> Vec<usize> {
+    if freedoms.is_empty() || whole.loops.is_empty() {
+        return Vec::new();
+    }
+    let answers = response.diagonal(state, freedoms.iter().copied());
+    rounded(whole, state, &freedoms.iter().copied().zip(answers).collect::<Vec<_>>())
+}
+
 /// The freedoms whose answers are roundings of those without closures: they are at dead points.
 fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<usize> {
     if answers.is_empty() || !whole.has_closures() {

@@ -16,7 +16,7 @@ use crate::events::effects::contacts::Contacts;
 use crate::events::effects::deciding::decide;
 use crate::events::effects::decision::{Scene, Undecided, Yielding};
 use crate::events::effects::gathering::{Gathered, cut_in_crowd, gather_meetings};
-use crate::events::effects::immobile::idle_pairs;
+use crate::events::effects::immobile::{at_dead_points, idle_pairs};
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::low_rebounds::{bring_low_to_rest, unseen_flight};
 use crate::events::effects::memory::{Done, Found, Memory};
@@ -184,7 +184,8 @@ fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
 }
 
 /// Stops the joints whose slides end here by an impulse in each, if they are faster than rest; returns the energy that this takes (J). A slide whose
-/// forces jump ends where its step begins, at whatever rate: to set that rate to zero alone would change momenta, and may give energy.
+/// forces jump ends where its step begins, at whatever rate: to set that rate to zero alone would change momenta, and may give energy. At a dead point of
+/// a loop the joint turns round by itself: its rate is a rounding, and an impulse along it would stop the whole loop.
 fn stop_joints(scene: &mut Scene, state: &mut State, triggers: &[Watched], rests: &[f64]) -> f64 {
     let fast = |trigger: &Watched| match *trigger {
         Watched::Slide(index) => {
@@ -193,7 +194,9 @@ fn stop_joints(scene: &mut Scene, state: &mut State, triggers: &[Watched], rests
         }
         _ => None,
     };
-    let freedoms: Vec<usize> = triggers.iter().filter_map(fast).collect();
+    let mut freedoms: Vec<usize> = triggers.iter().filter_map(fast).collect();
+    let dead = at_dead_points(scene.whole, scene.response, state, &freedoms);
+    freedoms.retain(|freedom| !dead.contains(freedom));
     let rows = freedoms.into_iter().map(|freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)).collect();
     bring_rows_to_rest(scene, state, rows)
 }
