@@ -57,6 +57,7 @@ mod false_alarms;
 mod free_bodies;
 mod impacts_with_limits;
 mod in_loops;
+mod landing_flat;
 mod laws;
 mod loads;
 mod locked;

@@ -8,8 +8,9 @@
 //! in scaled rows, so that singularity does not depend on units.
 
 use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
-use crate::instant::cone::least_norm::{least_norm, spread};
+use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::problem::Law;
+use crate::instant::cone::sharing::implied;
 use crate::instant::holding::blocks::{Block, Of, least_answer};
 use nalgebra::{DMatrix, DVector};
 
@@ -160,21 +161,6 @@ impl Chosen {
         self.loads.iter().for_each(|&[row, normal]| forces[row] = forces[normal]);
         forces
     }
-}
-
-/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal, part by part; `None` if a number is not finite.
-pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
-    if !scaled.iter().all(|value| value.is_finite()) {
-        return None;
-    }
-    let mut all = Vec::new();
-    for part in parts_of(&scaled) {
-        let eigen = sub_matrix(&scaled, &part).symmetric_eigen();
-        let least = SINGULAR * eigen.eigenvalues.max();
-        let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
-        all.extend(of_implied.map(|index| spread(&part, eigen.eigenvectors.column(index).iter(), scaled.nrows())));
-    }
-    Some(all)
 }
 
 /// Whether a response is regular, whatever the units of its rows.
