@@ -77,6 +77,24 @@ fn pushed_by_a_ball(folder: &str, world: &Rotation3<f64>) -> Simulation {
 const CRATE: f64 = 1.29;
 
 #[test]
+fn a_box_that_sticks_to_a_ball_on_a_slide_goes_the_same_way_in_a_turned_world() {
+    let ends = |folder: &str, world: &Rotation3<f64>| {
+        let mut simulation = pushed_by_a_ball(folder, world);
+        simulation.run().unwrap_or_else(|error| panic!("{error}"));
+        world.inverse() * simulation.link("crate").expect("a box").position
+    };
+    let plain = ends("ball_on_slide", &Rotation3::identity());
+    for (number, [roll, pitch, yaw]) in
+        [[0.5, 0.0, 0.0], [0.0, 0.7, 0.0], [1.571, 0.0, 0.0], [0.3, -1.1, 2.0]].into_iter().enumerate()
+    {
+        let off =
+            (ends(&format!("ball_on_slide_{number}"), &Rotation3::from_euler_angles(roll, pitch, yaw)) - plain).norm();
+        println!("world {number}: {off:e} m");
+        assert!(off < 1e-8, "world {number}: {off:e} m");
+    }
+}
+
+#[test]
 fn the_forces_that_a_box_on_a_ball_reports_are_its_mass_times_its_acceleration() {
     let mut simulation = pushed_by_a_ball("forces_on_crate", &Rotation3::identity());
     let span = 1e-4;
