@@ -59,6 +59,7 @@ mod free_bodies;
 mod groups;
 mod impacts_with_limits;
 mod in_loops;
+mod landing_flat;
 mod laws;
 mod loads;
 mod locked;

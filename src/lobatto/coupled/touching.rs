@@ -19,6 +19,7 @@ use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
 use crate::stages::start::Start;
 use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::contact::TouchJoint;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use std::ops::Range;
@@ -27,6 +28,9 @@ use std::ops::Range;
 #[derive(Clone)]
 pub struct Touching<V> {
     touches: Vec<SpatialTouch<V>>,
+    /// For every contact that friction holds the first contact that friction brakes on one of its bodies. Its normal forces bear what the tangent along
+    /// its normal could bear as well, and no other: with it one row of the two is implied in any world, and not a part of both.
+    braked_beside: Vec<Option<usize>>,
     /// For every body whether it has rolling and whether it has sliding contacts, and its rates for both: the rates of the scheme, and the rates of
     /// slips.
     moving: Vec<[bool; 2]>,
@@ -53,7 +57,13 @@ impl<V: Lanes> Touching<V> {
             }
         }
         let rubs = touches.iter().any(SpatialTouch::brakes);
+        let braked = |joint: &TouchJoint| {
+            let is_beside = |other: &TouchJoint| other.touch.friction() != 0.0 && other.shares_a_body(joint);
+            let holds = mechanism.holds_beside_rubbing(joint);
+            mechanism.touches.iter().position(is_beside).filter(|_| holds)
+        };
         Touching {
+            braked_beside: mechanism.touches.iter().map(braked).collect(),
             mixing: tableau.filter(|_| touches.iter().any(SpatialTouch::feels_slip)).map(StageMixing::new),
             leans: vec![Lean::default(); if rubs { touches.len() } else { 0 }],
             leaning: false,
@@ -81,7 +91,10 @@ impl<V: Lanes> Touching<V> {
 
     /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
     pub(crate) fn begin(&mut self, start: &Start, origins: &[[f64; 3]]) {
-        self.touches.iter_mut().for_each(|touch| touch.begin(start, origins));
+        for (number, other) in self.braked_beside.iter().enumerate() {
+            let beside = other.map(|other| self.touches[other].normal(start));
+            self.touches[number].begin(start, origins, beside);
+        }
     }
 
     /// Finds gaps, slips and friction of bodies that have moved so in a step of this length (s).

@@ -32,14 +32,17 @@ use catena_mechanism::motion::contact_geometry::{Contact, Placed, contact};
 use catena_mechanism::motion::touches::{belt, tangents, touch_motion};
 use nalgebra::Vector3;
 
+/// Two normals whose angle has a sine below this leave no direction of a tangent.
+const ALONG: f64 = 0.1;
+
 /// A closed contact in a step.
 #[derive(Clone)]
 pub(crate) struct SpatialTouch<V> {
     joint: TouchJoint,
     pairing: Option<Pairing>,
     ends: [TouchEnd; 2],
-    /// At the start: unit vectors square to the normal, in the world.
-    tangents: [[f64; 3]; 2],
+    /// A unit vector in the world at the start, beside the normal: the part of it that is square to the normal of a stage is the first tangent there.
+    tangent: [f64; 3],
     /// At the columns' and the rows' stages.
     at: [AtStages<V>; 2],
     /// `h Σ_j a_ij e_j · u_j` along both tangents (m).
@@ -95,7 +98,7 @@ impl<V: Lanes> SpatialTouch<V> {
             joint: joint.clone(),
             pairing: joint.touch.pairing(),
             ends: [TouchEnd::default(); 2],
-            tangents: [[0.0; 3]; 2],
+            tangent: [0.0; 3],
             at: [nowhere; 2],
             creep: [V::zero(); 2],
             rolling: [[[V::zero(); 6]; 2]; 2],
@@ -159,8 +162,14 @@ impl<V: Lanes> SpatialTouch<V> {
         self.rope.as_ref().map_or(&[], |rope| rope.pulls())
     }
 
-    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m).
-    pub fn begin(&mut self, start: &Start, origins: &[[f64; 3]]) {
+    /// The normal at the start of a step.
+    pub fn normal(&self, start: &Start) -> Vector3<f64> {
+        touch_motion(&self.joint, start.body_states()).normal
+    }
+
+    /// Takes the start of a step; `origins` are the common origins of the parts of all bodies (m). The first tangent is along the normal `beside` it, if
+    /// there is one.
+    pub fn begin(&mut self, start: &Start, origins: &[[f64; 3]], beside: Option<Vector3<f64>>) {
         if let Some(rope) = &mut self.rope {
             rope.begin(start, origins);
             return;
@@ -181,7 +190,8 @@ impl<V: Lanes> SpatialTouch<V> {
             }
         }
         let motion = touch_motion(&self.joint, start.body_states());
-        self.tangents = tangents(&motion.normal).map(Into::into);
+        let beside = beside.filter(|beside| beside.cross(&motion.normal).norm() > ALONG);
+        self.tangent = beside.unwrap_or_else(|| tangents(&motion.normal)[0]).into();
         let speed = |body: Option<usize>| {
             let state = body.map(|body| &start.body_states()[body]);
             state.map_or(0.0, |state| {
@@ -432,11 +442,11 @@ impl<V: Lanes> SpatialTouch<V> {
         [0, 1].map(|axis: usize| self.tangent(axis, side).dot(self.at[side].belt))
     }
 
-    /// A tangent at the columns' or the rows' stages: the one at the start, kept square to the normal.
+    /// A tangent at the columns' or the rows' stages.
     #[inline(always)]
     fn tangent(&self, axis: usize, side: usize) -> Vector<V> {
         let normal = self.at[side].normal;
-        let first = Vector::splat(&self.tangents[0]);
+        let first = Vector::splat(&self.tangent);
         let first = normal.times_minus(normal.dot(first), first);
         let first = first.times(first.dot(first).square_root().reciprocal());
         if axis == 0 { first } else { normal.cross(first) }

@@ -5,18 +5,18 @@
 //! ([`crate::events::forces::closed_forces`]). The decision reproduces this with
 //!
 //! ```text
-//!     D' = D + ε d Σ_z z zᵀ / zᵀz        on the rows of the normals; d: the mean of their D_ii
+//!     D' = D + ε d Σ_z z zᵀ        on the rows of the normals, z orthonormal; d: the mean of their D_ii
 //! ```
 //!
 //! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` and the added term vanishes. If some open, a small ε means that the others give way
 //! little.
 
-use crate::events::forces::chosen::implied;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::sharing::on_equal_springs;
 use crate::instant::cone::solve_apart;
 use crate::instant::holding::blocks::{Block, Of};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// ε.
 const GIVES: f64 = 1e-6;
@@ -46,30 +46,14 @@ fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -> Option<DM
         }
         row += block.rows.len();
     }
-    let count = normals.len();
-    if count < 2 {
-        return None;
-    }
-    let scales: Vec<f64> = normals.iter().map(|&row| 1.0 / mobility[(row, row)].sqrt()).collect();
-    let entry = |i: usize, j: usize| mobility[(normals[i], normals[j])] * scales[i] * scales[j];
-    let implied = implied(DMatrix::from_fn(count, count, entry)).filter(|columns| !columns.is_empty())?;
-    let mean = normals.iter().map(|&row| mobility[(row, row)]).sum::<f64>() / count as f64;
-    let mut shared = mobility.clone();
-    for column in implied {
-        let z = DVector::from_fn(count, |i, _| column[i] * scales[i]).normalize();
-        for (i, &row) in normals.iter().enumerate() {
-            for (j, &column) in normals.iter().enumerate() {
-                shared[(row, column)] += GIVES * mean * z[i] * z[j];
-            }
-        }
-    }
-    Some(shared)
+    on_equal_springs(mobility, &normals, GIVES)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::instant::cone::solve;
+    use nalgebra::DVector;
 
     #[test]
     fn pressures_of_a_plate_on_four_feet_lie_on_a_plane() {

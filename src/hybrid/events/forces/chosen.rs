@@ -8,13 +8,16 @@
 //! in scaled rows, so that singularity does not depend on units.
 
 use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
-use crate::instant::cone::least_norm::{least_norm, spread};
+use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::problem::Law;
+use crate::instant::cone::sharing::implied;
 use crate::instant::holding::blocks::{Block, Of, least_answer};
 use nalgebra::{DMatrix, DVector};
 
 /// Held rows whose response is singular to this part are redundant.
 const SINGULAR: f64 = 1e-10;
+/// Combinations of rows with less than this of tangents that friction holds are of normals.
+const PART: f64 = 1e-6;
 
 /// Which rows are equations, and what their forces push with.
 #[derive(Clone)]
@@ -22,8 +25,9 @@ pub(crate) struct Chosen {
     /// The row of each equation, and the rows along which its force pushes as well, with what it is multiplied by: −μ t of a contact that slides, −ρ t
     /// and −σ s of one that turns.
     equations: Vec<(usize, Vec<(usize, f64)>)>,
-    /// Whether it is one of a contact.
+    /// Whether it is one of a contact, and whether it is a tangent that friction holds.
     touches: Vec<bool>,
+    adheres: Vec<bool>,
     /// The rows of moments that stand for normal forces, and the rows of those.
     loads: Vec<[usize; 2]>,
     rows: usize,
@@ -32,7 +36,7 @@ pub(crate) struct Chosen {
 impl Chosen {
     pub fn new(blocks: &[Block]) -> Self {
         let (mut equations, mut touches, mut rows) = (Vec::<(usize, Vec<(usize, f64)>)>::new(), Vec::new(), 0);
-        let (mut normal, mut loads) = (0, Vec::new());
+        let (mut normal, mut loads, mut adheres) = (0, Vec::new(), Vec::<bool>::new());
         for block in blocks {
             if let (Of::Moment { .. }, Some((normal, _))) = (block.of, equations.get(normal)) {
                 loads.push([rows, *normal]);
@@ -58,10 +62,13 @@ impl Chosen {
                     equations.extend((rows..rows + block.rows.len()).map(|row| (row, Vec::new())));
                 }
             }
+            let first = adheres.len();
             touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
+            adheres.resize(equations.len(), matches!((block.of, block.law), (Of::Contact(_), Law::Contact { .. })));
+            adheres[first..].iter_mut().take(1).for_each(|normal| *normal = false);
             rows += block.rows.len();
         }
-        Chosen { equations, touches, loads, rows }
+        Chosen { equations, touches, adheres, loads, rows }
     }
 
     /// Whether no rows imply others.
@@ -105,14 +112,28 @@ impl Chosen {
     /// The combinations z of scaled rows of a part that vanish, and `C z` for the same compliance of all contacts, both in columns of length one.
     fn spread(&self, part: &[usize], plain: DMatrix<f64>, scales: &[f64], even: f64) -> Option<[DMatrix<f64>; 2]> {
         let columns = implied(plain)?;
-        let weighed = columns.iter().map(|column| {
-            let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
-            DVector::from_fn(part.len(), |place, _| column[place] * weight(part[place])).normalize()
-        });
-        let weighed: Vec<DVector<f64>> = weighed.collect();
         let matrix =
             |columns: &[DVector<f64>]| DMatrix::from_fn(part.len(), columns.len(), |row, index| columns[index][row]);
-        Some([matrix(&columns), matrix(&weighed)])
+        let columns = matrix(&columns);
+        let slides = part.iter().any(|&row| !self.equations[row].1.is_empty());
+        let [bearing, rest] = parted(&columns, |place| slides && self.adheres[part[place]]);
+        let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
+        let weighed = |columns: &DMatrix<f64>, counts: &dyn Fn(usize) -> bool| {
+            let entry = |place: usize, column: usize| {
+                if counts(part[place]) { columns[(place, column)] * weight(part[place]) } else { 0.0 }
+            };
+            let mut weighed = DMatrix::from_fn(part.len(), columns.ncols(), entry);
+            weighed.column_iter_mut().for_each(|mut column| {
+                column.normalize_mut();
+            });
+            weighed
+        };
+        let (of_tangents, of_all) = (weighed(&bearing, &|row| self.adheres[row]), weighed(&rest, &|_| true));
+        let joined = |one: &DMatrix<f64>, other: &DMatrix<f64>| {
+            let all: Vec<_> = one.column_iter().chain(other.column_iter()).map(|column| column.into_owned()).collect();
+            matrix(&all)
+        };
+        Some([joined(&bearing, &rest), joined(&of_tangents, &of_all)])
     }
 
     /// λ of all rows: part by part of those that do not feel each other.
@@ -162,19 +183,19 @@ impl Chosen {
     }
 }
 
-/// The vanishing combinations of rows, of length one, of a symmetric response with a unit diagonal, part by part; `None` if a number is not finite.
-pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
-    if !scaled.iter().all(|value| value.is_finite()) {
-        return None;
+/// The same span of orthonormal columns, first those with a part in some rows, then those without any.
+fn parted(columns: &DMatrix<f64>, is_some: impl Fn(usize) -> bool) -> [DMatrix<f64>; 2] {
+    let some: Vec<usize> = (0..columns.nrows()).filter(|&row| is_some(row)).collect();
+    if some.is_empty() || columns.ncols() == 0 {
+        return [DMatrix::zeros(columns.nrows(), 0), columns.clone()];
     }
-    let mut all = Vec::new();
-    for part in parts_of(&scaled) {
-        let eigen = sub_matrix(&scaled, &part).symmetric_eigen();
-        let least = SINGULAR * eigen.eigenvalues.max();
-        let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
-        all.extend(of_implied.map(|index| spread(&part, eigen.eigenvectors.column(index).iter(), scaled.nrows())));
-    }
-    Some(all)
+    let own = columns.select_rows(&some);
+    let eigen = (own.transpose() * own).symmetric_eigen();
+    let turned = |with: bool| {
+        let of = (0..columns.ncols()).filter(|&index| (eigen.eigenvalues[index] > PART * PART) == with);
+        columns * eigen.eigenvectors.select_columns(&of.collect::<Vec<_>>())
+    };
+    [turned(true), turned(false)]
 }
 
 /// Whether a response is regular, whatever the units of its rows.

@@ -27,7 +27,7 @@ use crate::mechanism::motion::contact_solvers::{ContactSolver, ContactSolvers, D
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals up to this are solutions.
-const ACCEPTED: f64 = 1e-10;
+pub(super) const ACCEPTED: f64 = 1e-10;
 /// Residuals up to this end the cascade: less, because settling the states may add some times the residual.
 const SOLVED: f64 = 1e-11;
 /// The largest residual of free rates that are roundings of larger ones.

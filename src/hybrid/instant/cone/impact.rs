@@ -14,8 +14,9 @@
 //!
 //! Source: B. Smith, D. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, Reflections on simultaneous impact, ACM Transactions on Graphics 31 (2012).
 
-use crate::instant::cone::cascade::{left_of_rates, solve_counted, solve_to_part};
+use crate::instant::cone::cascade::{left_of_rates, solve_counted};
 use crate::instant::cone::problem::{Answer, Law, Problem, ROUGH, Unsolved};
+use crate::instant::cone::sharing::solve_sharing;
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
 use nalgebra::DMatrix;
 
@@ -190,7 +191,7 @@ fn round(
     // Late rounds have small rates, whose digits are roundings of the rates before the impact.
     let left = largest(&free) / largest(problem.free);
     let left = if left < LATE { left } else { 1.0 };
-    let answer = match solve_to_part(&round, None, left, solvers) {
+    let answer = match solve_sharing(&round, None, left, solvers) {
         Err(Unsolved::Stopped { best }) => {
             let of_rates = left_of_rates(&round, &best);
             // NaN is not enough, either.
@@ -212,7 +213,7 @@ fn round(
             let approach = approach_rate(law, free[start]).min(0.0);
             target[start] += restitution[block] * if free[start] < 0.0 { approach } else { -approach };
         }
-        match solve_to_part(&Problem { free: &target, ..round }, Some(plastic), left, solvers) {
+        match solve_sharing(&Problem { free: &target, ..round }, Some(plastic), left, solvers) {
             Ok(newton) => {
                 let share = largest_share(&round, plastic, &newton.forces);
                 for (impulse, newton) in impulses.iter_mut().zip(&newton.forces) {

@@ -7,7 +7,7 @@
 //! `problem.rs` defines the problem, `scaled.rs` makes it dimensionless. `laws.rs` has the equations of the laws and `newton.rs` solves them. The
 //! first guess comes from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` or, last, `oracle.rs`
 //! (clarabel). `cascade.rs` has their order and `settling.rs` the resulting states. Based on these: `least_compliance.rs` (which forces are
-//! reported), `margin.rs` (whether all contacts can stay closed) and `impact.rs` (restitution). `apart.rs` splits what falls apart.
+//! reported), `margin.rs` (whether all contacts can stay closed), `sharing.rs` (impulses on redundant contacts) and `impact.rs` (restitution). `apart.rs` splits what falls apart.
 
 pub(crate) mod apart;
 pub(crate) mod bounded;
@@ -25,6 +25,7 @@ mod scaled;
 #[cfg(test)]
 pub(crate) mod scenes;
 mod settling;
+pub(crate) mod sharing;
 mod single;
 mod sweeps;
 #[cfg(test)]
