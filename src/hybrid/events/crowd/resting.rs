@@ -1,13 +1,15 @@
 //! Trees at rest: a group of trees that press on each other takes part in no step while nothing reaches it.
 //!
 //! ```text
-//!     falls asleep:   |v|, |ω| ≤ 1e-6 g h  of all bodies of the group [m/s, rad/s], in three steps, or at the ends of fifty;
+//!     falls asleep:   |v| + k |ω| ≤ 1e-6 g h  of all bodies of the group [m/s], in three steps, or at the ends of fifty;      k = (tr J/2m)^½ (m)
+//!                     |Δx| + k |ΔR|/√2 ≤ 1e-6 g h²  in fifty steps;
 //!                     a(q, 0) = a of the last step to 1e-6 g
 //!     wakes:          a(q, 0) at the start or the middle of a step is another in any digit,  or a contact with a tree that is awake exerts an impulse
 //! ```
 //!
 //! Rates within a step belong to its displacement (A). Where a corner lies on the border of a face, the nearest features may change in each step, and (A) closes gaps of
-//! some nm that they open again, beside the mechanics: rates that are zero at the ends of many steps are at rest.
+//! some nm that they open again, beside the mechanics: rates that are zero at the ends of many steps are at rest. The rates (B) may know other features than (A),
+//! and turn a body that (A) holds in its place: a body that stays in its place is at rest, too.
 //!
 //! `a` are the accelerations without contacts [m/s² or rad/s²], under all forces, efforts and motors. Trees that are awake meet sleeping ones as parts of the
 //! world. A step in which one of these contacts exerts an impulse is made again with the group awake. The others are the same as if the group were awake:
@@ -20,15 +22,16 @@ use crate::crowd::trees::Trees;
 use crate::events::crowd::asleep::Asleep;
 use crate::events::crowd::contacts::{Candidate, Contacts};
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Writes the accelerations in a state.
 pub(super) type AtRest<'a> = &'a mut dyn FnMut(&State, &mut [f64]);
 
-/// Steps in a row in which all is slower than a part of the speed of a fall in one, and at whose ends it is.
-const STILL: [usize; 2] = [3, 50];
+/// Steps in a row in which all is slower than a part of the speed of a fall in one, at whose ends it is, and between whose ends it moves no faster.
+const STILL: [usize; 3] = [3, 50, 50];
 /// That part.
 const RESTS: f64 = 1e-6;
 /// Loads that differ by less than this part of gravity have not changed.
@@ -36,11 +39,16 @@ const STEADY: f64 = 1e-6;
 /// Contacts with gaps up to this join trees (m).
 const JOINS: f64 = 1e-6;
 
+/// The radius of gyration of a body (m): `½ m k² |ω|²` is about the energy of its turning. A body without mass has one of 1 m.
+fn gyration(body: &Body) -> f64 {
+    if body.mass > 0.0 { (0.5 * body.inertia.sum() / body.mass).sqrt() } else { 1.0 }
+}
+
 /// What is known of the trees at rest.
 #[derive(Clone, Default)]
 pub(crate) struct Resting {
-    /// Steps in a row in which a tree has hardly moved, and at whose ends it has hardly moved.
-    still: Vec<[usize; 2]>,
+    /// Steps in a row in which a tree has hardly moved, at whose ends it hardly moves, and between whose ends it has hardly moved.
+    still: Vec<[usize; 3]>,
     /// The trees that sleep.
     pub asleep: Asleep,
     /// The freedoms of each tree.
@@ -59,7 +67,7 @@ impl Resting {
     pub fn new(trees: &Trees, freedoms: usize, restless: Vec<bool>) -> Self {
         let count = trees.trees.len();
         Resting {
-            still: vec![[0; 2]; count],
+            still: vec![[0; 3]; count],
             asleep: Asleep::new(trees),
             freedoms: trees.trees.iter().map(|tree| tree.freedoms.clone()).collect(),
             restless,
@@ -92,7 +100,7 @@ impl Resting {
 
     /// Wakes all; their contacts are forgotten.
     pub fn wake_all(&mut self) {
-        self.still.fill([0; 2]);
+        self.still.fill([0; 3]);
         self.asleep.group.fill(None);
         self.candidates.clear();
         self.count = 0;
@@ -105,7 +113,7 @@ impl Resting {
         woken.dedup();
         for tree in 0..self.asleep.group.len() {
             if self.asleep.group[tree].is_some_and(|group| woken.binary_search(&group).is_ok()) {
-                (self.asleep.group[tree], self.still[tree]) = (None, [0; 2]);
+                (self.asleep.group[tree], self.still[tree]) = (None, [0; 3]);
                 self.count -= 1;
             }
         }
@@ -165,12 +173,12 @@ impl Resting {
         }
     }
 
-    /// Sees the bodies at the end of a step, whose speeds in it were these [m/s, rad/s], and the accelerations in it: lets trees fall asleep, whose rates are then
+    /// Sees the bodies at the start and at the end of a step, whose speeds in it were these [m/s, rad/s], and the accelerations in it: lets trees fall asleep, whose rates are then
     /// zero. `accelerations_at_rest` works them out in a state. Returns whether there are any.
     pub fn settle(
         &mut self,
         mechanism: &Mechanism,
-        bodies: &[BodyState],
+        [began, bodies]: [&[BodyState]; 2],
         speeds: &[(f64, f64)],
         contacts: &mut Contacts,
         (state, step): (&mut State, f64),
@@ -178,12 +186,16 @@ impl Resting {
     ) -> bool {
         let gravity = mechanism.gravity.norm();
         let slow = RESTS * gravity * step;
-        let mut moves = vec![[false; 2]; self.asleep.group.len()];
+        let mut moves = vec![[false; 3]; self.asleep.group.len()];
         for (body, tree) in self.asleep.of_body.iter().enumerate() {
-            let now = bodies[body].velocity.norm() + bodies[body].angular_velocity.norm();
+            let arm = gyration(&mechanism.bodies[body]);
+            let now = bodies[body].velocity.norm() + arm * bodies[body].angular_velocity.norm();
             let rests = |fastest: f64| fastest <= slow && now.is_finite();
-            moves[*tree][0] |= !rests((speeds[body].0 + speeds[body].1).max(now));
+            moves[*tree][0] |= !rests((speeds[body].0 + arm * speeds[body].1).max(now));
             moves[*tree][1] |= !rests(now);
+            let turned = (bodies[body].rotation - began[body].rotation).norm() * FRAC_1_SQRT_2;
+            let moved = (bodies[body].position - began[body].position).norm() + arm * turned;
+            moves[*tree][2] |= !rests(moved / step);
         }
         let awake: Vec<usize> = (0..moves.len()).filter(|&tree| !self.asleep.has(tree)).collect();
         for &tree in &awake {
@@ -196,7 +208,7 @@ impl Resting {
         }
         // Belts work on what rests on them.
         for candidate in contacts.list.iter().filter(|candidate| candidate.belt != Vector3::zeros()) {
-            candidate.ends.into_iter().flatten().for_each(|body| self.still[self.asleep.of_body[body]] = [0; 2]);
+            candidate.ends.into_iter().flatten().for_each(|body| self.still[self.asleep.of_body[body]] = [0; 3]);
         }
         let joining = contacts.list.iter().filter(|candidate| candidate.gap <= JOINS || candidate.settling.x > 0.0);
         let groups = groups(self.asleep.group.len(), joining.map(|candidate| candidate.sides));

@@ -25,10 +25,10 @@ impl Crowd {
         step: f64,
         speeds: &[(f64, f64)],
     ) {
-        let Crowd { resting, trees, now, bodies, efforts, acceleration, .. } = self;
+        let Crowd { resting, trees, now, began, bodies, efforts, acceleration, .. } = self;
         let mut at_rest = |at: &State, accelerations: &mut [f64]| forces(at, accelerations, efforts);
         let of_step = (acceleration.as_slice(), &mut at_rest as &mut dyn FnMut(&State, &mut [f64]));
-        if resting.settle(scene.whole, bodies, speeds, now, (state, step), of_step) {
+        if resting.settle(scene.whole, [began, bodies], speeds, now, (state, step), of_step) {
             now.fill_rows(scene, &resting.asleep, trees, bodies, 0);
             self.end = Some((state.clone(), step));
         }

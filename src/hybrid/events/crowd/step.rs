@@ -46,7 +46,7 @@ pub(crate) struct Crowd {
     pub(super) room: Workspace,
     pub(super) bodies: Vec<BodyState>,
     /// Where the step began.
-    began: Vec<BodyState>,
+    pub(super) began: Vec<BodyState>,
     /// Speeds for which the candidates are enough.
     pub(super) speeds: Speeds,
     /// The end of the last step and its length (s).
@@ -275,6 +275,8 @@ impl Crowd {
         made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
         made.held = self.held();
         self.let_sleep(scene, forces, state, step, &rates);
+        // Rates of what sleeps are zero from now on.
+        made.lost += made.kinetic - self.energies.kinetic_of(&self.trees, &state.velocity);
         made.asleep = self.resting.is_all();
         let jumps = self.began.iter().zip(&self.bodies).map(|(before, now)| (now.velocity - before.velocity).norm());
         made.jump = jumps.fold(0.0, f64::max);

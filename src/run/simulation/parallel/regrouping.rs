@@ -6,8 +6,8 @@
 //!     these go back to t_k, as one group, and again to t_(k+1); then all are shown up to there
 //! ```
 //!
-//! All groups are at t_k together (s), the end of a step of each. What is shown was proved: no pair of two groups can have met between t_k and
-//! t_(k+1). A run depends on its bodies alone and on the instants t_k, which depend on states: it is the same to the last bit, whatever the threads.
+//! All groups are at t_k together (s), the end of a step of each. Samples are shown once it is proved that
+//! no pair of two groups can have met between t_k and t_(k+1). A run depends on its bodies alone and on the instants t_k, which depend on states: it is the same to the last bit, whatever the threads.
 //!
 //! Source: B. Mirtich, Timewarp Rigid Body Simulation, SIGGRAPH 2000 (groups go back where they have met).
 
@@ -49,7 +49,7 @@ impl<'a> Islands<'a> {
     /// [`MethodError`] for invalid steps.
     pub(crate) fn begin_groups_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
         let Some(mut own) = self.groups.take() else { return Ok(()) };
-        // Of all bodies that have been in one group with those of a part.
+        // Bodies that have been in one group share their errors.
         let mut fineness: Vec<Option<Fineness>> = vec![None; mechanism.bodies.len()];
         for part in &mut self.parts {
             if let Some(next) = part.awake.as_mut().and_then(EstimatedRun::next_fineness) {
@@ -150,7 +150,7 @@ impl<'a> Islands<'a> {
         first_error(&mut awake).map_or(Ok(()), Err)
     }
 
-    /// Makes the runs of these groups from those before; groups that are the same stay.
+    /// Makes the runs of these groups from the old ones; groups that are the same stay.
     fn regroup(
         &mut self,
         own: &mut Groups<'a>,
@@ -210,7 +210,7 @@ impl<'a> Islands<'a> {
     }
 }
 
-/// What groups that are no more hand on.
+/// The handed-on parts of groups that are no more.
 struct HandedOn {
     /// By the numbers of the groups.
     by: Vec<Option<Handed>>,
@@ -221,7 +221,7 @@ struct HandedOn {
 }
 
 impl HandedOn {
-    /// Takes over what a group hands on at an instant (s).
+    /// Takes a group over at an instant (s).
     fn take(&mut self, number: usize, part: &mut IslandRun, back: Back, time: f64) {
         let IslandRun { island, state, awake: Some(run), .. } = part else { return };
         if self.by[number].is_some() {
@@ -238,7 +238,7 @@ impl HandedOn {
         self.by[number] = given;
     }
 
-    /// What a group of bodies of these groups begins with.
+    /// The beginning of a group of bodies of these groups.
     fn to(&self, members: &[usize], island: &Island) -> Begins {
         let mut all = members.iter().filter_map(|&one| self.by[one].as_ref());
         let Some(mut given) = all.next().cloned() else { return Begins::First(None) };

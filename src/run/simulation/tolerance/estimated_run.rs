@@ -65,7 +65,7 @@ impl<'a> EstimatedRun<'a> {
         Ok(EstimatedRun { run, estimate: Some(Box::new(estimate)) })
     }
 
-    /// What it hands on where it is; `None` if it begins again, or has no estimate.
+    /// Hands on the run where it is; `None` if it begins again, or has no estimate.
     pub(crate) fn hand_on(&mut self, mechanism: &Mechanism, state: &State) -> Option<Handed> {
         let EstimatedRun { run, estimate } = self;
         estimate.as_mut()?.hand_on(mechanism, state, run)

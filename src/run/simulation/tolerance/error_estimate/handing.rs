@@ -9,7 +9,7 @@ use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
 
 impl<'a> ErrorEstimate<'a> {
-    /// What the run hands on where it is, at the end of a step; `None` if it begins again.
+    /// Hands on the run where it is, at the end of a step; `None` if it begins again.
     pub(crate) fn hand_on(&mut self, mechanism: &Mechanism, state: &State, run: &mut RunIntegrator) -> Option<Handed> {
         let looked = self.so_far.is_some_and(|so_far| so_far.time == state.time);
         if self.steps > 0 && !looked {
@@ -25,7 +25,7 @@ impl<'a> ErrorEstimate<'a> {
         Some(Handed { companion, ..self.handed(state.time, run) })
     }
 
-    /// What it hands on to a run that goes back to an instant (s); `None` if it begins again.
+    /// Hands it on to a run that goes back to an instant (s); `None` if it begins again.
     pub(crate) fn hand_back(&mut self, time: f64, run: &RunIntegrator) -> Option<Handed> {
         if self.next.is_some() {
             return None;
