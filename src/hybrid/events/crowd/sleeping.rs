@@ -16,7 +16,7 @@ impl Crowd {
         self.resting.keep_awake();
     }
 
-    /// Lets trees fall asleep at the end of a step whose bodies had these speeds.
+    /// Lets trees fall asleep at the end of a step whose bodies had these speeds; says whether some do.
     pub(super) fn let_sleep(
         &mut self,
         scene: Scene,
@@ -24,14 +24,16 @@ impl Crowd {
         state: &mut State,
         step: f64,
         speeds: &[(f64, f64)],
-    ) {
+    ) -> bool {
         let Crowd { resting, trees, now, began, bodies, efforts, acceleration, .. } = self;
         let mut at_rest = |at: &State, accelerations: &mut [f64]| forces(at, accelerations, efforts);
         let of_step = (acceleration.as_slice(), &mut at_rest as &mut dyn FnMut(&State, &mut [f64]));
-        if resting.settle(scene.whole, [began, bodies], speeds, now, (state, step), of_step) {
+        let any = resting.settle(scene.whole, [began, bodies], speeds, now, (state, step), of_step);
+        if any {
             now.fill_rows(scene, &resting.asleep, trees, bodies, 0);
             self.end = Some((state.clone(), step));
         }
+        any
     }
 
     /// Wakes the groups of these trees; their contacts are looked for anew where the step begins.

@@ -274,9 +274,10 @@ impl Crowd {
         self.finish(scene, state, step);
         made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
         made.held = self.held();
-        self.let_sleep(scene, forces, state, step, &rates);
-        // Rates of what sleeps are zero from now on.
-        made.lost += made.kinetic - self.energies.kinetic_of(&self.trees, &state.velocity);
+        if self.let_sleep(scene, forces, state, step, &rates) {
+            // Their rates are zero from now on.
+            made.lost = self.energies.lost(whole, start, state, made.work);
+        }
         made.asleep = self.resting.is_all();
         let jumps = self.began.iter().zip(&self.bodies).map(|(before, now)| (now.velocity - before.velocity).norm());
         made.jump = jumps.fold(0.0, f64::max);
