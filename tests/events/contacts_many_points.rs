@@ -26,7 +26,7 @@ fn points_of_rims_that_events_have_added_do_not_pile_up() {
     ];
     let hull = Shape::Hull(Arc::new(corners.map(Vector3::from).to_vec()));
     // The body lands on the can at 0.071 s, clatters, slips and rocks on it.
-    for friction in [0.08, 0.11, 0.1357] {
+    for friction in [0.08, 0.11, 0.15] {
         let shapes = [(1.8575340878607336, can.clone()), (0.9413339811987538, hull.clone())];
         let mut mechanism = loose(DOWN, &shapes);
         mechanism.bodies[1].inertia = Vector3::new(0.008886606860979874, 0.010290680705115868, 0.017171138519045788);
@@ -38,7 +38,8 @@ fn points_of_rims_that_events_have_added_do_not_pile_up() {
                 Vector3::new(-0.028998005873337354, 0.01898653237777985, 0.36845221832692066),
             ],
         );
-        let finished = run_within(600, &mechanism, &start, 0.1798, fixed(5, 0.01));
+        // A chaotic clatter: 500 to 1200 steps for fourteen frictions between 0.05 and 0.2.
+        let finished = run_within(1200, &mechanism, &start, 0.1798, fixed(5, 0.01));
         let (summary, points) = (&finished.summary, finished.contacts.len());
         println!("{friction}: {} steps, {} points, {:?}", summary.steps, points, summary.contact);
         // Four of each of two rims, and those that the loads need.

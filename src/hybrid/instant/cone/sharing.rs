@@ -1,8 +1,9 @@
 //! Impulses on contacts of which some imply others: those of equal springs below all that press, in the limit of infinite stiffness.
 //!
 //! If the normals of contacts imply each other, `zᵀ W_N = 0`, they can share an impulse in many ways. Each of them has another
-//! friction: another motion behind a blow with slips, and slips or none at all. Impulses that press a body from two sides could hold it anywhere. The law is `zᵀ P_N = 0` for every z of the contacts that press, as of sliding contacts in a step, and springs do not pull. With an
-//! orthonormal basis of all z
+//! friction: another motion behind a blow with slips, and slips or none at all. Impulses that press a body from two sides could hold it anywhere. The
+//! law is `zᵀ P_N = 0` for every z of the contacts that press, as of sliding contacts in a step, and springs do not pull. With an orthonormal basis of
+//! all z
 //!
 //! ```text
 //!     D' = D + ε d Σ_z z zᵀ        on the rows of the normals; d: the mean of their D_ii

@@ -6,8 +6,8 @@
 //!     these go back to t_k, as one group, and again to t_(k+1); then all are shown up to there
 //! ```
 //!
-//! All groups are at t_k together (s), the end of a step of each. Samples are shown once it is proved that
-//! no pair of two groups can have met between t_k and t_(k+1). A run depends on its bodies alone and on the instants t_k, which depend on states: it is the same to the last bit, whatever the threads.
+//! All groups are at t_k together (s), the end of a step of each. Samples are shown once it is proved that no pair of two groups can have met between t_k
+//! and t_(k+1). A run depends on its bodies alone and on the instants t_k, which depend on states: it is the same to the last bit, whatever the threads.
 //!
 //! Source: B. Mirtich, Timewarp Rigid Body Simulation, SIGGRAPH 2000 (groups go back where they have met).
 
