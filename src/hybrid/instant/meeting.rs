@@ -14,10 +14,10 @@
 
 use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::Touching;
+use crate::instant::moved::Moved;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::structure::islands::first_of_parts;
-use std::f64::consts::FRAC_1_SQRT_2;
 
 /// D over the smaller shape of a pair, and T (s). Bodies that are nearer than their size will be a pile, which costs less as one.
 const NEAR: f64 = 1.0;
@@ -27,34 +27,6 @@ const STAY: f64 = 2.0;
 /// L over the least time to a meeting, its least and its largest value (s).
 const AHEAD: f64 = 0.5;
 const LENGTHS: [f64; 2] = [0.005, 0.25];
-
-/// How far a body has moved: its centre of mass (m), and by a turn (the norm of the change of its rotation over √2).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moved {
-    /// m.
-    pub place: f64,
-    /// At most √2 times the angle (rad).
-    pub turn: f64,
-}
-
-impl Moved {
-    /// Between two places of a body.
-    pub fn between(before: &BodyState, now: &BodyState) -> Self {
-        let turn = (now.rotation - before.rotation).norm() * FRAC_1_SQRT_2;
-        Moved { place: (now.position - before.position).norm(), turn }
-    }
-
-    /// The larger ones of both.
-    #[must_use]
-    pub fn most(self, other: Self) -> Self {
-        Moved { place: self.place.max(other.place), turn: self.turn.max(other.turn) }
-    }
-
-    /// The most that a point within a reach has moved (m).
-    fn of_reach(self, reach: f64) -> f64 {
-        self.place + if self.turn > 0.0 { self.turn * reach } else { 0.0 }
-    }
-}
 
 /// The pairs of parts that may meet.
 pub struct Meeting {

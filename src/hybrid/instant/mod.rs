@@ -7,11 +7,12 @@
 //! | `cone` | the laws of that problem and their solvers |
 //! | `start` | closed loops, limits kept, shapes moved apart |
 //! | `exerting` | reactions, rest, snapshots for logs |
-//! | `meeting` | parts that may meet soon, and parts that have not met |
+//! | `meeting`, `moved` | parts that may meet soon, and parts that have not met; how far bodies move |
 
 pub mod cone;
 pub mod dynamics;
 pub mod exerting;
 pub mod holding;
 pub mod meeting;
+pub mod moved;
 pub mod start;

@@ -129,8 +129,7 @@ impl<'a> Integrators<'a> {
         let Some(present) = Groups::new(mechanism, state, Box::new(make)) else { return Ok(None) };
         let plan = Plan::of(groups(mechanism, present.groups()), state, &plan.kept, None);
         let make = |mechanism: &Mechanism, _: &State| Ok((present.first(mechanism, None)?, UnknownAccuracy::NotYet));
-        let (islands, unknown): (Islands, _) =
-            Islands::new(plan, state, Threads::WherePaid, make).map_err(|error: MethodError| error)?;
+        let (islands, unknown) = Islands::new::<_, _, MethodError>(plan, state, Threads::WherePaid, make)?;
         let (islands, idle) = (Box::new(islands.regrouped(present)), idle(mechanism, wanted.choice)?);
         Ok(Some((Integrators::Islands { islands, idle }, unknown.into_iter().map(Err).collect())))
     }

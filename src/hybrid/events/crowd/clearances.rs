@@ -13,6 +13,7 @@ use crate::instant::holding::near::Near;
 use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::{Contact, Touching};
+use crate::instant::moved::Moved;
 use crate::mechanism::description::body_state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -24,8 +25,8 @@ pub(crate) struct Clearances {
     pub near: Near,
     pairs: PerPair<Clearance>,
     bodies: Vec<BodyState>,
-    /// How far each body has moved since all were seen last (m), and turned (rad).
-    moved: Vec<(f64, f64)>,
+    /// How far each body has moved since all were seen last.
+    moved: Vec<Moved>,
 }
 
 /// What is known of a pair.
@@ -57,10 +58,7 @@ impl Clearances {
             self.bodies = bodies.to_vec();
         }
         self.moved.clear();
-        self.moved.extend(bodies.iter().zip(&self.bodies).map(|(now, before)| {
-            let turned = (now.rotation - before.rotation).norm() * FRAC_1_SQRT_2;
-            ((now.position - before.position).norm(), turned)
-        }));
+        self.moved.extend(bodies.iter().zip(&self.bodies).map(|(now, before)| Moved::between(before, now)));
         self.bodies.copy_from_slice(bodies);
     }
 
@@ -78,8 +76,7 @@ impl Clearances {
         let known = self.pairs.of(pair);
         for (body, reach) in of.bodies.into_iter().zip(of.reach) {
             if let Some(body) = body {
-                let (moved, turned) = self.moved[body];
-                known.clear -= moved + turned * reach;
+                known.clear -= self.moved[body].of_reach(reach);
             }
         }
         if known.before.touches {

@@ -21,11 +21,11 @@ use crate::crowd::islands::groups;
 use crate::crowd::trees::Trees;
 use crate::events::crowd::asleep::Asleep;
 use crate::events::crowd::contacts::{Candidate, Contacts};
+use crate::instant::moved::Moved;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
-use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Writes the accelerations in a state.
 pub(super) type AtRest<'a> = &'a mut dyn FnMut(&State, &mut [f64]);
@@ -173,8 +173,8 @@ impl Resting {
         }
     }
 
-    /// Sees the bodies at the start and at the end of a step, whose speeds in it were these [m/s, rad/s], and the accelerations in it: lets trees fall asleep, whose rates are then
-    /// zero. `accelerations_at_rest` works them out in a state. Returns whether there are any.
+    /// Sees the bodies at the start and at the end of a step, whose speeds in it were these [m/s, rad/s], and the accelerations in it: lets trees fall
+    /// asleep, whose rates are then zero. `accelerations_at_rest` works them out in a state. Returns whether there are any.
     pub fn settle(
         &mut self,
         mechanism: &Mechanism,
@@ -193,9 +193,7 @@ impl Resting {
             let rests = |fastest: f64| fastest <= slow && now.is_finite();
             moves[*tree][0] |= !rests((speeds[body].0 + arm * speeds[body].1).max(now));
             moves[*tree][1] |= !rests(now);
-            let turned = (bodies[body].rotation - began[body].rotation).norm() * FRAC_1_SQRT_2;
-            let moved = (bodies[body].position - began[body].position).norm() + arm * turned;
-            moves[*tree][2] |= !rests(moved / step);
+            moves[*tree][2] |= !rests(Moved::between(&began[body], &bodies[body]).of_reach(arm) / step);
         }
         let awake: Vec<usize> = (0..moves.len()).filter(|&tree| !self.asleep.has(tree)).collect();
         for &tree in &awake {

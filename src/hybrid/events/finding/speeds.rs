@@ -19,13 +19,10 @@ use crate::events::finding::detection::SAMPLES;
 use crate::geometry::Revolved;
 use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::revolving::without_spin;
+use crate::instant::moved::{CHANGING, FASTER};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use nalgebra::Vector3;
 
-/// Bodies may be faster between the samples of a step than at them by this factor.
-const FASTER: f64 = 1.25;
-/// They may also be faster by this part of the change of their velocity from a sample to the next.
-const CHANGING: f64 = 0.5;
 /// Speeds are steady while the least of them is this part of the largest.
 const STEADY: f64 = 0.9;
 

@@ -11,10 +11,10 @@
 //!
 //! Source: B. Mirtich, Timewarp Rigid Body Simulation, SIGGRAPH 2000 (groups go back where they have met).
 
-use crate::instant::meeting::Moved;
+use crate::instant::moved::Moved;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::Integrator;
-use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::{Island, group};
 use crate::simulation::parallel::groups::{Begins, Division, Groups, hold};
@@ -60,7 +60,7 @@ impl<'a> Islands<'a> {
             }
         }
         (own.groups, own.length) = own.meeting.groups(&body_states(mechanism, state), None);
-        (own.gone, own.at) = (None, state.clone());
+        own.begin(state);
         let count = own.groups.iter().max().map_or(0, |last| last + 1);
         let mut parts = Vec::with_capacity(count);
         for number in 0..count {
@@ -89,8 +89,8 @@ impl<'a> Islands<'a> {
         whole: &mut MergedRun,
     ) -> Result<(), RunError> {
         let end = whole.end.min(until);
+        let mut bodies = body_states(mechanism, &own.at);
         while own.at.time < end {
-            let bodies = body_states(mechanism, &own.at);
             let next = own.at.time + own.length;
             let next = if end - next < SLIVER * own.length { end } else { next };
             own.see_held(&self.parts, mechanism);
@@ -126,7 +126,7 @@ impl<'a> Islands<'a> {
             }
             self.parts.iter_mut().for_each(|part| part.state.time = next);
             self.gather(&mut own.at);
-            let bodies = body_states(mechanism, &own.at);
+            place_bodies(mechanism, &own.at, &mut bodies);
             let (groups, length) = own.meeting.groups(&bodies, Some(&own.groups));
             own.length = length;
             if next < whole.end && groups != own.groups {
@@ -195,7 +195,7 @@ impl<'a> Islands<'a> {
             whole.let_go(part);
             if let Some(run) = &part.awake {
                 let last = (run.description(), part.steps);
-                own.gone = Some(own.gone.take().map_or_else(|| last.clone(), |gone| Islands::add(gone, last.clone())));
+                own.gone = own.gone.take().into_iter().chain([last]).reduce(Islands::add);
             }
         }
         Ok(())

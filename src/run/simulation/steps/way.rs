@@ -1,13 +1,13 @@
 //! How far the bodies of a run have moved since an instant, as a bound over whole steps.
 //!
 //! ```text
-//!     m(t) ≤ max_i |x(t_i) − x₀| + ½ δ V       V = F max(|v_i|, |v_(i+1)|) + C |v_(i+1) − v_i|,   F = 1.25,  C = 0.5
+//!     m(t) ≤ max_i m_i + b_i       m_i: from x₀ to x(t_i);  b_i: beside the way from t_(i−1) to t_i       (crate::instant::moved)
 //! ```
 //!
-//! t_i are four instants of each step and δ is the time between them (s); x are places (m) or rotations, v are their speeds [m/s or rad/s]. A step that
-//! ends with an impact has its last speed before the impact from the one before.
+//! t_i are four instants of each step (s), x are places (m) and rotations. A step that ends with an impact has its last speed before the impact from the
+//! one before.
 
-use crate::instant::meeting::Moved;
+use crate::instant::moved::Moved;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::Integrator;
@@ -16,9 +16,6 @@ use crate::mechanism::motion::state::State;
 
 /// Instants of a step.
 const PARTS: usize = 4;
-/// F and C.
-const FASTER: f64 = 1.25;
-const CHANGING: f64 = 0.5;
 
 /// The bodies at the instant from which it is measured, at the last one, and how far they have moved at most.
 pub(crate) struct Way {
@@ -67,17 +64,7 @@ impl Way {
             }
             for (((origin, last), now), moved) in self.origin.iter().zip(&self.last).zip(&self.now).zip(&mut self.moved)
             {
-                let between = |before: f64, after: f64, change: f64| {
-                    0.5 * part * (FASTER * before.max(after) + CHANGING * change)
-                };
-                let place = between(last.velocity.norm(), now.velocity.norm(), (now.velocity - last.velocity).norm());
-                let turn = between(
-                    last.angular_velocity.norm(),
-                    now.angular_velocity.norm(),
-                    (now.angular_velocity - last.angular_velocity).norm(),
-                );
-                let at = Moved::between(origin, now);
-                *moved = moved.most(Moved { place: at.place + place, turn: at.turn + turn });
+                *moved = moved.most(Moved::between(origin, now).with_way(last, now, part));
             }
             self.last.copy_from_slice(&self.now);
         }

@@ -196,17 +196,9 @@ impl<'a> ErrorEstimate<'a> {
     /// # Errors
     /// [`MethodError`] for invalid steps.
     pub fn begin_again(&mut self, mechanism: &Mechanism, before: &RunIntegrator) -> Result<RunIntegrator, MethodError> {
-        let Fineness { stop, stages, .. } = self.next_fineness(before);
-        (self.stop, self.stages) = (stop, stages);
-        self.next = None;
-        let mut run = self.terms.run(mechanism, self.stop, self.stages)?;
-        self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
-        (self.steps, self.looked, self.parted, self.asked) = (0, 0, false, false);
-        (self.largest, self.so_far) = (0.0, None);
-        self.events.clear();
-        self.differ = None;
-        self.given = GivenForces::default();
-        self.accompany(mechanism, &mut run);
+        let fineness = self.next_fineness(before);
+        let (again, run) = Self::as_fine_as(mechanism, self.terms.clone(), fineness)?;
+        *self = ErrorEstimate { driven: self.driven, ..again };
         Ok(run)
     }
 
