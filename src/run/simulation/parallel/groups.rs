@@ -42,6 +42,8 @@ pub(crate) struct Groups<'a> {
     pub(super) aimed: Vec<(usize, f64)>,
     /// How steps of groups that are no more were made, and their number.
     pub(super) gone: Option<(MethodDescription, usize)>,
+    /// The times of such steps over events, and asleep in these, and over slips (s), for each body of the whole.
+    stepped: Vec<[f64; 3]>,
 }
 
 impl<'a> Groups<'a> {
@@ -61,6 +63,7 @@ impl<'a> Groups<'a> {
             efforts: Vec::new(),
             aimed: Vec::new(),
             gone: None,
+            stepped: vec![[0.0; 3]; mechanism.bodies.len()],
         })
     }
 
@@ -69,6 +72,26 @@ impl<'a> Groups<'a> {
         self.at.copy_from(state);
         self.kin.clone_from(&self.groups);
         self.gone = None;
+        self.stepped.fill([0.0; 3]);
+    }
+
+    /// Takes the times of steps over events and slips out of the method of a group that is no more, for its bodies.
+    pub(super) fn take_times(&mut self, island: &Island, method: &mut MethodDescription) {
+        let times = times_of(method).map(std::mem::take);
+        for body in 0..island.mechanism.bodies.len() {
+            let own = &mut self.stepped[island.body_of_whole(body)];
+            own.iter_mut().zip(times).for_each(|(sum, time)| *sum += time);
+        }
+    }
+
+    /// Adds the times of the groups before to the method of a group: the longest of its bodies.
+    pub(super) fn add_times(&self, island: &Island, method: &mut MethodDescription) {
+        let bodies = 0..island.mechanism.bodies.len();
+        let most =
+            |kind: usize| bodies.clone().map(|body| self.stepped[island.body_of_whole(body)][kind]).fold(0.0, f64::max);
+        for (kind, time) in times_of(method).into_iter().enumerate() {
+            *time += most(kind);
+        }
     }
 
     /// The groups are these from now on.
@@ -112,6 +135,11 @@ impl<'a> Groups<'a> {
     pub fn first(&self, mechanism: &Mechanism, fineness: Option<Fineness>) -> Result<EstimatedRun<'a>, MethodError> {
         (self.make)(mechanism, Begins::First(fineness))
     }
+}
+
+/// The times of steps over events, and asleep in these, and over slips (s).
+fn times_of(method: &mut MethodDescription) -> [&mut f64; 3] {
+    [&mut method.first_order_time, &mut method.first_order_asleep, &mut method.over_slips_time]
 }
 
 /// A division of bodies into groups by another one: the groups before of the bodies of each group, and whether it is one of those.
@@ -175,6 +203,45 @@ pub(super) fn hold(island: &mut Island, whole: &Mechanism, held: &[Option<f64>],
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::structure::islands::group;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn times_of_groups_that_follow_each_other_add_up_for_their_bodies() {
+        let body = |_| {
+            let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
+            Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.01), joint }
+        };
+        let mut balls = Mechanism::new("balls", Vector3::zeros(), (0..3).map(body).collect()).expect("free bodies");
+        for body in 0..3 {
+            let shape = Shape::Sphere { radius: 0.1 };
+            balls.nonsmooth.colliders.push(Collider::still("ball", Some(body), Pose::identity(), shape));
+        }
+        balls.nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], 0.5, 0.0));
+        let mut state = State::zero(&balls);
+        (0..3).for_each(|body| state.position[7 * body] = body as f64);
+        let mut groups = Groups::new(&balls, &state, Box::new(|_, _| unreachable!())).expect("three groups");
+        let method = |time: f64| {
+            let fixed = MethodDescription::fixed("crowd", 2, 2, 0.1);
+            MethodDescription { first_order_time: time, first_order_asleep: 0.5 * time, ..fixed }
+        };
+        // The first two together for 0.2 s, then the last two for 0.3 s, and now all of them for 0.1 s.
+        for (numbers, time) in [([0, 0, 1], 0.2), ([0, 1, 1], 0.3)] {
+            let number = usize::from(numbers[1] == 1);
+            let mut gone = method(time);
+            groups.take_times(&group(&balls, &numbers, number), &mut gone);
+            assert_eq!((gone.first_order_time, gone.first_order_asleep), (0.0, 0.0));
+        }
+        let mut all = method(0.1);
+        groups.add_times(&group(&balls, &[0, 0, 0], 0), &mut all);
+        assert!((all.first_order_time - 0.6).abs() < 1e-15 && (all.first_order_asleep - 0.3).abs() < 1e-15);
+        let mut last = method(0.1);
+        groups.add_times(&group(&balls, &[0, 0, 1], 1), &mut last);
+        assert!((last.first_order_time - 0.4).abs() < 1e-15, "{}", last.first_order_time);
+    }
 
     #[test]
     fn a_group_stays_if_its_bodies_are_those_of_one_before() {

@@ -159,7 +159,11 @@ impl<'a> Islands<'a> {
     /// It has the largest number of stages, the mean step, and the smallest margin of stability of all islands.
     pub fn description(&self) -> Option<MethodDescription> {
         let gone = self.groups.as_ref().and_then(|groups| groups.gone.clone());
-        let own = self.parts.iter().filter_map(|part| Some((part.awake.as_ref()?.description(), part.steps)));
+        let own = self.parts.iter().filter_map(|part| {
+            let mut method = part.awake.as_ref()?.description();
+            self.groups.iter().for_each(|groups| groups.add_times(&part.island, &mut method));
+            Some((method, part.steps))
+        });
         gone.into_iter().chain(own).reduce(Self::add).map(|(together, _)| together)
     }
 

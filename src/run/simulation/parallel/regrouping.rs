@@ -194,8 +194,9 @@ impl<'a> Islands<'a> {
         for part in old.iter().flatten() {
             whole.let_go(part);
             if let Some(run) = &part.awake {
-                let last = (run.description(), part.steps);
-                own.gone = own.gone.take().into_iter().chain([last]).reduce(Islands::add);
+                let mut method = run.description();
+                own.take_times(&part.island, &mut method);
+                own.gone = own.gone.take().into_iter().chain([(method, part.steps)]).reduce(Islands::add);
             }
         }
         Ok(())
