@@ -47,10 +47,18 @@ impl Rows {
     /// The row of one freedom of the mechanism.
     pub fn of_freedom(&mut self, freedom: usize, sign: f64, trees: &Trees) -> Side {
         let (tree, column) = trees.of_freedom[freedom];
-        let side = Side { tree, count: 1, free: false, columns: self.columns.len(), entries: self.entries.len() };
-        self.columns.push(column);
-        self.entries.push(sign);
-        side
+        let (columns, entries) = (self.columns.len(), self.entries.len());
+        match trees.trees[tree].ways() {
+            None => {
+                self.columns.push(column);
+                self.entries.push(sign);
+            }
+            Some(ways) => {
+                self.columns.extend(ways[column].iter().map(|(place, _)| place));
+                self.entries.extend(ways[column].iter().map(|(_, part)| sign * part));
+            }
+        }
+        Side { tree, count: self.columns.len() - columns, free: false, columns, entries }
     }
 
     /// The rows along these directions at a point, between two bodies. Freedoms that carry both move them together.
@@ -83,7 +91,8 @@ impl Rows {
             let path = &trees.paths[body][shared..];
             self.columns.extend_from_slice(path);
             let tree = trees.of_body[body];
-            let free = !together && path.len() == 6 && trees.trees[tree].freedoms.len() == 6;
+            let free =
+                !together && path.len() == 6 && trees.trees[tree].all.len() == 6 && trees.trees[tree].ways().is_none();
             begin = Side { tree, count: begin.count + path.len(), free, ..begin };
             if together && number == 0 {
                 continue;
@@ -98,9 +107,43 @@ impl Rows {
                     }
                 }
             }
+            if let Some(ways) = trees.trees[tree].ways() {
+                begin.count = self.follow(&begin, along.len(), ways);
+            }
             sides[number] = Some(begin);
             begin = nothing(self);
         }
         sides
+    }
+
+    /// Makes rows of all freedoms, the last ones, rows of the independent freedoms: H E. Returns their number.
+    fn follow(&mut self, side: &Side, rows: usize, ways: &[Vec<(usize, f64)>]) -> usize {
+        let all = self.columns.split_off(side.columns);
+        let entries = self.entries.split_off(side.entries);
+        self.columns.extend(all.iter().flat_map(|&column| &ways[column]).map(|(place, _)| *place));
+        self.columns[side.columns..].sort_unstable();
+        let mut last = None;
+        let mut kept = side.columns;
+        for place in side.columns..self.columns.len() {
+            if last != Some(self.columns[place]) {
+                last = Some(self.columns[place]);
+                self.columns[kept] = self.columns[place];
+                kept += 1;
+            }
+        }
+        self.columns.truncate(kept);
+        let columns = &self.columns[side.columns..];
+        self.entries.resize(side.entries + rows * columns.len(), 0.0);
+        let sums = self.entries[side.entries..].chunks_exact_mut(columns.len().max(1));
+        for (sums, entries) in sums.zip(entries.chunks_exact(all.len().max(1))) {
+            for (entry, &column) in entries.iter().zip(&all) {
+                for &(place, part) in &ways[column] {
+                    if let Ok(at) = columns.binary_search(&place) {
+                        sums[at] += entry * part;
+                    }
+                }
+            }
+        }
+        columns.len()
     }
 }

@@ -1,9 +1,10 @@
-//! The trees of a mechanism without loops, each with its mass matrix in joint rates.
+//! The trees of a mechanism, each with its mass matrix in independent joint rates. Trees that closures connect are one.
 //!
 //! ```text
 //!     v(x) = Σ_j (l_j + ω_j × (x − x₀)) q̇_j          freedoms j on the path to a body; x₀: the root of the tree (m)
 //!     M_ij = l_i · p_j + ω_i · L_j,    p_j = m l_j + ω_j × s,    L_j = s × l_j + Θ ω_j
 //!     M_jj += A_j                                    rotor of joint j, A_j: its reflected inertia [kg m² or kg]
+//!     M ← Eᵀ M E                                     with closures: v = E v_i      (`closures.rs`)
 //!     M̃ = M + b D + b² K = L Lᵀ                      damping D and stiffness K within a step, b: the time in which they act (s)
 //! ```
 //!
@@ -11,10 +12,19 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 6.
 
+use crate::closures::{Closures, Motions};
 use catena_mechanism::description::body_state::{BodyState, WORLD};
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::kinematics::place_bodies;
+use catena_mechanism::motion::state::State;
 use nalgebra::{Matrix3, Vector3};
+
+/// Loops are closed up to this [m or rad] in so many rounds at most.
+const CLOSED: f64 = 1e-14;
+const ROUNDS: usize = 8;
+/// A change that is no smaller than half the last one, and below this, is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// All trees.
 #[derive(Clone)]
@@ -22,9 +32,9 @@ pub struct Trees {
     pub trees: Vec<Tree>,
     /// The tree of each body.
     pub of_body: Vec<usize>,
-    /// The tree of each freedom, and its number there.
+    /// The tree of each freedom, and its number among all of that.
     pub of_freedom: Vec<(usize, usize)>,
-    /// The freedoms on the path from the root to each body, by their numbers in the tree.
+    /// The freedoms on the path from the root to each body, by their numbers among all of the tree.
     pub paths: Vec<Vec<usize>>,
     /// The motion that each freedom gives: `l` [m/s] and `ω` [rad/s].
     motions: Vec<(Vector3<f64>, Vector3<f64>)>,
@@ -35,8 +45,10 @@ pub struct Trees {
 #[derive(Clone, Default)]
 pub struct Tree {
     pub bodies: Vec<usize>,
-    /// Its freedoms by their numbers in the mechanism.
+    /// Its independent freedoms by their numbers in the mechanism.
     pub freedoms: Vec<usize>,
+    /// Those and the ones that follow them.
+    pub all: Vec<usize>,
     /// x₀.
     pub root: Vector3<f64>,
     /// M, and the factor L of M̃, row by row.
@@ -47,6 +59,9 @@ pub struct Tree {
     reciprocals: Vec<f64>,
     /// M̃⁻¹ of a free body, which is asked for most often.
     inverse: Option<[[f64; 6]; 6]>,
+    closures: Option<Box<Closures>>,
+    /// M of all rates, where some follow others.
+    unclosed: Vec<f64>,
 }
 
 /// Mass, first moment and inertia of a body with all beyond it.
@@ -68,36 +83,126 @@ impl Trees {
             motions: vec![(Vector3::zeros(), Vector3::zeros()); count],
             composite: vec![Composite::default(); mechanism.bodies.len()],
         };
+        let groups = connected(mechanism);
+        let mut numbers = vec![usize::MAX; mechanism.bodies.len()];
         for (index, body) in mechanism.bodies.iter().enumerate() {
-            let number = body.parent.map_or(own.trees.len(), |parent| own.of_body[parent]);
-            if number == own.trees.len() {
+            let number = &mut numbers[groups[index]];
+            if *number == usize::MAX {
+                *number = own.trees.len();
                 own.trees.push(Tree::default());
             }
-            let tree = &mut own.trees[number];
+            let (number, tree) = (*number, &mut own.trees[*number]);
             let mut path = body.parent.map_or_else(Vec::new, |parent| own.paths[parent].clone());
             for freedom in body.joint.velocity_range() {
-                path.push(tree.freedoms.len());
-                own.of_freedom[freedom] = (number, tree.freedoms.len());
-                tree.freedoms.push(freedom);
+                path.push(tree.all.len());
+                own.of_freedom[freedom] = (number, tree.all.len());
+                tree.all.push(freedom);
             }
             tree.bodies.push(index);
             own.of_body.push(number);
             own.paths.push(path);
         }
-        for tree in &mut own.trees {
-            let size = tree.freedoms.len().pow(2);
-            (tree.mass, tree.softened, tree.factor) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
-            tree.reciprocals = vec![0.0; tree.freedoms.len()];
+        let tree_of_loop = |number: &usize| {
+            let joint = &mechanism.loops[*number];
+            joint.a.body.or(joint.b.body).map(|body| own.of_body[body])
+        };
+        let tree_of_mimic = |number: &usize| own.of_body[mechanism.mimics[*number].follower.body];
+        for (number, tree) in own.trees.iter_mut().enumerate() {
+            let loops: Vec<usize> =
+                (0..mechanism.loops.len()).filter(|own| tree_of_loop(own) == Some(number)).collect();
+            let mimics: Vec<usize> = (0..mechanism.mimics.len()).filter(|own| tree_of_mimic(own) == number).collect();
+            if !loops.is_empty() || !mimics.is_empty() {
+                let closures = Closures::new(mechanism, &tree.all, [&loops, &mimics], &own.paths);
+                tree.closures = Some(Box::new(closures));
+                tree.unclosed = vec![0.0; tree.all.len().pow(2)];
+            }
+            tree.lay_out((0..tree.all.len()).collect());
         }
         own
     }
 
-    /// Takes the poses of all bodies: the motions of the freedoms, and M.
+    /// Takes the poses of all bodies and chooses the independent rates there: the motions of the freedoms, and M.
+    pub fn choose(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
+        self.place_motions(mechanism, bodies);
+        for tree in 0..self.trees.len() {
+            self.with_closures(tree, |closures, motions| closures.choose(bodies, motions));
+            if let Some(closures) = &self.trees[tree].closures {
+                let independent = closures.independent();
+                self.trees[tree].lay_out(independent);
+            }
+        }
+        self.weigh(mechanism);
+    }
+
+    /// Takes the poses of all bodies: the motions of the freedoms, and M in the rates that were chosen last.
     pub fn place(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
-        let Trees { trees, of_body, of_freedom, paths, motions, composite } = self;
+        self.place_motions(mechanism, bodies);
+        for tree in 0..self.trees.len() {
+            self.with_closures(tree, |closures, motions| {
+                if closures.change() {
+                    closures.place(bodies, motions);
+                }
+            });
+        }
+        self.weigh(mechanism);
+    }
+
+    /// Whether some loops change with the positions.
+    pub fn have_loops(&self) -> bool {
+        self.trees.iter().filter_map(|tree| tree.closures.as_ref()).any(|closures| closures.change())
+    }
+
+    /// Closes the loops of a state that places the bodies, with its dependent coordinates; trees are placed there, without their M. Returns whether all
+    /// are closed.
+    pub fn close(&mut self, mechanism: &Mechanism, state: &mut State, bodies: &mut [BodyState]) -> bool {
+        let mut last = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            self.place_motions(mechanism, bodies);
+            let (mut moved, mut largest) = (vec![0.0; state.velocity.len()], 0.0_f64);
+            for tree in 0..self.trees.len() {
+                let mut changes = Vec::new();
+                self.with_closures(tree, |closures, motions| {
+                    if closures.change() {
+                        changes.extend(closures.gaps(mechanism, state, bodies, motions));
+                    }
+                });
+                for (column, change) in changes {
+                    moved[self.trees[tree].all[column]] = change;
+                    largest = if change.is_nan() { f64::NAN } else { largest.max(change.abs()) };
+                }
+            }
+            if largest <= CLOSED || largest <= ROUNDING && largest > 0.5 * last {
+                return self.trees.iter().all(Tree::is_fit);
+            }
+            if largest.is_nan() || !self.trees.iter().all(Tree::is_fit) {
+                return false;
+            }
+            last = largest;
+            state.displace(mechanism, &moved);
+            place_bodies(mechanism, state, bodies);
+        }
+        false
+    }
+
+    /// Writes the rates of dependent freedoms among those of all, from the independent ones.
+    pub fn complete(&self, rates: &mut [f64]) {
+        self.trees.iter().for_each(|tree| tree.complete(rates));
+    }
+
+    /// Shows the closures of a tree the motions of its freedoms, if it has any.
+    fn with_closures(&mut self, tree: usize, mut see: impl FnMut(&mut Closures, &Motions)) {
+        let Trees { trees, motions, .. } = self;
+        let Tree { closures, all, root, .. } = &mut trees[tree];
+        if let Some(closures) = closures {
+            see(closures, &Motions { root: *root, of_column: &|column| motions[all[column]] });
+        }
+    }
+
+    /// Takes the motions of the freedoms and the inertias of single bodies.
+    fn place_motions(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
+        let Trees { trees, of_body, motions, composite, .. } = self;
         for tree in trees.iter_mut() {
             tree.root = tree.bodies.first().map_or(Vector3::zeros(), |&body| bodies[body].position);
-            tree.mass.fill(0.0);
         }
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let (joint, at) = (&body.joint, &bodies[index]);
@@ -129,20 +234,29 @@ impl Trees {
                     + body.mass * square,
             };
         }
+    }
+
+    /// Works out M where the motions are placed; the inertias are then those of composite bodies.
+    fn weigh(&mut self, mechanism: &Mechanism) {
+        let Trees { trees, of_body, of_freedom, paths, motions, composite } = self;
+        for tree in trees.iter_mut() {
+            tree.of_all().fill(0.0);
+        }
         for (index, body) in mechanism.bodies.iter().enumerate().rev() {
             let own = composite[index];
             let tree = &mut trees[of_body[index]];
-            let count = tree.freedoms.len();
+            let count = tree.all.len();
             for freedom in body.joint.velocity_range() {
                 let (linear, turn) = motions[freedom];
                 let momentum = own.mass * linear + turn.cross(&own.moment);
                 let spin = own.moment.cross(&linear) + own.inertia * turn;
                 let column = of_freedom[freedom].1;
                 for &row in paths[index].iter().take_while(|row| **row <= column) {
-                    let (linear, turn) = motions[tree.freedoms[row]];
+                    let (linear, turn) = motions[tree.all[row]];
                     let entry = linear.dot(&momentum) + turn.dot(&spin);
-                    tree.mass[row * count + column] = entry;
-                    tree.mass[column * count + row] = entry;
+                    let mass = tree.of_all();
+                    mass[row * count + column] = entry;
+                    mass[column * count + row] = entry;
                 }
             }
             if let Some(parent) = body.parent {
@@ -155,11 +269,13 @@ impl Trees {
         for (freedom, armature) in mechanism.rotors() {
             let (number, own) = of_freedom[freedom];
             let tree = &mut trees[number];
-            tree.mass[own * (tree.freedoms.len() + 1)] += armature;
+            let count = tree.all.len();
+            tree.of_all()[own * (count + 1)] += armature;
         }
+        trees.iter_mut().for_each(Tree::gather_mass);
     }
 
-    /// The entries of a row for the freedoms on the way to a body: the work of a unit force along a direction at a point.
+    /// The entries of a row for all freedoms on the way to a body: the work of a unit force along a direction at a point.
     pub fn row<'t>(
         &'t self,
         body: usize,
@@ -169,19 +285,110 @@ impl Trees {
         let tree = &self.trees[self.of_body[body]];
         let (torque, along) = ((point - tree.root).cross(along), *along);
         self.paths[body].iter().map(move |&freedom| {
-            let (linear, turn) = &self.motions[tree.freedoms[freedom]];
+            let (linear, turn) = &self.motions[tree.all[freedom]];
             linear.dot(&along) + turn.dot(&torque)
         })
     }
 }
 
 impl Tree {
+    /// Takes the independent freedoms by their numbers among all.
+    fn lay_out(&mut self, independent: Vec<usize>) {
+        self.freedoms.clear();
+        self.freedoms.extend(independent.into_iter().map(|own| self.all[own]));
+        let count = self.freedoms.len();
+        for matrix in [&mut self.mass, &mut self.softened, &mut self.factor] {
+            matrix.resize(count * count, 0.0);
+        }
+        self.reciprocals.resize(count, 0.0);
+    }
+
+    /// M of all rates.
+    fn of_all(&mut self) -> &mut [f64] {
+        if self.closures.is_some() { &mut self.unclosed } else { &mut self.mass }
+    }
+
+    /// Each of all freedoms in independent ones, by their places among these; `None` if all are independent.
+    pub fn ways(&self) -> Option<&[Vec<(usize, f64)>]> {
+        self.closures.as_ref().map(|closures| closures.ways())
+    }
+
+    fn is_fit(&self) -> bool {
+        self.closures.as_ref().is_none_or(|closures| closures.is_fit())
+    }
+
+    /// M ← Eᵀ M E.
+    fn gather_mass(&mut self) {
+        let Tree { closures, unclosed, mass, freedoms, all, .. } = self;
+        let Some(closures) = closures else { return };
+        let (ways, wide, count) = (closures.ways(), all.len(), freedoms.len());
+        mass.fill(0.0);
+        let mut row = vec![0.0; count];
+        for (entries, own) in unclosed.chunks_exact(wide.max(1)).zip(ways) {
+            row.fill(0.0);
+            for (entry, other) in entries.iter().zip(ways).filter(|(entry, _)| **entry != 0.0) {
+                other.iter().for_each(|&(place, part)| row[place] += entry * part);
+            }
+            for &(place, part) in own {
+                let target = &mut mass[place * count..(place + 1) * count];
+                target.iter_mut().zip(&row).for_each(|(sum, entry)| *sum += part * entry);
+            }
+        }
+        for row in 0..count {
+            for column in 0..row {
+                // Symmetric to the last bit.
+                mass[row * count + column] = mass[column * count + row];
+            }
+        }
+    }
+
+    /// Writes the rates of dependent freedoms among those of the mechanism, from the independent ones.
+    pub fn complete(&self, rates: &mut [f64]) {
+        let Some(ways) = self.ways() else { return };
+        for (&freedom, way) in self.all.iter().zip(ways) {
+            let sum = |sum: f64, &(place, part): &(usize, f64)| sum + part * rates[self.freedoms[place]];
+            if !matches!(way[..], [(place, _)] if self.freedoms[place] == freedom) {
+                rates[freedom] = way.iter().fold(0.0, sum);
+            }
+        }
+    }
+
+    /// Sums of values of all freedoms along the independent ones: Eᵀ x.
+    pub fn gather(&self, value: impl Fn(usize) -> f64, sums: &mut [f64]) {
+        let Some(ways) = self.ways() else {
+            sums.iter_mut().zip(&self.freedoms).for_each(|(sum, &freedom)| *sum += value(freedom));
+            return;
+        };
+        for (&freedom, way) in self.all.iter().zip(ways) {
+            let own = value(freedom);
+            way.iter().for_each(|&(place, part)| sums[place] += part * own);
+        }
+    }
+
     /// Factors M̃ for dampings and stiffnesses of the freedoms of the mechanism, which act for a time (s); `false` if it is singular.
     pub fn factor(&mut self, time: f64, damping: &[f64], stiffness: &[f64]) -> bool {
+        if !self.is_fit() {
+            return false;
+        }
         let count = self.freedoms.len();
         self.softened.copy_from_slice(&self.mass);
-        for (own, &freedom) in self.freedoms.iter().enumerate() {
-            self.softened[own * count + own] += time * (damping[freedom] + time * stiffness[freedom]);
+        let soft = |freedom: usize| time * (damping[freedom] + time * stiffness[freedom]);
+        match &self.closures {
+            None => {
+                for (own, &freedom) in self.freedoms.iter().enumerate() {
+                    self.softened[own * count + own] += soft(freedom);
+                }
+            }
+            Some(closures) => {
+                for (&freedom, way) in self.all.iter().zip(closures.ways()) {
+                    let soft = soft(freedom);
+                    for &(row, part) in way.iter().filter(|_| soft > 0.0) {
+                        for &(column, other) in way {
+                            self.softened[row * count + column] += soft * part * other;
+                        }
+                    }
+                }
+            }
         }
         for row in 0..count {
             for column in 0..=row {
@@ -201,7 +408,7 @@ impl Tree {
             }
         }
         self.inverse = None;
-        if self.freedoms.len() == 6 && self.bodies.len() == 1 {
+        if count == 6 && self.bodies.len() == 1 {
             let mut inverse = [[0.0; 6]; 6];
             for (row, entries) in inverse.iter_mut().enumerate() {
                 entries[row] = 1.0;
@@ -258,4 +465,22 @@ fn multiply_add(matrix: &[f64], x: &[f64], y: &mut [f64]) {
     for (row, sum) in matrix.chunks_exact(x.len().max(1)).zip(y) {
         *sum += row.iter().zip(x).map(|(entry, x)| entry * x).sum::<f64>();
     }
+}
+
+/// The first of the bodies to which each body is connected, by joints or closures.
+fn connected(mechanism: &Mechanism) -> Vec<usize> {
+    let mut first: Vec<usize> = Vec::with_capacity(mechanism.bodies.len());
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        first.push(body.parent.map_or(index, |parent| first[parent]));
+    }
+    let ends = mechanism.loops.iter().map(|joint| [joint.a.body, joint.b.body]);
+    let ends = ends.map(|ends| ends.into_iter().flatten().collect::<Vec<_>>());
+    let follows = mechanism.mimics.iter().map(|mimic| mimic.terms().map(|(own, _)| own.body).collect());
+    for bodies in ends.chain(follows) {
+        let joined: Vec<usize> = bodies.iter().map(|&body| first[body]).collect();
+        if let Some(&least) = joined.iter().min() {
+            first.iter_mut().filter(|own| joined.contains(own)).for_each(|own| *own = least);
+        }
+    }
+    first
 }

@@ -23,6 +23,7 @@ use crate::stepping::length::stage_choice::StageChoice;
 use crate::stepping::recipe::{Recipe, Steps};
 use nalgebra::{Translation3, Vector3};
 
+mod closed;
 mod interrupted;
 mod rebounds;
 mod sleep;

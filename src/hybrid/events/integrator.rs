@@ -90,8 +90,8 @@ impl Eventful {
     /// Steps of this length (s) over all events, as in crowds ([`crate::events::crowd`]): the implicit midpoint rule, of first order at impacts.
     ///
     /// # Errors
-    /// [`MethodError::NeedsEvents`] for closed loops, joints that follow others or are moved in time, rolling and spinning friction, and ropes through
-    /// several points; [`MethodError::Step`].
+    /// [`MethodError::NeedsEvents`] for joints that are moved in time, rolling and spinning friction, and ropes through several points;
+    /// [`MethodError::Step`].
     pub fn over_events(mechanism: &Mechanism, step: f64, kept: &[Rule]) -> Result<Self, MethodError> {
         let steps = Steps::Fixed { stages: BESIDE, step };
         let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };

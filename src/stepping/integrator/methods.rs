@@ -47,8 +47,7 @@ pub enum MethodError {
     NotPlain,
     /// One stage steps over events, which some elements need.
     #[error(
-        "one stage steps over events: closed loops, joints that follow others or are moved in time, rolling and spinning friction, and ropes through \
-         several points need two stages or more"
+        "one stage steps over events: joints that are moved in time, rolling and spinning friction, and ropes through several points need two stages or more"
     )]
     NeedsEvents,
     /// Steps with 32 digits have eight lanes.

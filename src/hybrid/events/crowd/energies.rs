@@ -82,7 +82,7 @@ impl Energies {
         let mut taken = 0.0;
         for group in groups {
             let sum = |values: &[f64]| group.iter().map(|&tree| values[tree]).sum::<f64>();
-            let freedoms = group.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
+            let freedoms = group.iter().flat_map(|&tree| &trees.trees[tree].all);
             let worked: f64 = freedoms.clone().map(|&freedom| work[freedom]).sum();
             let own = sum(&kinetic);
             let gained = own - sum(&self.kinetic) + sum(&potential) - sum(&self.potential) - worked;

@@ -68,23 +68,24 @@ fn free_rates(
 ) -> Option<()> {
     for (number, tree) in trees.trees.iter_mut().enumerate() {
         if resting.asleep.has(number) {
-            tree.freedoms.iter().for_each(|&freedom| free[freedom] = 0.0);
+            tree.all.iter().for_each(|&freedom| free[freedom] = 0.0);
             continue;
         }
         if !tree.factor(time, damping, stiffness) {
             return None;
         }
         let mut own: Vec<f64> = tree.freedoms.iter().map(|&freedom| accelerations[freedom]).collect();
-        if tree.freedoms.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
+        if tree.all.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
             let mut efforts = vec![0.0; own.len()];
             tree.add_mass(&own, &mut efforts);
-            efforts.iter_mut().zip(&tree.freedoms).for_each(|(effort, &freedom)| *effort += change(freedom));
+            tree.gather(&change, &mut efforts);
             tree.solve(&mut efforts);
             own = efforts;
         }
         for (rate, &freedom) in own.iter().zip(&tree.freedoms) {
             free[freedom] = velocity[freedom] + time * rate;
         }
+        tree.complete(free);
     }
     Some(())
 }

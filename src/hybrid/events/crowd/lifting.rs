@@ -60,11 +60,15 @@ impl Crowd {
                 solve(&mut problem, &mut impulses, &mut v, (SOLVED, true), room);
                 let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
                 freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
+                island.trees.iter().for_each(|&tree| trees.trees[tree].complete(&mut moved));
             }
             let before = state.clone();
             state.displace(scene.whole, &moved);
             self.resting.keep(scene.whole, &before, state);
             place_bodies(scene.whole, state, &mut self.bodies);
+            if self.trees.have_loops() && !self.trees.close(scene.whole, state, &mut self.bodies) {
+                return None;
+            }
             self.find_next(scene, state, step);
             self.trees.place(scene.whole, &self.bodies);
             self.next.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);

@@ -52,6 +52,8 @@ pub(super) struct Moving<'m> {
 pub(super) struct Solved {
     pub residual: f64,
     pub unsolved: usize,
+    /// Whether loops do not close at its end.
+    pub open: bool,
 }
 
 /// Writes the displacement w and the state at its end, which places the bodies; the candidates keep impulses and curvatures.
@@ -122,11 +124,12 @@ pub(super) fn move_on(
             (own, island)
         })
         .collect();
+    let mut ahead = OnceCell::new();
     if problems.is_empty() {
-        place_end(moving, displacement, end, bodies);
-        return Solved::default();
+        let open = !place_end(moving, displacement, end, bodies, (trees, &mut ahead));
+        return Solved { open, ..Solved::default() };
     }
-    let mut ahead = trees.clone();
+    let mut closed = true;
     for round in 0..=ROUNDS {
         for (own, island) in &mut problems {
             if !own.open {
@@ -137,11 +140,12 @@ pub(super) fn move_on(
             own.stuck |= own.residual > tolerance;
             spread(trees, island, &own.v, displacement);
         }
-        place_end(moving, displacement, end, bodies);
+        closed = place_end(moving, displacement, end, bodies, (trees, &mut ahead));
         let mut back = false;
         if round < ROUNDS {
+            let ahead = of_end(trees, &mut ahead);
             ahead.place(scene.whole, bodies);
-            let rows = at_end[round].get_or_init(|| contacts.rows_at(scene, &ahead, bodies));
+            let rows = at_end[round].get_or_init(|| contacts.rows_at(scene, ahead, bodies));
             let open = problems.iter_mut().filter(|(own, _)| own.open);
             open.for_each(|(own, _)| own.problem.rows = rows);
         }
@@ -187,13 +191,13 @@ pub(super) fn move_on(
             }
         }
         if back {
-            place_end(moving, displacement, end, bodies);
+            closed = place_end(moving, displacement, end, bodies, (trees, &mut ahead));
         }
         if problems.iter().all(|(own, _)| !own.open) {
             break;
         }
     }
-    let mut solved = Solved::default();
+    let mut solved = Solved { open: !closed, ..Solved::default() };
     let mut kept = Vec::new();
     for (own, island) in problems {
         solved.residual = solved.residual.max(own.residual);
@@ -212,16 +216,30 @@ pub(super) fn move_on(
 fn spread(trees: &Trees, island: &Island, own: &[f64], rates: &mut [f64]) {
     let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
     freedoms.zip(own).for_each(|(&freedom, rate)| rates[freedom] = *rate);
+    island.trees.iter().for_each(|&tree| trees.trees[tree].complete(rates));
 }
 
-/// The state after a displacement from the start of a step (s), and the bodies in it.
-fn place_end(moving: &Moving, displacement: &[f64], end: &mut State, bodies: &mut [BodyState]) {
+/// The trees at the end of a step.
+fn of_end<'t>(trees: &Trees, ahead: &'t mut OnceCell<Trees>) -> &'t mut Trees {
+    ahead.get_or_init(|| trees.clone());
+    ahead.get_mut().expect("just made")
+}
+
+/// The state after a displacement from the start of a step (s), with closed loops, and the bodies in it; returns whether all loops close.
+fn place_end(
+    moving: &Moving,
+    displacement: &[f64],
+    end: &mut State,
+    bodies: &mut [BodyState],
+    (trees, ahead): (&Trees, &mut OnceCell<Trees>),
+) -> bool {
     let &Moving { scene, start, step, resting, .. } = moving;
     end.copy_from(start);
     let moved: Vec<f64> = displacement.iter().map(|rate| step * rate).collect();
     end.displace(scene.whole, &moved);
     resting.keep(scene.whole, start, end);
     place_bodies(scene.whole, end, bodies);
+    !trees.have_loops() || of_end(trees, ahead).close(scene.whole, end, bodies)
 }
 
 /// Bias and compliance of a motor that acts for a time b (s) from a state: `p = b (kp (r − q − b w) + kd (ṙ − w))`.

@@ -138,6 +138,7 @@ impl Rebounding<'_> {
         }
         let freedoms = group.trees.iter().flat_map(|&tree| &self.trees.trees[tree].freedoms);
         freedoms.zip(&after).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
+        group.trees.iter().for_each(|&tree| self.trees.trees[tree].complete(velocity));
         group.candidates.iter().zip(rebounds).for_each(|(&number, impulse)| impulses[number] += impulse);
         residual
     }

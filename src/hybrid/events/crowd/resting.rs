@@ -69,7 +69,7 @@ impl Resting {
         Resting {
             still: vec![[0; 3]; count],
             asleep: Asleep::new(trees),
-            freedoms: trees.trees.iter().map(|tree| tree.freedoms.clone()).collect(),
+            freedoms: trees.trees.iter().map(|tree| tree.all.clone()).collect(),
             restless,
             steady: vec![0.0; freedoms],
             candidates: Vec::new(),

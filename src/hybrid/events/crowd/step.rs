@@ -21,8 +21,10 @@ use crate::events::crowd::resting::Resting;
 use crate::events::crowd::settling::{Settling, settle};
 use crate::events::crowd::speeds::Speeds;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::closure::Mimic;
+use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use std::collections::BTreeSet;
 
@@ -99,9 +101,9 @@ pub(crate) struct Made {
 }
 
 impl Crowd {
-    /// For a mechanism without loops and without joints that follow others; `None` for others.
+    /// For a mechanism; `None` for one with joints that are moved in time, or with contacts that are held.
     pub fn new(mechanism: &Mechanism) -> Option<Self> {
-        if mechanism.has_closures() {
+        if !mechanism.touches.is_empty() || mechanism.mimics.iter().any(Mimic::is_moved) {
             return None;
         }
         let count = mechanism.velocity_count;
@@ -209,7 +211,10 @@ impl Crowd {
             let found = move_on(trees, now, &moving, room, &mut displacement, state, bodies);
             made.residual = made.residual.max(found.residual);
             made.unsolved += found.unsolved;
-            self.place_middle(start, &displacement, step, whole);
+            self.take_displacement(whole, start, state, step, &mut displacement);
+            if found.open || !self.place_middle(start, &displacement, step, whole) {
+                return None;
+            }
             place_bodies(whole, state, &mut self.bodies);
             self.find_next(scene, state, step);
             if self.is_interrupted() {
@@ -227,7 +232,7 @@ impl Crowd {
         if !state.position.iter().all(|place| place.is_finite()) {
             return None;
         }
-        self.trees.place(whole, &self.bodies);
+        self.trees.choose(whole, &self.bodies);
         self.next.fill_rows(scene, &self.resting.asleep, &self.trees, &self.bodies, 0);
         if self.next.deepest() > LIFTED.max(2.0 * self.now.deepest()) {
             return None;
@@ -344,6 +349,12 @@ impl Crowd {
             *rate = a + part * (b - a);
         }
         inside.time = time;
+        if self.trees.have_loops() {
+            let (mut there, mut bodies) = (self.trees.clone(), body_states(mechanism, &inside));
+            there.close(mechanism, &mut inside, &mut bodies);
+            there.place(mechanism, &bodies);
+            there.complete(&mut inside.velocity);
+        }
         Some(inside)
     }
 
@@ -357,7 +368,7 @@ impl Crowd {
         }
         self.woken = false;
         place_bodies(scene.whole, start, &mut self.bodies);
-        self.trees.place(scene.whole, &self.bodies);
+        self.trees.choose(scene.whole, &self.bodies);
         self.look_anew(scene, start, step, longer);
         self.energies.place(scene.whole, start, &self.bodies, &self.trees);
         Some(())
@@ -393,9 +404,29 @@ impl Crowd {
         next.find(scene, &resting.asleep, state, (bodies, speeds), step, clearances);
     }
 
-    /// The state at the middle of the step, and the largest speeds of the bodies at its start and there.
-    fn place_middle(&mut self, start: &State, displacement: &[f64], step: f64, whole: &Mechanism) {
-        let Crowd { middle, bodies, began, speeds, resting, .. } = self;
+    /// Makes w of the joints of trees with loops the displacement from one state to another (s).
+    fn take_displacement(&self, whole: &Mechanism, start: &State, end: &State, step: f64, displacement: &mut [f64]) {
+        if !self.trees.have_loops() {
+            return;
+        }
+        for (index, body) in whole.bodies.iter().enumerate() {
+            let joint = &body.joint;
+            let turns = if joint.kind.rotation() == FreeRotation::Ball { 3 } else { 0 };
+            if self.trees.trees[self.trees.of_body[index]].ways().is_none() {
+                continue;
+            }
+            for offset in 0..joint.kind.velocity_count() - turns {
+                let place = joint.position_index + offset;
+                let moved =
+                    end.position[place] - start.position[place] + (end.compensation[place] - start.compensation[place]);
+                displacement[joint.velocity_index + offset] = moved / step;
+            }
+        }
+    }
+
+    /// The state at the middle of the step, and the largest speeds of the bodies at its start and there; `false` where loops do not close in it.
+    fn place_middle(&mut self, start: &State, displacement: &[f64], step: f64, whole: &Mechanism) -> bool {
+        let Crowd { middle, bodies, began, speeds, resting, trees, .. } = self;
         let middle = middle.get_or_insert_with(|| start.clone());
         middle.copy_from(start);
         place_bodies(whole, middle, bodies);
@@ -407,6 +438,15 @@ impl Crowd {
         middle.time = start.time + 0.5 * step;
         middle.velocity.copy_from_slice(displacement);
         place_bodies(whole, middle, bodies);
+        let mut closed = true;
+        if trees.have_loops() {
+            let mut there = trees.clone();
+            closed = there.close(whole, middle, bodies);
+            there.place(whole, bodies);
+            there.complete(&mut middle.velocity);
+            place_bodies(whole, middle, bodies);
+        }
         speeds.go_on(bodies);
+        closed
     }
 }
