@@ -6,7 +6,7 @@ use crate::distances::axes::{Found, places};
 use crate::distances::few::few;
 use crate::distances::hollow::Hollow;
 use crate::distances::manifold::manifold;
-use crate::distances::nearest::nearest;
+use crate::distances::nearest::{distance_unless_deep, nearest};
 use crate::distances::otherwise::manifolds;
 use crate::features::both::{Both, Candidate};
 use crate::features::feature::{FeatureId, part};
@@ -237,6 +237,14 @@ impl PairGeometry {
             points: if exchanged { [points[1], points[0]] } else { points },
             certificate: found.certificate(),
         }
+    }
+
+    /// The distance for a search of roots (m): of hulls that overlap by more than a ten thousandth of their size a lower bound, below that.
+    pub fn distance_unless_deep(&self, a: &Pose, b: &Pose) -> f64 {
+        let First::Convex(convex) = &self.first else { return self.distance(a, b).distance };
+        let (_, in_first) = self.relative(a, b);
+        let found = distance_unless_deep(&both(convex, &self.second, &in_first));
+        found.filter(|found| found.is_finite()).map_or(f64::NAN, |found| found - convex.radius - self.second.radius)
     }
 
     /// All places where the gap is below a bound (m), for these poses of the bodies.

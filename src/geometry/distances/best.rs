@@ -10,6 +10,9 @@ use nalgebra::Vector3;
 
 /// Depths below this, relative to the size, differ by no more than this.
 const TOUCHING: f64 = 1e-9;
+/// Errors up to this, relative to the size, are roundings; and those of shapes with many small features, whose normals have larger ones.
+const ROUNDING: f64 = 2e-14;
+const ROUNDING_OF_SMALL: f64 = 2e-13;
 
 /// Proposals between two convex shapes, of which the best is kept.
 pub struct Best<'a> {
@@ -58,7 +61,9 @@ impl<'a> Best<'a> {
 
     /// Whether the points of the best so far prove that it is exact to rounding, at least among the normals that were tried.
     pub fn is_exact(&self) -> bool {
-        self.found.is_some_and(|found| self.error(&found) <= 2e-14 * self.both.size())
+        let dense = self.both.a.is_dense() || self.both.b.is_dense();
+        let rounding = if dense { ROUNDING_OF_SMALL } else { ROUNDING };
+        self.found.is_some_and(|found| self.error(&found) <= rounding * self.both.size())
     }
 
     /// Whether no other normal can be better: of shapes that overlap there can be several that are exact among the normals around them.

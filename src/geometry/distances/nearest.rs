@@ -27,6 +27,8 @@ const COINCIDENT: f64 = 2e-14;
 const FEW_FACES: usize = 24;
 /// All pairs of edges are tried if they are not more.
 const MOST_PAIRS: usize = 50_000;
+/// They are tried wherever they are not more than this, as those of two boxes.
+const FEW_PAIRS: usize = 500;
 /// Outside of a feature by rounding, relative to the size.
 const ROUNDING: f64 = 1e-12;
 
@@ -88,6 +90,23 @@ pub fn nearest_soon(both: &Both, hint: Option<Vector3<f64>>) -> Option<Candidate
         }
     }
     nearest(both)
+}
+
+/// The distance of two cores for a search of roots (m): of polytopes with many edges that overlap by more than a ten thousandth of their size a lower bound,
+/// below that. Whether their depth is the least one is decided by thousands of normals, and a root is elsewhere. `None` only if a pose is not finite.
+pub fn distance_unless_deep(both: &Both) -> Option<f64> {
+    let edges = |core: &Core| if let Core::Polytope(polytope) = core { polytope.edges.len() } else { 0 };
+    let many = edges(&both.a.core) * edges(&both.b.core) > FEW_PAIRS;
+    if many && both.hint(&Vector3::zeros()).is_none() {
+        let mut best = Best::new(both);
+        best.try_normal(&both.centres());
+        search_apart(&mut best, both, &THIN);
+        let (separation, _) = best.steepest();
+        if separation < -SHALLOW * both.size() {
+            return Some(separation);
+        }
+    }
+    nearest(both).map(|found| found.distance())
 }
 
 /// The nearest points of a point, or of the centre of a ball, and a polytope with few faces, if a face is nearest: the one that the point is farthest in

@@ -108,3 +108,22 @@ fn a_normal_that_is_kept_changes_no_place_and_bounds_the_distance() {
     }
     assert!(bounded > 50 && touched > 50, "{bounded} {touched}");
 }
+
+#[test]
+fn the_distance_for_a_search_of_roots_is_exact_but_for_deep_overlaps_of_hulls_that_it_bounds_from_below() {
+    let mut numbers = Numbers::new(11);
+    let pair = pair(dense(80, false), dense(90, true));
+    let (mut same, mut deep) = (0, 0);
+    for _ in 0..300 {
+        let (a, b) = (numbers.pose(0.1), numbers.pose(0.5));
+        let (exact, searched) = (pair.distance(&a, &b).distance, pair.distance_unless_deep(&a, &b));
+        if exact == searched {
+            same += 1;
+            continue;
+        }
+        // A ten thousandth of the size, which is 0.3 m.
+        deep += 1;
+        assert!(exact < -2.9e-5 && searched <= exact + 1e-15, "{exact} {searched}");
+    }
+    assert!(same > 60 && deep > 20, "{same} {deep}");
+}

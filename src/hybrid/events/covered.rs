@@ -69,10 +69,11 @@ impl<'e> GapInside<'e> {
         let number = self.eventful.look_at(instant);
         let Eventful {
             model: HybridModel { elements, touching, .. },
-            trial: StepTrial { holding, sample, watched, inside, slips, turns, .. },
+            trial: StepTrial { holding, sample, watched, inside, slips, turns, looks, .. },
             mode,
             ..
-        } = &*self.eventful;
+        } = &mut *self.eventful;
+        *looks += usize::from(touching.pairs[self.pair].is_dense());
         let (since, time, state, bodies) = (self.since, instant.time, sample, inside.bodies(number));
         // The value for a pair does not ask for the state.
         let seen = Seen { elements, touching, mode, holding, since, time, state, bodies, slips, turns };

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
-//!     begins:   exact labour, decisions included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
+//!     begins:   exact labour, decisions and looks at hulls included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
 //!               10 ms, or one of a lone island and ten times that labour;  or as in `crowding.rs`, if such crowds follow soon
 //!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins; > 3 s, if they do not keep to it      cost of its decision (s)
 //!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
@@ -41,6 +41,8 @@ const SMEARS: f64 = 0.3;
 const FALLS: f64 = 0.1;
 /// c and c_c (s), n_s.
 pub(super) const ITERATION: f64 = 2e-7;
+/// A look at the gap of two hulls with many vertices (s).
+pub(super) const LOOK: f64 = 3e-5;
 const STEP: f64 = 4e-7;
 const CALM_STEPS: f64 = 200.0;
 /// c_d (s).

@@ -6,7 +6,7 @@
 //! ```
 
 use crate::events::careful::MOST;
-use crate::events::crowded::{ITERATION, decision};
+use crate::events::crowded::{ITERATION, LOOK, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
@@ -328,7 +328,8 @@ impl Eventful {
     /// Counts the cost of a step from a time (s) on; given steps may be many between events.
     fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, ended: Ended) {
         if self.model.recipe.tolerance().is_some() {
-            let (work, borne) = (iterations as f64 * (unknowns as f64).powi(2), self.saved_labour());
+            let looks = std::mem::take(&mut self.trial.looks) as f64 * LOOK / ITERATION;
+            let (work, borne) = (iterations as f64 * (unknowns as f64).powi(2) + looks, self.saved_labour());
             self.progress.crowding.labour(since, work, ended);
             self.progress.crowding.save(since, work, ended, borne);
         }

@@ -50,6 +50,8 @@ pub(crate) struct StepTrial {
     pub covers: Vec<(usize, Cover)>,
     /// A bound of the overlap of all pairs in the last step (m).
     pub overlap: f64,
+    /// Looks at the gaps of hulls with many vertices that the labour of steps does not have yet.
+    pub looks: usize,
     /// The bodies in the state that was looked at last.
     pub bodies: Vec<BodyState>,
     /// The bodies in the latest states.
@@ -86,6 +88,7 @@ impl StepTrial {
             loose: Loose::new(whole),
             covers: Vec::new(),
             overlap: 0.0,
+            looks: 0,
             bodies: vec![WORLD; whole.bodies.len()],
             placed: PlacedBodies::default(),
             efforts: vec![0.0; whole.velocity_count],

@@ -73,6 +73,11 @@ impl Pair {
         self.extents.smaller
     }
 
+    /// Whether one of its shapes is a hull with many vertices.
+    pub fn is_dense(&self) -> bool {
+        self.geometry.is_dense()
+    }
+
     /// Whether its shapes have one pair of features at most.
     pub fn has_one_place(&self) -> bool {
         self.geometry.has_one_place()

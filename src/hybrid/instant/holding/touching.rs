@@ -125,16 +125,20 @@ impl Touching {
         self.distance_within(pair, bodies, 0.0) < -depth
     }
 
-    /// The distance of a pair (m) for a search of roots; of dense hulls that are well apart a lower bound, which GJK gives to its tolerance.
+    /// The distance of a pair (m) for a search of roots; of dense hulls that are well apart a lower bound, which GJK gives to its tolerance, and of hulls that
+    /// overlap far a lower bound, too.
     pub fn gap(&self, pair: usize, bodies: &[BodyState]) -> f64 {
-        let Pair { geometry, extents, .. } = &self.pairs[pair];
+        let Pair { geometry, extents, bodies: [a, b], rope, .. } = &self.pairs[pair];
         if geometry.is_dense() {
             let least = self.least_distance(pair, bodies, f64::INFINITY);
             if least > WELL_APART * extents.smaller {
                 return least;
             }
         }
-        self.distance(pair, bodies)
+        match rope {
+            Some(rope) => rope.gap(bodies),
+            None => geometry.distance_unless_deep(&pose(*a, bodies), &pose(*b, bodies)),
+        }
     }
 
     /// A lower bound of the distance of a pair (m) for little work, and for a little more if the first one is at most `enough` (m).
