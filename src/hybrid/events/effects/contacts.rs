@@ -126,8 +126,9 @@ impl Contacts {
                     let known = same.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
                     if known.is_none() {
                         let passed = closed().filter(|&(index, _)| found.triggers.contains(&Watched::Feature(index)));
-                        let rest =
-                            passed.filter_map(|(_, closed)| contacts.goes_on(&contact, &closed.contact, &bodies));
+                        let size = of.extents.larger;
+                        let rest = passed
+                            .filter_map(|(_, closed)| contacts.goes_on([&closed.contact, &contact], size, &bodies));
                         contacts.gone_on.extend(rest.reduce(f64::max).map(|rest| (contact.clone(), rest)));
                     }
                     contacts.known.push(known.map(|(index, _)| index));

@@ -7,6 +7,9 @@
 //!
 //! ℓ (m): size of the larger shape, r (m): radius of the rounded one. A ball that rolls over the edge of a table would leave it at γ' = u δ/r, and come
 //! back to it in an impact.
+//!
+//! A contact at another place does not go on from one: a capsule that lands flat passes the border of the cone of normals at its end, and meets the ground
+//! with its side at the same instant.
 
 use crate::events::effects::contacts::Contacts;
 use crate::instant::holding::touching::Contact;
@@ -15,12 +18,15 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// Normals that differ by more than this belong to a real corner.
 const SMOOTH: f64 = 1e-6;
+/// Points that are farther apart than this part of the size of the larger shape are different places.
+const SAME_PLACE: f64 = 1e-6;
 
 impl Contacts {
-    /// Whether a contact goes on from one that was closed, and the speed that counts as rest for it then [m/s].
-    pub(super) fn goes_on(&self, contact: &Contact, before: &Contact, bodies: &[BodyState]) -> Option<f64> {
+    /// Whether a contact of a pair with this size (m) goes on from one that was closed, and the speed that counts as rest for it then [m/s].
+    pub(super) fn goes_on(&self, [before, contact]: [&Contact; 2], size: f64, bodies: &[BodyState]) -> Option<f64> {
         let [old, new] = [before, contact].map(|contact| touch_motion(&contact.joint, bodies));
-        let goes_on = (new.normal - old.normal).norm() <= SMOOTH;
+        let here = (new.point - old.point).norm() <= SAME_PLACE * size;
+        let goes_on = here && (new.normal - old.normal).norm() <= SMOOTH;
         goes_on.then(|| self.rest.max(2.0 * (new.rate - old.rate).abs()))
     }
 

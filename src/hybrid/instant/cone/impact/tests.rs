@@ -193,3 +193,32 @@ fn a_contact_with_fewer_freedoms_than_rows_gets_impulses_of_the_size_of_the_mome
         );
     }
 }
+
+#[test]
+fn what_is_not_touched_by_colliding_bodies_changes_no_digit_of_their_impact() {
+    // Two boxes that collide on a floor, without restitution; beside them a ball that lies on the floor, with a restitution or none.
+    let collision = |beside: Option<f64>| {
+        let mut boxes: Vec<Body> = [0.0, 0.2].map(|x| Body::cuboid(1.0, [0.1; 3], Vector3::new(x, 0.0, 0.1))).into();
+        boxes[0].velocity = Vector3::new(1.0, 0.2, 0.0);
+        boxes.extend(beside.map(|_| Body::cuboid(1.0, [0.1; 3], Vector3::new(5.0, 0.0, 0.1))));
+        let count = boxes.len();
+        let mut scene = Scene::new(boxes);
+        let friction = Law::Contact { friction: 0.4 };
+        scene.touch(1, Some(0), Vector3::new(0.1, 0.03, 0.15), Vector3::x(), friction);
+        for body in 0..count {
+            let at = scene.bodies[body].center - Vector3::z() * 0.1;
+            scene.touch(body, None, at + Vector3::new(0.05, 0.02, 0.0), Vector3::z(), friction);
+        }
+        let scene = scene.build(0.0);
+        let mut restitution = vec![0.0; 3];
+        restitution.extend(beside);
+        impact(&scene.problem(), &restitution, &mut ContactSolvers::default()).expect("an impact")
+    };
+    let alone = collision(None);
+    assert!(alone.lost > 0.05 && alone.impulses[0] > 0.1, "{alone:?}");
+    for beside in [0.0, 0.5] {
+        let found = collision(Some(beside));
+        assert_eq!((&found.impulses[..9], found.lost), (&alone.impulses[..], alone.lost), "{beside}");
+        assert_eq!(found.impulses[9..], [0.0; 3], "{beside}");
+    }
+}
