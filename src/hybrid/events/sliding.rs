@@ -105,7 +105,7 @@ impl Eventful {
         let straight = first.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
         // One that turns may pass its stop.
         let most = if straight { BRIEF_SLIP } else { STOPPED_SLIP };
-        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= most * rest);
+        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed <= most * rest);
         let slow = slow.and_then(|stop| {
             let slip = match stop.what {
                 What::Slips if unique => Watched::Slips(stop.contact),

@@ -279,7 +279,8 @@ pub(crate) fn accelerations(
 /// How slips go on from a state, if their rates stay as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slipping {
-    /// The sliding contact, or the sliding contacts of a pair together, that would stop first.
+    /// The sliding contact, or the sliding contacts of a pair together, that would stop first. A slip at rest has begun just now: its speed and its
+    /// acceleration are roundings, and their ratio is no time.
     pub first: Option<Stop>,
     /// When the first slip that is faster than rest would have turned by half a right angle (s).
     pub turns: f64,
@@ -331,7 +332,8 @@ pub(crate) fn slipping(
         }
         row += block.rows.len();
     }
-    Slipping { first: stops.into_iter().min_by(|one, other| one.time().total_cmp(&other.time())), turns }
+    let moving = stops.into_iter().filter(|stop| stop.speed > rest);
+    Slipping { first: moving.min_by(|one, other| one.time().total_cmp(&other.time())), turns }
 }
 
 /// A motion that friction brakes at a contact.
