@@ -8,7 +8,7 @@
 //! ```
 
 use crate::common::scratch;
-use crate::scene_files::report;
+use crate::scene_files::{report, scene_of};
 use catena::prelude::Model;
 use catena::report::Report;
 use std::path::PathBuf;
@@ -117,5 +117,72 @@ fn an_ellipsoid_beside_another_shape_is_refused_with_both_names_and_what_to_do()
     let error = Model::load(&file).expect_err("an error").to_string();
     for part in ["\"egg\"", "\"table\"", "half spaces", "ignore = true"] {
         assert!(error.contains(part), "{error}");
+    }
+}
+
+/// An ellipsoid that rolls on a floor, begins to slip, and rolls again: its mass (kg), inertias (kg m²), semi-axes (m), start, friction, duration (s), and
+/// where its centre ends (m).
+struct Slipping {
+    mass: f64,
+    inertia: [f64; 3],
+    axes: [f64; 3],
+    pose: &'static str,
+    velocity: &'static str,
+    friction: f64,
+    duration: f64,
+    end: [f64; 2],
+}
+
+/// The ends are those of the six equations of the body integrated with DOP853, apart while it rolls and while it slips. That slip has to begin with a
+/// speed; the ends with 1e-8 and 1e-9 m/s are extrapolated to zero, and change by 3e-10 m from the last.
+const SLIPPING: [Slipping; 2] = [
+    Slipping {
+        mass: 0.36340811068878665,
+        inertia: [0.00033479102091002, 0.0009758588106675144, 0.0010502912564372693],
+        axes: [0.10329804276475694, 0.05390796677038594, 0.04051953561193236],
+        pose: "position = [0, 0, 0.05746789756309326], rpy = [-1.82966541437223, 0.24973790198347381, 2.0638649661292465]",
+        velocity: "linear = [0.468353422077003, -0.19750919210734208, -0.19586298603335578], \
+                   angular = [4.3062012219452175, 5.637553479332565, 4.612180502197905]",
+        friction: 0.31376445705458317,
+        duration: 0.7071450320352012,
+        end: [0.01192214990, -0.00748991622],
+    },
+    Slipping {
+        mass: 0.33511022350011027,
+        inertia: [0.0012487596732872956, 0.0009101171927523453, 0.0006769169286051704],
+        axes: [0.04371299771961088, 0.08683173793128669, 0.11196893613665042],
+        pose: "position = [0, 0, 0.10515623635263935], rpy = [-2.6068491392608872, 0.1398847230839443, 2.629552806396516]",
+        velocity: "linear = [0.6510006011917624, -0.002749013860677591, 0.004138929169279824], \
+                   angular = [0.05133775674978125, 5.125320374267339, -4.6706123656698235]",
+        friction: 0.2764116300023359,
+        duration: 1.1538650121134943,
+        end: [0.49916635629, -0.28494183348],
+    },
+];
+
+#[test]
+fn a_rolling_ellipsoid_begins_to_slip_in_steps_of_the_scheme_to_the_tolerance() {
+    for (number, of) in SLIPPING.iter().enumerate() {
+        let ([x, y, z], [a, b, c]) = (of.inertia, of.axes);
+        let robot = format!(
+            "<link name='p'><inertial><mass value='{}'/><inertia ixx='{x}' iyy='{y}' izz='{z}' ixy='0' ixz='0' iyz='0'/></inertial>\
+             <collision><geometry><ellipsoid radii='{a} {b} {c}'/></geometry></collision></link>",
+            of.mass
+        );
+        let text = format!(
+            "[[robot]]\nurdf = \"robot.urdf\"\nbase = \"floating\"\npose = {{ {} }}\nvelocity = {{ {} }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = {}\n",
+            of.pose, of.velocity, of.friction
+        );
+        let file = scene_of(&format!("slipping_{number}"), &robot, &text);
+        for tolerance in [1e-6, 1e-7, 1e-8] {
+            let found = report(&file, &[], &[], Some(of.duration), tolerance);
+            let (_, link) = &found.links[0];
+            let off = (link.center_of_mass[0] - of.end[0]).hypot(link.center_of_mass[1] - of.end[1]);
+            assert!(off < tolerance, "{number} at {tolerance:e}: {off:e} m beside the other integration");
+            assert!(found.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached), "{number} at {tolerance:e}");
+            // The start of a slip is no crowd of events.
+            assert_eq!(found.method.crowd.steps, 0, "{number} at {tolerance:e}");
+        }
     }
 }

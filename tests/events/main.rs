@@ -86,6 +86,7 @@ mod self_contact;
 mod short_events;
 mod singular_places;
 mod slides;
+mod slips_beside_stops;
 mod slow_passes;
 mod slow_slips;
 mod throws;

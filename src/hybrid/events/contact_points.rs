@@ -3,6 +3,7 @@
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::Mode;
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::slip_at_rest;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::previous::PreviousStep;
 use crate::events::parts::trial::StepTrial;
@@ -27,11 +28,19 @@ impl Eventful {
             previous: PreviousStep { reporting, .. },
             trial: StepTrial { holding, .. },
             mode,
+            memory,
             ..
         } = self;
         let mut efforts = vec![0.0; whole.velocity_count];
         mode.efforts_at(elements, inputs, state.time, state, &mut efforts);
-        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        let present = Present {
+            whole,
+            elements,
+            touching,
+            mode,
+            moving: &pieces[*current].moving,
+            rest: slip_at_rest(memory.fastest),
+        };
         let mut reporting = reporting.borrow_mut();
         let forces = reporting.forces(&present, state, &efforts, holding.is_unique());
         let largest = forces.iter().flatten().fold(0.0_f64, |most, force| most.max(force.abs()));
@@ -79,10 +88,18 @@ impl Eventful {
             workspaces: Workspaces { pieces, current, .. },
             previous: PreviousStep { reporting, .. },
             trial: StepTrial { holding, .. },
+            memory,
             ..
         } = self;
         let efforts = self.efforts_in(mode, state);
-        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        let present = Present {
+            whole,
+            elements,
+            touching,
+            mode,
+            moving: &pieces[*current].moving,
+            rest: slip_at_rest(memory.fastest),
+        };
         let mut reporting = reporting.borrow_mut();
         let unique = holding.is_unique() && !inside;
         let known = if unique { holding.recall(state, &efforts) } else { None };

@@ -14,6 +14,7 @@ use crate::events::modes::instants::Instants;
 use crate::events::modes::mode::MotorMode;
 use crate::events::modes::piece::{Key, Piece};
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::slip_at_rest;
 use crate::events::parts::crowding::STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
@@ -96,9 +97,17 @@ impl Eventful {
                 model: HybridModel { whole, elements, touching, .. },
                 workspaces: Workspaces { pieces, current, response, .. },
                 mode,
+                memory,
                 ..
             } = self;
-            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+            let present = Present {
+                whole,
+                elements,
+                touching,
+                mode,
+                moving: &pieces[*current].moving,
+                rest: slip_at_rest(memory.fastest),
+            };
             Holding::new(&present, response, state, room)
         };
         let unique = self.trial.holding.is_unique();

@@ -11,6 +11,7 @@ use crate::events::modes::drives::Commands;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
 use crate::events::modes::piece_recipe::{OtherMethod, PieceRecipe};
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::slip_at_rest;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::previous::PreviousStep;
 use crate::events::parts::progress::Progress;
@@ -118,7 +119,7 @@ impl Eventful {
         };
         let state = State::zero(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
-        let present = Present { whole: mechanism, elements, touching, mode: &mode, moving: &nothing };
+        let present = Present { whole: mechanism, elements, touching, mode: &mode, moving: &nothing, rest: 0.0 };
         let holding = Holding::new(&present, &mut workspaces.response, &state, None);
         Ok(Eventful {
             memory: Memory::new(elements.joints.len()),
@@ -289,7 +290,14 @@ impl Eventful {
         let Workspaces { response, pieces, current, .. } = &mut self.workspaces;
         let HybridModel { whole, elements, touching, .. } = &self.model;
         InUse {
-            present: Present { whole, elements, touching, mode: &self.mode, moving: &pieces[*current].moving },
+            present: Present {
+                whole,
+                elements,
+                touching,
+                mode: &self.mode,
+                moving: &pieces[*current].moving,
+                rest: slip_at_rest(self.memory.fastest),
+            },
             response,
             efforts: &mut self.trial.efforts,
             unique: self.trial.holding.is_unique(),

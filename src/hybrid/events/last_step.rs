@@ -7,6 +7,7 @@ use crate::events::finding::watched::{Seen, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::slip_at_rest;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;
@@ -91,11 +92,19 @@ impl Eventful {
             workspaces: Workspaces { response, pieces, current, .. },
             trial: StepTrial { holding, sample, evaluated, watched, efforts, bodies, placed, slips, turns, .. },
             mode,
+            memory,
             ..
         } = self;
         if !evaluated.efforts && which.iter().any(|&index| watched[index].needs_efforts()) {
             mode.efforts_at(elements, inputs, since, sample, efforts);
-            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+            let present = Present {
+                whole,
+                elements,
+                touching,
+                mode,
+                moving: &pieces[*current].moving,
+                rest: slip_at_rest(memory.fastest),
+            };
             // The forces of the step are those before the instant that ends it.
             let end = sample.time;
             if changes_at(whole, since, time) {

@@ -100,12 +100,12 @@ impl Eventful {
         let InUse { present, response, efforts, unique } = self.in_use();
         let mut all = vec![0.0; efforts.len()];
         present.mode.efforts_at(present.elements, inputs, since, state, &mut all);
-        let Slipping { first, turns } = slipping(&present, response, state, &all, unique, rest);
+        let Slipping { first, turns } = slipping(&present, response, state, &all, unique);
         let stops = first.map_or(f64::INFINITY, |stop| stop.time());
         let straight = first.is_some_and(|stop| stop.across <= STRAIGHT * stop.falls);
         // One that turns may pass its stop.
         let most = if straight { BRIEF_SLIP } else { STOPPED_SLIP };
-        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed > rest && stop.speed <= most * rest);
+        let slow = first.filter(|stop| stops <= SHORTEST && stop.speed <= most * rest);
         let slow = slow.and_then(|stop| {
             let slip = match stop.what {
                 What::Slips if unique => Watched::Slips(stop.contact),

@@ -80,7 +80,7 @@ fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     let contacts = mode.contacts.iter().enumerate().flat_map(|(index, closed)| {
         let Pair { friction, moments, .. } = &touching.pairs[closed.contact.pair];
         let joint = &closed.contact.joint;
-        let law = Law::of_contact(*friction, slide(closed, bodies));
+        let law = Law::of_contact(*friction, slide(closed, bodies, at.rest));
         let rows = rows_of_contact(whole, bodies, joint, *friction > 0.0);
         let turns = blocks_of_moments(whole, bodies, joint, moments, index, &closed.moments);
         std::iter::once(Block { of: Of::Contact(index), law, rows }).chain(turns)
@@ -88,12 +88,13 @@ fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     held.chain(contacts).collect()
 }
 
-/// The direction in which a contact slides now, in its tangents; `None` if it sticks.
-fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
+/// The direction in which a contact slides now, in its tangents; `None` if it sticks. A slip at rest [m/s] has the direction in which it began: an event at
+/// which another slip stops leaves a residual in each slip that begins there.
+fn slide(closed: &Closed, bodies: &[BodyState], rest: f64) -> Option<[f64; 2]> {
     let begins = closed.slides?;
     let touch = touch_motion(&closed.contact.joint, bodies);
     let [first, second] = tangents(&touch.normal);
-    let direction = touch.slip.try_normalize(SLOWEST).unwrap_or(begins);
+    let direction = touch.slip.try_normalize(SLOWEST.max(rest)).unwrap_or(begins);
     let along = [direction.dot(&first), direction.dot(&second)];
     let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
     Some(along.map(|part| part / length))
@@ -279,20 +280,20 @@ pub(crate) fn accelerations(
 /// How slips go on from a state, if their rates stay as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slipping {
-    /// The sliding contact, or the sliding contacts of a pair together, that would stop first.
+    /// The sliding contact, or the sliding contacts of a pair together, that would stop first. A slip at rest has begun just now: its speed and its
+    /// acceleration are roundings, and their ratio is no time.
     pub first: Option<Stop>,
     /// When the first slip that is faster than rest would have turned by half a right angle (s).
     pub turns: f64,
 }
 
-/// The same, for a rest [m/s].
+/// The same of a state.
 pub(crate) fn slipping(
     at: &Present,
     response: &mut Response,
     state: &State,
     efforts: &[f64],
     unique: bool,
-    rest: f64,
 ) -> Slipping {
     let held = Closing::at(at, response, state, efforts);
     let Closing { bodies, blocks, rows, offset, .. } = &held;
@@ -319,7 +320,7 @@ pub(crate) fn slipping(
             };
             let falls = -arm * (x * rates[row + 1] + y * rates[row + 2]);
             let across = arm * (x * rates[row + 2] - y * rates[row + 1]).abs();
-            if speed > rest && across > 0.0 {
+            if speed > at.rest && across > 0.0 {
                 turns = turns.min(speed / across);
             }
             match stops.iter_mut().find(|known| !unique && what == What::Slips && known.is_slip_of(*pair)) {
@@ -331,7 +332,8 @@ pub(crate) fn slipping(
         }
         row += block.rows.len();
     }
-    Slipping { first: stops.into_iter().min_by(|one, other| one.time().total_cmp(&other.time())), turns }
+    let moving = stops.into_iter().filter(|stop| stop.speed > at.rest);
+    Slipping { first: moving.min_by(|one, other| one.time().total_cmp(&other.time())), turns }
 }
 
 /// A motion that friction brakes at a contact.

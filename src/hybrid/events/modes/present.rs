@@ -14,4 +14,6 @@ pub(crate) struct Present<'p> {
     pub touching: &'p Touching,
     pub mode: &'p Mode,
     pub moving: &'p Moving,
+    /// A slip up to this is at rest, and its direction is a rounding [m/s].
+    pub rest: f64,
 }
