@@ -57,9 +57,19 @@ pub fn heap(draw: &mut Draw, mut scene: Scene) -> Scene {
 }
 
 /// A random tree that falls limp onto a floor and onto itself.
-pub fn limp(draw: &mut Draw, mut scene: Scene) -> Scene {
+pub fn limp(draw: &mut Draw, scene: Scene) -> Scene {
+    falls(draw, scene, 0.0)
+}
+
+/// The same with joints that follow others, as grippers have.
+pub fn limp_with_followers(draw: &mut Draw, scene: Scene) -> Scene {
+    falls(draw, scene, 0.4)
+}
+
+/// A random tree that falls limp, of which this part of the joints follow others.
+fn falls(draw: &mut Draw, mut scene: Scene, mimic: f64) -> Scene {
     let joints = 2 + draw.index(7);
-    let parts = Parts { joints, limit: 0.6, friction: 0.3, damping: 0.4, shape: 0.9, ..Parts::default() };
+    let parts = Parts { joints, limit: 0.6, friction: 0.3, damping: 0.4, shape: 0.9, mimic, ..Parts::default() };
     let (robot, mut start, tables) = tree(draw, "r0", parts, "");
     start.floating = true;
     start.position = Vector3::new(0.0, 0.0, 0.3 + 0.3 * joints as f64);

@@ -50,7 +50,8 @@ pub fn scene(seed: u64) -> Scene {
     let (turn, place) = (seed as usize / KINDS.len(), seed as usize % KINDS.len());
     // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, one in eight slides off a table, and one in
     // eight turns over its edge; every
-    // other ball that rolls is a cart; a heap stands for every other stack, a limp robot for one of three pairs of robots.
+    // other ball that rolls is a cart; a heap stands for every other stack, a limp robot for one of three pairs of robots, and one with followers for every
+    // other chain of them.
     let (kind, make) = match KINDS[place] {
         ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
         ("slides", _) if turn % 8 == 6 => {
@@ -60,6 +61,9 @@ pub fn scene(seed: u64) -> Scene {
         ("slides", _) if turn % 2 == 1 => ("lands", balls::lands as fn(&mut Draw, Scene) -> Scene),
         ("rolls", _) if turn % 2 == 1 => ("cart", carts::cart as fn(&mut Draw, Scene) -> Scene),
         ("stack", _) if turn % 2 == 1 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
+        ("followers", _) if turn % 2 == 1 => {
+            ("limp with followers", heaps::limp_with_followers as fn(&mut Draw, Scene) -> Scene)
+        }
         ("two robots", _) if turn % 3 == 1 => ("limp robot", heaps::limp as fn(&mut Draw, Scene) -> Scene),
         kind => kind,
     };
@@ -67,10 +71,11 @@ pub fn scene(seed: u64) -> Scene {
     make(&mut draw, Scene::new(kind, 0.0))
 }
 
-/// A heap or a limp robot, in turn.
+/// A heap, a limp robot, or one with followers, in turn.
 pub fn crowd(seed: u64) -> Scene {
-    let (kind, make) = match seed % 2 {
-        0 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
+    let (kind, make) = match seed % 4 {
+        0 | 2 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
+        1 => ("limp with followers", heaps::limp_with_followers as fn(&mut Draw, Scene) -> Scene),
         _ => ("limp robot", heaps::limp as fn(&mut Draw, Scene) -> Scene),
     };
     make(&mut Draw::new(seed), Scene::new(kind, 0.0))
