@@ -9,6 +9,9 @@
 //! place that is left out may overlap before the others stop it, by about the height of the surface between two of them. A step that ends so is made
 //! again with the overlapping place.
 //!
+//! Shapes that are farther apart than a tenth of the smaller one have the nearest place alone: they turn and slide before they meet, so that other features
+//! touch than the ones beside it now.
+//!
 //! The search looks at the parts of both shapes near the support planes: flat places are there, and the places to which round bodies roll in a step.
 
 use crate::distances::axes::Found;
@@ -23,6 +26,8 @@ pub const MOST: usize = 24;
 /// The depth of the slab below a support plane that is looked at, relative to the size of the smaller shape. A turn by up to its root, 0.01 rad, leaves
 /// the nearest place of round bodies in it.
 const SLAB: f64 = 1e-4;
+/// Shapes that are farther apart than this part of the size of the smaller one have one place.
+const FAR: f64 = 0.1;
 /// The largest turn (rad), smaller ones as parts of it, and the least (rad).
 const LARGEST: f64 = 0.5;
 const PART: f64 = 0.125;
@@ -41,7 +46,11 @@ pub fn few(both: &Both, hint: Option<Vector3<f64>>, near: f64) -> Found {
     if gap >= near {
         return Found::Apart(gap);
     }
-    let mut found = places_in_slabs(both, closest, near, SLAB * both.a.size.min(both.b.size));
+    let smaller = both.a.size.min(both.b.size);
+    if gap > FAR * smaller {
+        return Found::Places(vec![closest]);
+    }
+    let mut found = places_in_slabs(both, closest, near, SLAB * smaller);
     leave_few(&mut found, &closest.normal, near, both.size());
     Found::Places(found)
 }

@@ -101,7 +101,10 @@ fn candidates(both: &Both, closest: &Candidate, [near, deepest]: [f64; 2]) -> Ve
     let normal = closest.normal;
     let own = both.rotation.tr_mul(&normal);
     let rounding = 1e-12 * size;
-    let depth = (near - (closest.distance() - radii)).min(deepest) + rounding;
+    let gap = closest.distance() - radii;
+    let depth = (near - gap).min(deepest) + rounding;
+    // Points in both slabs that face each other are no farther apart.
+    let near = if deepest.is_finite() { near.min(gap + 2.0 * depth) } else { near };
     let tolerance = 10.0 * depth;
     let (least_a, least_b) = (a.support(&normal) - depth, b.support(&-own) - depth);
     // Cores that touch have no direction between two points: there a vertex that passes an edge counts as being over one face or the other.

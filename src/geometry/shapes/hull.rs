@@ -179,11 +179,25 @@ fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Res
             Err(open) => return Err(open),
         }
     }
-    let polytope = Polytope::of_faces(vertices, faces);
+    let polytope = Polytope::of_faces(without_inner_vertices(vertices, &mut faces), faces);
     match polytope.edges.iter().all(|edge| edge.faces.is_some()) {
         true => Ok(polytope),
         false => Err(GeometryError::Hull { reason: "its surface is not closed".into() }),
     }
+}
+
+/// The vertices that are corners of faces, which are told their new numbers. Vertices inside a face that several triangles make lie in its plane to a rounding,
+/// and have no edges along which a search could come to them.
+fn without_inner_vertices(vertices: Vec<Vector3<f64>>, faces: &mut [Face]) -> Vec<Vector3<f64>> {
+    let mut numbers = vec![usize::MAX; vertices.len()];
+    faces.iter().flat_map(|face| &face.corners).for_each(|&corner| numbers[corner] = 0);
+    let mut kept = Vec::with_capacity(vertices.len());
+    for (vertex, number) in vertices.into_iter().zip(&mut numbers).filter(|(_, number)| **number == 0) {
+        *number = kept.len();
+        kept.push(vertex);
+    }
+    faces.iter_mut().flat_map(|face| &mut face.corners).for_each(|corner| *corner = numbers[*corner]);
+    kept
 }
 
 /// The triangles by their directed sides, corner after corner.
@@ -268,6 +282,30 @@ mod tests {
                 Vector3::new(0.3 * radius * turn.cos(), 0.2 * radius * turn.sin(), 0.1 * z)
             })
             .collect()
+    }
+
+    #[test]
+    fn vertices_inside_a_face_are_none_of_the_hull_whose_search_goes_along_edges() {
+        // A ball above a disc that is flat to less than what makes one face of its triangles, with points inside it.
+        let golden = 2.399_963_229_728_653;
+        let round = (0..200).map(|number| {
+            let z = (f64::from(number) + 0.5) / 200.0;
+            let (radius, turn) = ((1.0 - z * z).sqrt(), golden * f64::from(number));
+            Vector3::new(radius * turn.cos(), radius * turn.sin(), z)
+        });
+        let rim = (0..60).map(|number| {
+            let turn = std::f64::consts::TAU * f64::from(number) / 60.0;
+            Vector3::new(turn.cos(), turn.sin(), 0.0)
+        });
+        let inside = (0..40).map(|number| {
+            let (radius, turn) = (0.1 + 0.015 * f64::from(number), golden * f64::from(number));
+            Vector3::new(radius * turn.cos(), radius * turn.sin(), -2e-11 * f64::from(number % 3))
+        });
+        let hull = convex_hull(&round.chain(rim).chain(inside).collect::<Vec<_>>()).expect("a hull");
+        assert!(hull.neighbours.are_known(), "{} vertices", hull.vertices.len());
+        let corners = hull.faces.iter().flat_map(|face| &face.corners);
+        let used: std::collections::BTreeSet<usize> = corners.copied().collect();
+        assert_eq!(used.len(), hull.vertices.len());
     }
 
     #[test]
