@@ -18,8 +18,9 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// Normals that differ by more than this belong to a real corner.
 const SMOOTH: f64 = 1e-6;
-/// Points that are farther apart than this part of the size of the larger shape are different places.
-const SAME_PLACE: f64 = 1e-6;
+/// Points that are farther apart than this part of the size of the larger shape are different places. Beyond a border by δ the point of a rim is √(δ/r) farther
+/// along it, 3.5e-6.
+const SAME_PLACE: f64 = 1e-4;
 
 impl Contacts {
     /// Whether a contact of a pair with this size (m) goes on from one that was closed, and the speed that counts as rest for it then [m/s].
