@@ -64,8 +64,9 @@ pub(crate) struct Load {
 }
 
 impl Load {
-    /// The largest margin of admissible forces, where they are not unique; zero of blocks that fall together. A contact may have less than its law says, within
-    /// what is its `own`, and blocks that feel each other have as much more as their forces are known, by the names and sizes of blocks (N).
+    /// The largest margin of admissible forces, where they are not unique; zero of blocks that fall together. Within the rounding `own` of its pressure a
+    /// contact may have less than its law says. Blocks that feel each other have as much more as their forces are known, by the names and sizes of
+    /// blocks (N).
     pub fn margin(&self, own: impl Fn(usize) -> f64, known: impl Fn(Of, f64) -> f64) -> f64 {
         let laws = self.held.laws();
         let known = |block: usize| {

@@ -8,8 +8,8 @@
 //! their states; if m < 0, one must open or slip. m is continuous in the load, in N (N m of joints). It is at most the largest force of the solution
 //! of least norm, which bounds it where contacts can pinch a body as hard as they like.
 //!
-//! A sliding contact whose pressure is looked at alone need not have more than that pressure's rounding here, too: if nothing presses on it, its force is
-//! zero whatever the others are, and m would be roundings on either side of zero.
+//! A sliding contact whose pressure is looked at alone may have less than its law says by a part of the rounding of that pressure. Its force is zero
+//! if nothing presses on it, whatever the others are, and m would be roundings on either side of zero.
 //!
 //! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
 //! clarabel. If N is empty, m is read off r₀. A problem that falls apart has the least margin of its parts.
