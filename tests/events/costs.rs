@@ -3,6 +3,7 @@
 
 use crate::contacts::{ball, placed};
 use crate::mechanisms::{GRAVITY, of_kind, run};
+use crate::scene_files::{report, scene_of};
 use catena::mechanism::motion::contact_solvers::{ContactSolver, ContactSolvers};
 use catena::mechanism::motion::event::EventKind;
 use catena::simulation::{Finished, StepChoice};
@@ -43,4 +44,38 @@ fn every_impact_with_a_rebound_is_solved_once_without_it_and_once_more_from_that
     assert_eq!(of_kind(&finished, EventKind::ContactImpact).len(), 3);
     let counts = [(ContactSolver::Cold, 3), (ContactSolver::Warm, 3)];
     assert_eq!(finished.method.contact_solvers, solved(&counts));
+}
+
+/// A ball that rolls with 0.3 m/s along the side of a box with this yaw (rad), and touches it at 0.1 m before its middle; no force acts between them.
+fn along_a_box(yaw: f64) -> (String, [f64; 3], [f64; 3]) {
+    let (normal, along) = ([-yaw.cos(), -yaw.sin()], [yaw.sin(), -yaw.cos()]);
+    let (radius, speed, apart) = (0.062, 0.3, 0.131 + 0.062);
+    let at = |axis: usize| [0.4, 0.029][axis] + apart * normal[axis] - 0.1 * along[axis];
+    let (start, velocity) = ([at(0), at(1), radius], [speed * along[0], speed * along[1], 0.0]);
+    let spin = [-velocity[1] / radius, velocity[0] / radius, 0.0];
+    let text = format!(
+        "[contact]\nfriction = 0.29\n[[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\n\
+         [[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.262, 0.261, 0.174] }}\ndensity = 400\n\
+         pose = {{ position = [0.4, 0.029, 0.087], rpy = [0, 0, {yaw}] }}\n\
+         [[body]]\nname = \"ball\"\nshape = {{ type = \"sphere\", radius = {radius} }}\ndensity = 700\n\
+         pose = {{ position = {start:?} }}\nvelocity = {{ linear = {velocity:?}, angular = {spin:?} }}\n"
+    );
+    (text, start, velocity)
+}
+
+#[test]
+fn a_ball_that_rolls_along_a_box_without_pressing_it_rolls_on_and_no_step_ends_at_roundings_of_its_force() {
+    // 1e-15 N lie on either side of zero: 50 times as many steps ended at events of them, which left the mode as it was.
+    for yaw in [-0.4, 0.3, 1.1] {
+        let (text, start, velocity) = along_a_box(yaw);
+        let file = scene_of(&format!("along_a_box_{yaw}"), "<link name='base'/>", &text);
+        let found = report(&file, &[], &[], Some(0.6), 1e-6);
+        let (_, ball) = found.links.iter().find(|(name, _)| name == "ball").expect("a ball");
+        for axis in 0..3 {
+            let wanted = start[axis] + 0.6 * velocity[axis];
+            let off = (ball.center_of_mass[axis] - wanted).abs();
+            assert!(off < 1e-9, "yaw {yaw}, axis {axis}: off by {off:e}");
+        }
+        assert_eq!((found.located_attempts, found.rejected_steps), (0, 0), "yaw {yaw}: {} steps", found.steps);
+    }
 }

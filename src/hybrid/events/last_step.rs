@@ -115,7 +115,7 @@ impl Eventful {
             evaluated.efforts = true;
         }
         if !evaluated.margin && which.iter().any(|&index| watched[index] == Watched::Margin) {
-            holding.evaluate_margin();
+            holding.evaluate_margin(|contact| mode.contacts[contact].shares(touching));
             evaluated.margin = true;
         }
         if !evaluated.bodies && which.iter().any(|&index| watched[index].needs_bodies()) {

@@ -115,11 +115,8 @@ impl Watched {
         for (index, closed) in mode.contacts.iter().enumerate() {
             let pair = closed.contact.pair;
             let rubs = touching.pairs[pair].friction > 0.0;
-            // If forces are not unique, friction still follows the pressures of the sliding contacts. Flat ends have points at the places where they
-            // press.
-            let shares = rubs && closed.slides.is_some() && closed.contact.flat_end().is_none();
             let own = [
-                (unique || shares, Watched::Presses(index)),
+                (unique || closed.shares(touching), Watched::Presses(index)),
                 (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
                 (rubs && closed.slides.is_some() && (unique || slide(pair) > 1), Watched::Slips(index)),
                 // A ball has no border that its contact could leave.

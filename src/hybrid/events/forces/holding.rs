@@ -185,7 +185,6 @@ impl Holding {
         };
         let nothing = vec![0.0; elements.joints.len()];
         let contacts = vec![[0.0; 3]; mode.contacts.len()];
-        let margin = f64::INFINITY;
         Holding {
             joints,
             efforts: nothing.clone(),
@@ -196,7 +195,7 @@ impl Holding {
             moments: vec![[0.0; 3]; mode.contacts.len()],
             weights: Vec::new(),
             returning: vec![Returning::NEVER; mode.unpressed.len()],
-            margin,
+            margin: f64::INFINITY,
             margin_known: false,
             known: None,
             how,
@@ -361,12 +360,13 @@ impl Holding {
         }
     }
 
-    /// Works out m where the efforts have been worked out last: it may take as long as all of them.
-    pub fn evaluate_margin(&mut self) {
+    /// Works out m where the efforts were worked out last, which may take as long; `alone`: of which contacts pressures are looked at alone, too.
+    pub fn evaluate_margin(&mut self, alone: impl Fn(usize) -> bool) {
         if let How::Closed { last: Some(load), unique: false } = &self.how
             && !self.margin_known
         {
-            self.margin = load.margin(|of, size| match of {
+            let own = |contact: usize| if alone(contact) { self.rounding_of_pressure(contact) } else { 0.0 };
+            self.margin = load.margin(own, |of, size| match of {
                 Of::Contact(contact) => self.beyond_cone(contact),
                 Of::Joint(_) | Of::Moment { .. } => CONTACT_ROUNDING * size,
             });

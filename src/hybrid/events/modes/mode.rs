@@ -215,6 +215,13 @@ impl Closed {
         [self.moments.rolling, self.moments.spinning].map(|moment| usize::from(moment == Moment::Holds))
     }
 
+    /// Whether its pressure is looked at alone where forces are not unique: friction still follows the pressures of sliding contacts. Flat ends have points
+    /// at the places where they press.
+    pub(crate) fn shares(&self, touching: &Touching) -> bool {
+        let rubs = touching.pairs[self.contact.pair].friction > 0.0;
+        rubs && self.slides.is_some() && self.contact.flat_end().is_none()
+    }
+
     /// Whether friction brakes it: it slides, or turns against a moment.
     pub fn is_braked(&self) -> bool {
         self.slides.is_some() || self.moments.brake()

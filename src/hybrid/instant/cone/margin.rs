@@ -8,6 +8,9 @@
 //! their states; if m < 0, one must open or slip. m is continuous in the load, in N (N m of joints). It is at most the largest force of the solution
 //! of least norm, which bounds it where contacts can pinch a body as hard as they like.
 //!
+//! A sliding contact whose pressure is looked at alone may have less than its law says by a part of the rounding of that pressure. Its force is zero
+//! if nothing presses on it, whatever the others are, and m would be roundings on either side of zero.
+//!
 //! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
 //! clarabel. If N is empty, m is read off r₀. A problem that falls apart has the least margin of its parts.
 
@@ -29,28 +32,43 @@ const ROUNDING: f64 = 1e-13;
 /// m; −∞ if no forces hold all rows, or the problem is malformed.
 #[cfg(test)]
 pub(crate) fn margin(problem: &Problem) -> f64 {
-    margin_beyond(problem, f64::INFINITY, |_| 0.0, |_| false)
+    margin_beyond(problem, f64::INFINITY, |_| Known { part: 0.0, own: 0.0 }, |_| false)
+}
+
+/// How far the forces of a block are known (N).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Known {
+    /// Each part of the problem has as much more, the most of its blocks.
+    pub part: f64,
+    /// The block itself may have as much less than its law says.
+    pub own: f64,
 }
 
 /// The same where its size does not matter: the margin of the forces of least norm if that is clear. A part of the problem whose blocks are `unloaded`
-/// has the margin 0, and each part as much more as its forces are known (N), the most of its blocks.
+/// has the margin 0.
 pub(crate) fn margin_or_clear(
     problem: &Problem,
-    known: impl Fn(usize) -> f64,
+    known: impl Fn(usize) -> Known,
     unloaded: impl Fn(usize) -> bool,
 ) -> f64 {
     margin_beyond(problem, CLEAR, known, unloaded)
 }
 
 /// m, or the margin of the forces of least norm if that is more than this part of the largest of them.
-fn margin_beyond(problem: &Problem, clear: f64, known: impl Fn(usize) -> f64, unloaded: impl Fn(usize) -> bool) -> f64 {
+fn margin_beyond(
+    problem: &Problem,
+    clear: f64,
+    known: impl Fn(usize) -> Known,
+    unloaded: impl Fn(usize) -> bool,
+) -> f64 {
     if problem.check().is_err() {
         return f64::NEG_INFINITY;
     }
     let of_part = |problem: &Problem, blocks: &[usize]| {
         let loaded = !blocks.iter().copied().all(&unloaded);
-        let (margin, largest) = if loaded { margin_of_part(problem, clear) } else { (0.0, 0.0) };
-        let more = blocks.iter().copied().map(&known).fold(0.0, f64::max);
+        let known: Vec<Known> = blocks.iter().copied().map(&known).collect();
+        let (margin, largest) = if loaded { margin_of_part(problem, clear, &known) } else { (0.0, 0.0) };
+        let more = known.iter().map(|known| known.part).fold(0.0, f64::max);
         (margin + more, largest + more)
     };
     let margins: Vec<(f64, f64)> = match parts_apart(problem) {
@@ -62,7 +80,7 @@ fn margin_beyond(problem: &Problem, clear: f64, known: impl Fn(usize) -> f64, un
 }
 
 /// The same of a part, and its largest force; infinite without conditions.
-fn margin_of_part(problem: &Problem, clear: f64) -> (f64, f64) {
+fn margin_of_part(problem: &Problem, clear: f64, known: &[Known]) -> (f64, f64) {
     let scaled = Scaled::new(problem);
     let directions = force_directions(&scaled);
     let Some((particular, null)) = holding_forces(&scaled, &directions) else { return (f64::NEG_INFINITY, 0.0) };
@@ -74,15 +92,14 @@ fn margin_of_part(problem: &Problem, clear: f64) -> (f64, f64) {
         column.copy_from_slice(&unscaled);
     }
     let largest = particular.amax();
-    let conditions = Conditions::new(&scaled, problem.laws);
+    let conditions = Conditions::new(&scaled, problem.laws, known);
     if conditions.cones.is_empty() {
         return (f64::INFINITY, largest);
     }
-    let own = problem
-        .laws
-        .iter()
-        .zip(&scaled.starts)
-        .fold(largest, |least, (law, &start)| least.min(own_margin(law, &particular.as_slice()[start..])));
+    let own =
+        problem.laws.iter().zip(scaled.starts.iter().zip(known)).fold(largest, |least, (law, (&start, known))| {
+            least.min(own_margin(law, &particular.as_slice()[start..], known))
+        });
     // Far from the limit of the contacts only its sign is needed. No force at all is admissible, and the most.
     if null.ncols() == 0 || own > clear * largest || largest == 0.0 {
         return (own, largest);
@@ -91,12 +108,13 @@ fn margin_of_part(problem: &Problem, clear: f64) -> (f64, f64) {
 }
 
 /// The margin of one block with known forces.
-fn own_margin(law: &Law, forces: &[f64]) -> f64 {
-    match *law {
+fn own_margin(law: &Law, forces: &[f64], known: &Known) -> f64 {
+    let margin = match *law {
         Law::Interval { lower, upper } => (forces[0] - lower).min(upper - forces[0]),
         Law::Contact { friction } if friction > 0.0 => forces[0] - forces[1].hypot(forces[2]) / friction,
         Law::Contact { .. } | Law::Sliding { .. } => forces[0],
-    }
+    };
+    margin + known.own
 }
 
 /// The rows of the unknown forces of blocks: one column for each force, in scaled units.
@@ -146,28 +164,28 @@ struct Conditions {
 }
 
 impl Conditions {
-    fn new(scaled: &Scaled, laws: &[Law]) -> Self {
+    fn new(scaled: &Scaled, laws: &[Law], known: &[Known]) -> Self {
         let (mut cones, mut lines) = (Vec::new(), Vec::new());
-        for (&start, law) in scaled.starts.iter().zip(laws) {
+        for ((&start, law), &Known { own, .. }) in scaled.starts.iter().zip(laws).zip(known) {
             match *law {
                 Law::Interval { lower, upper } => {
                     for (factor, bound) in
                         [(1.0, lower), (-1.0, upper)].into_iter().filter(|(_, bound)| bound.is_finite())
                     {
-                        lines.push((start, factor, -factor * bound, 1.0));
+                        lines.push((start, factor, own - factor * bound, 1.0));
                         cones.push(SupportedConeT::NonnegativeConeT(1));
                     }
                 }
                 Law::Contact { friction } if friction > 0.0 => {
                     lines.extend([
-                        (start, friction, 0.0, friction),
+                        (start, friction, friction * own, friction),
                         (start + 1, 1.0, 0.0, 0.0),
                         (start + 2, 1.0, 0.0, 0.0),
                     ]);
                     cones.push(SupportedConeT::SecondOrderConeT(3));
                 }
                 Law::Contact { .. } | Law::Sliding { .. } => {
-                    lines.push((start, 1.0, 0.0, 1.0));
+                    lines.push((start, 1.0, own, 1.0));
                     cones.push(SupportedConeT::NonnegativeConeT(1));
                 }
             }

@@ -35,4 +35,4 @@ pub(crate) use cascade::{solve, solve_apart, solve_roughly};
 pub(crate) use least_compliance::least_compliance;
 #[cfg(test)]
 pub(crate) use margin::margin;
-pub(crate) use margin::margin_or_clear;
+pub(crate) use margin::{Known, margin_or_clear};

@@ -1,12 +1,13 @@
-//! Velocities and accelerations of a tree in which joints follow others by ratios, and no loop closes.
+//! Velocities and accelerations of a tree in which joints follow others by ratios or are moved in time, and no loop closes.
 //!
 //! ```text
-//!     J v = 0,   one row v_f − m v_l for each follower f of a leader l           X = H⁻¹ Jᵀ  (n × k),   A = J X  (k × k)
-//!     x − X A⁻¹ J x:  of x = H⁻¹ τ the answer Y τ; of accelerations of the tree those that fit J a = 0; of velocities the nearest in the metric of H
+//!     J v = r,   one row v_f − m v_l for each follower f of a leader l, and one row v_f for each moved joint f     X = H⁻¹ Jᵀ (n × k),  A = J X (k × k)
+//!     x − X A⁻¹ (J x − r):  of x = H⁻¹ τ the answer Y τ; of accelerations of the tree those that fit; of velocities the nearest in the metric of H
 //! ```
 //!
-//! H (n × n) is the mass matrix, J (k × n). J is constant, so that X is worked out once in a state, and an effort costs one solve with H and k
-//! products. A is symmetric and positive definite if each joint follows in one way only.
+//! H (n × n) is the mass matrix, J (k × n); r is zero of followers and of answers, the rate of a moved joint among velocities, and its acceleration among
+//! accelerations. J is constant, so that X is worked out once in a state, and an effort costs one solve with H and k products. A is symmetric and
+//! positive definite if each joint follows or is moved in one way only.
 
 use crate::mechanism::description::closure::Mimic;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -15,11 +16,32 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 /// A second round takes out what roundings of the first have left.
 const ROUNDS: usize = 2;
 
+/// What is to fit the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fitted {
+    /// Answers to efforts and impulses: moved joints have none.
+    Answers,
+    /// Velocities.
+    Velocities,
+    /// Accelerations.
+    Accelerations,
+}
+
+/// One row of J.
+#[derive(Clone)]
+struct Row {
+    /// The freedoms of the follower and of its leader, and their ratio m; a moved joint is both, with the ratio 0.
+    follower: usize,
+    leader: usize,
+    ratio: f64,
+    /// The rate and acceleration of a moved joint.
+    motion: Option<[f64; 2]>,
+}
+
 /// The workspace of one mechanism.
 #[derive(Clone)]
 pub(crate) struct Following {
-    /// Freedoms of the follower and of its leader, and their ratio m.
-    rows: Vec<(usize, usize, f64)>,
+    rows: Vec<Row>,
     /// X.
     columns: DMatrix<f64>,
     /// The factor of A.
@@ -27,45 +49,76 @@ pub(crate) struct Following {
 }
 
 impl Following {
-    /// The projection in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, if joints
-    /// are moved in time, or if the rows are not independent.
-    pub fn at(mechanism: &Mechanism, mut respond: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
+    /// The projection at a time (s), in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, if the rows are not independent,
+    /// or if one of them moves nothing that has inertia.
+    pub fn at(mechanism: &Mechanism, time: f64, mut respond: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
         let several = mechanism.mimics.iter().any(|mimic| !mimic.more.is_empty());
-        if several || !mechanism.loops.is_empty() || mechanism.mimics.is_empty() || mechanism.moves_joints() {
+        if several || !mechanism.loops.is_empty() || mechanism.mimics.is_empty() {
             return None;
         }
-        let row = |mimic: &Mimic| (mimic.follower.freedom, mimic.leader.freedom, mimic.multiplier);
-        let rows: Vec<(usize, usize, f64)> = mechanism.mimics.iter().map(row).collect();
+        let rows: Vec<Row> = mechanism.mimics.iter().map(|mimic| Row::of(mimic, time)).collect();
         let (count, freedoms) = (rows.len(), mechanism.velocity_count);
         let mut columns = DMatrix::zeros(freedoms, count);
         let (mut efforts, mut answer) = (vec![0.0; freedoms], vec![0.0; freedoms]);
-        for (index, &(follower, leader, ratio)) in rows.iter().enumerate() {
+        for (index, row) in rows.iter().enumerate() {
             efforts.fill(0.0);
-            efforts[follower] += 1.0;
-            efforts[leader] -= ratio;
+            efforts[row.follower] += 1.0;
+            efforts[row.leader] -= row.ratio;
             respond(&efforts, &mut answer);
             columns.column_mut(index).copy_from_slice(&answer);
         }
-        let half = DMatrix::from_fn(count, count, |row, column| rate(rows[row], columns.column(column).as_slice()));
+        let half = DMatrix::from_fn(count, count, |row, column| rows[row].rate(columns.column(column).as_slice()));
+        if !half.iter().all(|entry| entry.is_finite()) {
+            return None;
+        }
         let factor = Cholesky::new(0.5 * (&half + half.transpose()))?;
         Some(Following { rows, columns, factor })
     }
 
     /// Makes x fit the rows, by the least change in the metric of H: Y τ of H⁻¹ τ.
-    pub fn follow(&self, values: &mut [f64]) {
+    pub fn follow(&self, what: Fitted, values: &mut [f64]) {
         for _ in 0..ROUNDS {
-            let rates = self.rows.iter().map(|&row| rate(row, values));
+            let rates = self.rows.iter().map(|row| row.rate(values) - row.wanted(what));
             let multipliers = self.factor.solve(&DVector::from_iterator(self.rows.len(), rates));
             for (column, multiplier) in self.columns.column_iter().zip(multipliers.iter()) {
                 values.iter_mut().zip(column.iter()).for_each(|(value, part)| *value -= part * multiplier);
             }
         }
+        for row in self.rows.iter().filter(|row| row.motion.is_some()) {
+            values[row.follower] = row.wanted(what);
+        }
+    }
+
+    /// Whether no joint follows one of another tree, with the tree of each degree of freedom.
+    pub fn stays_in_trees(&self, of_freedoms: &[usize]) -> bool {
+        self.rows.iter().all(|row| of_freedoms[row.follower] == of_freedoms[row.leader])
     }
 }
 
-/// J v of one row.
-fn rate((follower, leader, ratio): (usize, usize, f64), velocity: &[f64]) -> f64 {
-    velocity[follower] - ratio * velocity[leader]
+impl Row {
+    fn of(mimic: &Mimic, time: f64) -> Self {
+        let (follower, leader) = (mimic.follower.freedom, mimic.leader.freedom);
+        if mimic.is_moved() {
+            let [_, rate, acceleration] = mimic.motion(time, time);
+            return Row { follower, leader: follower, ratio: 0.0, motion: Some([rate, acceleration]) };
+        }
+        Row { follower, leader, ratio: mimic.multiplier, motion: None }
+    }
+
+    /// J x.
+    fn rate(&self, values: &[f64]) -> f64 {
+        values[self.follower] - self.ratio * values[self.leader]
+    }
+
+    /// r.
+    fn wanted(&self, what: Fitted) -> f64 {
+        let [rate, acceleration] = self.motion.unwrap_or([0.0; 2]);
+        match what {
+            Fitted::Answers => 0.0,
+            Fitted::Velocities => rate,
+            Fitted::Accelerations => acceleration,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -75,7 +128,9 @@ mod tests {
     use crate::instant::dynamics::mass_matrix::tests::tree;
     use crate::instant::dynamics::response_on_tree::ResponseOnTree;
     use crate::mechanism::description::closure::Coordinate;
+    use crate::mechanism::description::formula::Formula;
     use crate::mechanism::description::joint::JointKind;
+    use crate::mechanism::description::target::Target;
     use crate::mechanism::motion::state::State;
 
     #[test]
@@ -127,5 +182,50 @@ mod tests {
             }
             assert!(ratios.iter().all(|&(f, l, m)| (answer[freedom(f)] - m * answer[freedom(l)]).abs() < 1e-15));
         }
+    }
+    #[test]
+    fn a_joint_that_is_moved_has_its_motion_and_others_answer_as_if_it_were_fixed() {
+        let mut mechanism = tree(&[
+            (None, JointKind::Floating, 0.3),
+            (Some(0), JointKind::Revolute, 0.5),
+            (Some(1), JointKind::Prismatic, 0.1),
+        ]);
+        let joint = &mechanism.bodies[1].joint;
+        let moved = Coordinate { body: 1, position: joint.position_index, freedom: joint.velocity_index };
+        let curve = Formula::new("0.3*sin(4*t) + 0.5*t^2", &[]).expect("a formula");
+        mechanism.mimics = vec![Mimic::moved("moved".into(), moved, Target::formula(curve))];
+        let (count, freedom) = (mechanism.velocity_count, moved.freedom);
+        let mut state = State { time: 0.7, ..State::zero(&mechanism) };
+        let mass = mass_matrix(&mechanism, &state);
+        let others: Vec<usize> = (0..count).filter(|&other| other != freedom).collect();
+        let inverse = mass.select_rows(&others).select_columns(&others).try_inverse().expect("masses");
+        let mut response = ResponseOnTree::new(&mechanism);
+        response.place(&state);
+        let mut answer = vec![0.0; count];
+        for unit in 0..count {
+            let mut efforts = vec![0.0; count];
+            efforts[unit] = 1.0;
+            response.answer(&efforts, &mut answer);
+            for (row, &of) in others.iter().enumerate() {
+                let right = others.iter().position(|&other| other == unit).map_or(0.0, |column| inverse[(row, column)]);
+                assert!(
+                    (answer[of] - right).abs() < 1e-13 * inverse.amax(),
+                    "{of}, {unit}: {}, not {right}",
+                    answer[of]
+                );
+            }
+            assert_eq!(answer[freedom], 0.0, "{unit}");
+        }
+        let speed = 1.2 * (4.0 * state.time).cos() + state.time;
+        let gains = 1.0 - 4.8 * (4.0 * state.time).sin();
+        // At rest without gravity and forces, all accelerations are those that the moved joint asks for.
+        response.accelerations(&state, &vec![0.0; count], &mut answer);
+        let pushed = &mass * DVector::from_column_slice(&answer);
+        assert!((answer[freedom] - gains).abs() < 1e-13);
+        assert!(others.iter().all(|&other| pushed[other].abs() < 1e-13 * pushed.amax()), "{pushed}");
+        response.close_velocities(&mut state);
+        let pushed = &mass * DVector::from_column_slice(&state.velocity);
+        assert!((state.velocity[freedom] - speed).abs() < 1e-13);
+        assert!(others.iter().all(|&other| pushed[other].abs() < 1e-13 * pushed.amax()), "{pushed}");
     }
 }

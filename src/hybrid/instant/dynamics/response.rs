@@ -128,7 +128,7 @@ impl Response {
         self.place(state);
         let mut columns = DMatrix::zeros(self.unit.len(), rows.len());
         let mut column = vec![0.0; self.unit.len()];
-        if !matches!(&self.way, Some(Way::OfFile(response)) if response.trees_are_apart()) {
+        if !matches!(&self.way, Some(Way::OfFile(response)) if response.trees_are_apart(&self.trees.of_freedoms)) {
             for (index, row) in rows.iter().enumerate() {
                 self.answer(row, &mut column);
                 columns.column_mut(index).copy_from_slice(&column);
@@ -256,8 +256,10 @@ impl Way {
 mod tests {
     use super::*;
     use crate::instant::cone::scenes::Random;
+    use crate::mechanism::description::closure::{Coordinate, Mimic};
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::description::target::Target;
     use nalgebra::Vector3;
 
     #[test]
@@ -269,9 +271,12 @@ mod tests {
             let (mass, inertia) = (1.0 + number as f64, Vector3::new(0.1, 0.2, 0.25));
             Body { name: "body".into(), parent: (number % 2 == 1).then(|| number - 1), mass, inertia, joint }
         };
-        let mechanism = Mechanism::new("trees", Vector3::zeros(), (0..6).map(body).collect()).expect("trees");
-        let (mut response, mut random) = (Response::new(&mechanism), Random::new(7));
-        let state = State::zero(&mechanism);
+        let alone = Mechanism::new("trees", Vector3::zeros(), (0..6).map(body).collect()).expect("trees");
+        // The joint inside the second tree is moved in time in the other case.
+        let moved = Coordinate { body: 3, position: 15, freedom: 13 };
+        let mut with_motion = alone.clone();
+        with_motion.mimics = vec![Mimic::moved("moved".into(), moved, Target::constant(0.1))];
+        let mut random = Random::new(7);
         // A row on each tree, one on each two, and one on none.
         let acts = [vec![0], vec![1], vec![2], vec![0, 1], vec![1, 2], vec![0, 2], vec![], vec![1]];
         let rows: Vec<Vec<f64>> = acts
@@ -280,13 +285,21 @@ mod tests {
                 (0..21).map(|freedom| if acts.contains(&(freedom / 7)) { random.signed() } else { 0.0 }).collect()
             })
             .collect();
-        let together = response.answers(&state, &rows);
-        for (index, row) in rows.iter().enumerate() {
-            let mut alone = vec![0.0; 21];
-            response.answer(row, &mut alone);
-            assert_eq!(together.column(index).as_slice(), alone.as_slice(), "row {index}");
-            assert_eq!(alone.iter().any(|rate| *rate != 0.0), !acts[index].is_empty());
+        for mechanism in [&alone, &with_motion] {
+            let state = State::zero(mechanism);
+            let mut response = Response::new(mechanism);
+            let together = response.answers(&state, &rows);
+            assert!(
+                matches!(&response.way, Some(Way::OfFile(own)) if own.trees_are_apart(&response.trees.of_freedoms))
+            );
+            for (index, row) in rows.iter().enumerate() {
+                let mut alone = vec![0.0; 21];
+                response.answer(row, &mut alone);
+                assert_eq!(together.column(index).as_slice(), alone.as_slice(), "row {index}");
+                assert_eq!(alone.iter().any(|rate| *rate != 0.0), !acts[index].is_empty());
+            }
         }
+        let response = Response::new(&alone);
         let of_rows: Vec<Vec<usize>> = rows.iter().map(|row| acting(row, &response.trees.of_freedoms)).collect();
         assert_eq!(groups(&of_rows, 6), [vec![0, 1, 2, 6], vec![3], vec![4], vec![5, 7]]);
     }

@@ -7,10 +7,11 @@
 //! ```
 //!
 //! H (n × n) is the mass matrix, J the gradient of the closures. A column of Y is one solve of the articulated-body algorithm, made to fit the
-//! closures by the least motion in the metric of H ([`Closing`]; where joints follow others and no loop closes [`Following`]); H is never formed.
+//! closures by the least motion in the metric of H ([`Closing`]; where joints follow others or are moved and no loop closes
+//! [`Following`]); H is never formed.
 
 use crate::instant::dynamics::closing::Closing;
-use crate::instant::dynamics::following::Following;
+use crate::instant::dynamics::following::{Fitted, Following};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::Inputs;
@@ -31,7 +32,7 @@ pub(crate) struct ResponseOnTree {
     bodies: Vec<BodyState>,
     accelerations: Vec<BodyAcceleration>,
     closing: Option<Closing>,
-    /// In the state at which columns of Y are asked for, where joints follow others and no loop closes.
+    /// In the state at which columns of Y are asked for, where joints follow others or are moved and no loop closes.
     following: Option<Following>,
     zero: Vec<f64>,
     free: Vec<f64>,
@@ -64,8 +65,8 @@ impl ResponseOnTree {
         place_bodies(mechanism, state, bodies);
         ode.drive_at(state.time, Inputs::constant(efforts));
         ode.accelerations_of_placed(&state.position, &state.velocity, bodies, out);
-        if let Some(following) = Following::at(mechanism, |efforts, answer| ode.respond(efforts, answer)) {
-            following.follow(out);
+        if let Some(following) = Following::at(mechanism, state.time, |efforts, answer| ode.respond(efforts, answer)) {
+            following.follow(Fitted::Accelerations, out);
         } else if let Some(closing) = closing {
             closing.place(mechanism, state);
             closing.accelerations(mechanism, &state.velocity, bodies, out, accelerations);
@@ -76,7 +77,7 @@ impl ResponseOnTree {
     pub fn place(&mut self, state: &State) {
         let ResponseOnTree { mechanism, bare, closing, following, zero, free, .. } = self;
         bare.accelerations(&state.position, zero, free);
-        *following = Following::at(mechanism, |efforts, answer| bare.respond(efforts, answer));
+        *following = Following::at(mechanism, state.time, |efforts, answer| bare.respond(efforts, answer));
         if let Some(closing) = closing.as_mut().filter(|_| following.is_none()) {
             closing.place(mechanism, state);
         }
@@ -87,15 +88,16 @@ impl ResponseOnTree {
         let ResponseOnTree { mechanism, bare, closing, following, .. } = self;
         bare.respond(efforts, out);
         if let Some(following) = following {
-            following.follow(out);
+            following.follow(Fitted::Answers, out);
         } else if let Some(closing) = closing {
             closing.changes(mechanism, out);
         }
     }
 
-    /// Whether the trees of the mechanism answer each to its own efforts alone, in the state that was taken last.
-    pub fn trees_are_apart(&self) -> bool {
-        self.closing.is_none() && self.following.is_none()
+    /// Whether the trees of the mechanism answer each to its own efforts alone, in the state that was taken last; with the tree of each degree of
+    /// freedom.
+    pub fn trees_are_apart(&self, of_freedoms: &[usize]) -> bool {
+        self.following.as_ref().map_or(self.closing.is_none(), |following| following.stays_in_trees(of_freedoms))
     }
 
     /// Brings velocities on the closures, with the least change in the metric of H.
@@ -106,7 +108,7 @@ impl ResponseOnTree {
         self.place(state);
         let ResponseOnTree { mechanism, closing, following, .. } = self;
         if let Some(following) = following {
-            following.follow(&mut state.velocity);
+            following.follow(Fitted::Velocities, &mut state.velocity);
         } else if let Some(closing) = closing {
             closing.velocities(mechanism, &mut state.velocity);
         }
