@@ -58,7 +58,7 @@ pub(crate) struct Motions<'m> {
 }
 
 impl Closures {
-    /// The closures of the tree with these freedoms, of those with these numbers; `paths` has the columns of the freedoms on the way to each body.
+    /// The loops and mimic relations with these numbers, of the tree with these freedoms; `paths` has the columns of the freedoms on the way to each body.
     pub(crate) fn new(
         mechanism: &Mechanism,
         freedoms: &[usize],
@@ -193,7 +193,7 @@ impl Closures {
         }
     }
 
-    /// Makes the columns of the pivots unit vectors; pivots are chosen, or those of the last choice.
+    /// Makes the columns of the pivots unit vectors; pivots are chosen, or are the same as before.
     fn eliminate(&mut self, chooses: bool) {
         let width = self.count + 1;
         let height = self.rows.len() / width;

@@ -1,6 +1,6 @@
 //! The problem of a step over many impacts: impulses of all contacts, limits, friction and motors of an island of trees, and its solvers.
 //!
-//! - [`trees`]: mass matrices in joint rates, and `closures`: which of them follow others;
+//! - [`trees`], [`tree`]: mass matrices in joint rates, and `closures`: which of them follow others;
 //! - [`rows`]: the rows of contacts and joints on the trees, and [`islands`]: trees that they join;
 //! - [`laws`], [`problem`]: the equations;
 //! - `elimination`, `block_factors`, [`newton`], `centred`, `interior` (with [`jordan`]), `convex`, [`solver`]: the solvers and their order, and `stall`, which ends them.
@@ -22,4 +22,5 @@ pub mod problem;
 pub mod rows;
 pub mod solver;
 mod stall;
+pub mod tree;
 pub mod trees;

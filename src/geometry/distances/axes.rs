@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 
 /// The most products of edges that are tried as axes.
 const MOST_AXES: usize = 64;
-/// Two edges with a smaller sine between them have no axis of their own: that of a face is the same.
+/// Two edges with a smaller sine between them have no axis of their own: a face has the same one.
 const PARALLEL: f64 = 1e-4;
 /// An axis of two edges is better than the axis of a face by more than this part of the size.
 const BETTER: f64 = 1e-9;
@@ -150,7 +150,7 @@ fn over_faces(
     }
 }
 
-/// The places where edges cross: those with an end in the slab below the support plane.
+/// The places where edges cross, with an end in the slab below the support plane.
 fn crossings([a, b]: [&Polytope; 2], moved: &[Vector3<f64>], depth: f64, bounds: &Bounds, found: &mut Vec<Candidate>) {
     let normal = bounds.normal;
     let above = -least(&a.vertices, &-normal) - depth;

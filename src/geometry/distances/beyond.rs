@@ -20,7 +20,7 @@ use crate::shapes::convex::{Convex, Core};
 use crate::shapes::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 
-/// The features of a place: that of the shape at hand, and that of the other one.
+/// The features of a place: of the shape at hand, and of the other one.
 #[derive(Clone, Copy)]
 pub struct Place {
     pub own: FeatureId,

@@ -32,7 +32,7 @@ pub fn near_pairs(both: &Both, [of_a, of_b]: [&[(FeatureId, bool)]; 2], most: f6
     pairs
 }
 
-/// The pairs of balls that overlap along a line when those of the first are larger by a length (m).
+/// The pairs of balls that overlap along a line when the balls of the first are larger by a length (m).
 fn overlapping([balls_a, balls_b]: [&[Ball]; 2], most: f64) -> Vec<(usize, usize)> {
     let axis = widest(balls_a.iter().chain(balls_b));
     let ends = |ball: &Ball, larger: f64| {

@@ -27,7 +27,7 @@ const COINCIDENT: f64 = 2e-14;
 const FEW_FACES: usize = 24;
 /// All pairs of edges are tried if they are not more.
 const MOST_PAIRS: usize = 50_000;
-/// They are tried wherever they are not more than this, as those of two boxes.
+/// They are tried wherever they are not more than this, as the pairs of two boxes.
 const FEW_PAIRS: usize = 500;
 /// Outside of a feature by rounding, relative to the size.
 const ROUNDING: f64 = 1e-12;

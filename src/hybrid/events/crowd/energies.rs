@@ -8,7 +8,8 @@
 //! All trees are one group if forces act between bodies, or loads.
 
 use crate::crowd::islands::groups;
-use crate::crowd::trees::{Tree, Trees};
+use crate::crowd::tree::Tree;
+use crate::crowd::trees::Trees;
 use crate::events::crowd::contacts::Contacts;
 use crate::events::effects::resting::work_of_forces;
 use crate::mechanism::description::body_state::BodyState;

@@ -6,7 +6,7 @@
 //! | `clearances`, `speeds` | how far pairs are apart, and how fast they may come near |
 //! | `free`, `moving`, `rebounding`, `settling`, `lifting`, `energies` | the parts of a step |
 //! | `asleep`, `resting`, `sleeping` | trees that sleep, how they fall asleep and wake, and crowds with them |
-//! | `step` | the step |
+//! | `step`, `inside` | the step, and states inside it |
 //!
 //! Trees, rows, the problem of an island and its solvers are in [`crate::crowd`].
 
@@ -15,6 +15,7 @@ mod clearances;
 pub(crate) mod contacts;
 mod energies;
 mod free;
+mod inside;
 mod lifting;
 mod moving;
 mod rebounding;

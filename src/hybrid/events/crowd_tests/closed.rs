@@ -1,6 +1,7 @@
 //! Trees that closures join have the rates and the energy of the mechanism.
 
 use super::{Numbers, put};
+use crate::crowd::tree::Tree;
 use crate::crowd::trees::Trees;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
@@ -73,7 +74,7 @@ fn independent_rates_of_trees_that_closures_join_give_rates_on_all_closures_with
     assert!(rate < 1e-14 && mimic_gap(&mechanism.mimics[0], &state).1.abs() < 1e-14, "{rate:e}");
     let rates = nalgebra::DVector::from_column_slice(&state.velocity);
     let expected = 0.5 * rates.dot(&(mass_matrix(&mechanism, &state) * &rates));
-    let of_tree = |tree: &crate::crowd::trees::Tree| {
+    let of_tree = |tree: &Tree| {
         let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| state.velocity[freedom]).collect();
         let mut momenta = vec![0.0; own.len()];
         tree.add_mass(&own, &mut momenta);
