@@ -150,7 +150,7 @@ impl Crowd {
     }
 
     /// Makes a step of this length (s) from a state, evenly if nothing that acts changes in time; `None` where a mass matrix is singular, a number is not
-    /// finite, shapes overlap far at its end, or it is interrupted: nothing of it is kept.
+    /// finite, shapes overlap far at its end, or it is interrupted: the state before it is kept.
     pub fn step(&mut self, scene: Scene, forces: Forces, state: &mut State, step: f64, evenly: bool) -> Option<Made> {
         let made = self.make(scene, forces, state, step, evenly);
         if made.is_none() {

@@ -7,7 +7,7 @@
 //!
 //! b = u⁻ are the rates before, γ⁻ the rates of normals and limits, e the restitution of each block, P impulses, energies in J. If any e > 0 a round
 //! is made of the approaching blocks, and rounds follow until every block parts. If all are 0 there is one plastic impact of all. Blocks that do not feel
-//! each other, directly or by others, are impacts of their own: a ball that lies beside two bodies that collide changes nothing. A light body
+//! each other, directly or by others, are impacts of their own: a ball beside two bodies that collide does not change their impact. A light body
 //! between heavy ones takes about as many rounds as its mass is less. If the last 50 rounds have lost more than a twentieth of the loss of a plastic
 //! impact of all, that impact ends them, because such rounds tend to it. Elastic ones go on. If v_N does not exist, because contacts that pinch a
 //! body cannot all rebound, σ = 0. If no solver reaches its accuracy, as for points that nearly coincide, the best impulses are taken

@@ -9,7 +9,7 @@
 //! of least norm, which bounds it where contacts can pinch a body as hard as they like.
 //!
 //! A sliding contact whose pressure is looked at alone may have less than its law says by a part of the rounding of that pressure. Its force is zero
-//! if nothing presses on it, whatever the others are, and m would be roundings on either side of zero.
+//! if no load presses on it, whatever the others are, and m would be roundings on either side of zero.
 //!
 //! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
 //! clarabel. If N is empty, m is read off r₀. A problem that falls apart has the least margin of its parts.

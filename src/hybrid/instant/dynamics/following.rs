@@ -19,7 +19,7 @@ const ROUNDS: usize = 2;
 /// What is to fit the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fitted {
-    /// Answers to efforts and impulses: moved joints have none.
+    /// Answers to efforts and impulses, which moved joints do not have.
     Answers,
     /// Velocities.
     Velocities,
@@ -50,7 +50,7 @@ pub(crate) struct Following {
 
 impl Following {
     /// The projection at a time (s), in the state for which `respond` makes H⁻¹ τ of efforts τ; `None` if loops close, if the rows are not independent,
-    /// or if one of them moves nothing that has inertia.
+    /// or if one of them does not move any inertia.
     pub fn at(mechanism: &Mechanism, time: f64, mut respond: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
         let several = mechanism.mimics.iter().any(|mimic| !mimic.more.is_empty());
         if several || !mechanism.loops.is_empty() || mechanism.mimics.is_empty() {
