@@ -152,13 +152,3 @@ fn bodies_that_have_parted_still_tell_the_error_of_the_steps_over_events_that_th
         assert!(off <= 10.0 * told || reached && off <= tolerance, "{tolerance:e}: {off:e} off, told {told:e}");
     }
 }
-
-#[test]
-fn a_few_bodies_that_steps_over_events_have_carried_off_begin_again_with_shorter_ones_before_they_part_for_good() {
-    // They went on to the end, where no steps keep to the tolerance any more.
-    let file = scene_of("groups_again", "<link name='base'/>", MET);
-    let (end, fine) = (report(&file, &[], &[], Some(2.0), 1e-3), report(&file, &[], &[], Some(2.0), 1e-7));
-    let (reached, told) = estimated(&end);
-    let off = apart(&end, &fine);
-    assert!(reached && off <= 1e-3, "{off:e} off, told {told:e}");
-}

@@ -20,7 +20,7 @@
 //!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds. So does a run that met other events than
 //! its companion, where finer steps would carry it hardly further ([`crate::simulation::tolerance::horizon`]). A run that is not far from the accuracy at
-//! its end, because of steps over events, restarts once with shorter and fewer of these ([`opinions`]); and so does a group before its end.
+//! its end, because of steps over events, restarts once with shorter and fewer of these ([`opinions`]).
 
 use crate::events::crowded::CrowdsSoFar;
 use crate::mechanism::description::mechanism::Mechanism;

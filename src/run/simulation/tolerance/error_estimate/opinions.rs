@@ -94,8 +94,7 @@ impl ErrorEstimate<'_> {
     }
 
     /// The part of the accuracy that steps over events are made for if the run restarts because of them: at its end, once, and if its estimated error (m) is
-    /// near the accuracy. In the middle of a run it is not known whether motions part, but groups are few bodies that meet for a moment: they restart as soon
-    /// as they are off, with the shortest ones. Piles for which exact steps are too dear keep their steps over events.
+    /// near the accuracy. In the middle of a run it is not known whether motions part. Piles for which exact steps are too dear keep their steps over events.
     pub(super) fn finer_over_events(
         &mut self,
         mechanism: &Mechanism,
@@ -105,9 +104,7 @@ impl ErrorEstimate<'_> {
     ) -> Option<f64> {
         let Terms { end, tolerance, .. } = self.terms;
         let worth = estimate > tolerance && estimate <= NEAR * tolerance;
-        let stepped_over = run.smeared() != [0.0; 2] || self.least_share > 0.0;
-        let is_group = self.earlier > 0;
-        if !self.may_refine || state.time < end && !is_group || !worth || !stepped_over {
+        if !self.may_refine || state.time < end || !worth || run.smeared() == [0.0; 2] {
             return None;
         }
         self.may_refine = false;
@@ -116,16 +113,10 @@ impl ErrorEstimate<'_> {
         if !is_cheap(mechanism.velocity_count, closed.len()) {
             return None;
         }
-        let wanted = if state.time < end { PARTS[1] } else { (AIM * tolerance / estimate).clamp(PARTS[1], PARTS[0]) };
-        let method = run.description();
+        let (method, wanted) = (run.description(), (AIM * tolerance / estimate).clamp(PARTS[1], PARTS[0]));
         // Shorter ones would be exact steps, which cost a robot that collapses ten times as much as the run.
         let mean = method.first_order_time / method.first_order_steps.max(1) as f64;
-        let least = match method.first_order_steps {
-            _ if are_few(mechanism.velocity_count) => 0.0,
-            // The runs before it have made them.
-            0 => PARTS[0],
-            _ => least_part(mean),
-        };
+        let least = if are_few(mechanism.velocity_count) { 0.0 } else { least_part(mean) };
         Some(wanted.max(least.min(1.0)))
     }
 
