@@ -8,6 +8,10 @@ use crate::simulation::tolerance::handed::{Companion, Fineness, Handed};
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
 
+/// The least part of the distance that is the error of a group. Its steps end with those of others and where groups change, as steps of its companion do, so
+/// that the iterations of both leave errors that differ by less than their stops do.
+const OF_GROUPS: f64 = 1.0 / 3.0;
+
 impl<'a> ErrorEstimate<'a> {
     /// Hands on the run where it is, at the end of a step; `None` if it begins again.
     pub(crate) fn hand_on(&mut self, mechanism: &Mechanism, state: &State, run: &mut RunIntegrator) -> Option<Handed> {
@@ -118,7 +122,7 @@ impl<'a> ErrorEstimate<'a> {
         // An error counts once: a companion goes on to show it.
         (estimate.shown, estimate.before) =
             if companion.is_some() { (largest, unseen) } else { (0.0, unseen + largest) };
-        estimate.least_share = if companion.is_some() { share } else { 0.0 };
+        estimate.least_share = if companion.is_some() { share.max(OF_GROUPS) } else { OF_GROUPS };
         (estimate.companion, estimate.so_far, estimate.largest) = (companion, so_far, estimate.shown);
         (estimate.parted, estimate.differ, estimate.driven) = (parted, differ, driven);
         Ok((estimate, run))
