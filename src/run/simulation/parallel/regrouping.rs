@@ -26,7 +26,7 @@ use crate::simulation::parallel::threads::spread;
 use crate::simulation::steps::course::{Aim, RunError, RunOptions};
 use crate::simulation::steps::observer::Observer;
 use crate::simulation::tolerance::estimated_run::EstimatedRun;
-use crate::simulation::tolerance::handed::{Fineness, Handed};
+use crate::simulation::tolerance::handed::{Companion, Fineness, Handed};
 use crate::stepping::integrator::MethodError;
 use std::time::Instant;
 
@@ -230,10 +230,10 @@ impl HandedOn {
         }
         let given = match back {
             Back::Nowhere => run.hand_on(&island.mechanism, state),
-            Back::ToTheBeginning => run.hand_back(time),
+            Back::ToTheBeginning => run.hand_back(&island.mechanism, time),
         };
         if let Some(at) = given.as_ref().and_then(|given| given.companion.as_ref()) {
-            island.put_state(at, &mut self.companion);
+            island.put_state(&at.state, &mut self.companion);
         }
         self.again |= given.is_none();
         self.by[number] = given;
@@ -243,12 +243,12 @@ impl HandedOn {
     fn to(&self, members: &[usize], island: &Island) -> Begins {
         let mut all = members.iter().filter_map(|&one| self.by[one].as_ref());
         let Some(mut given) = all.next().cloned() else { return Begins::First(None) };
-        let mut has_companion = given.companion.is_some();
+        let mut is_finer = given.companion.as_ref().map(|companion| companion.is_finer);
         for other in all {
             given.add(other);
-            has_companion |= other.companion.is_some();
+            is_finer = is_finer.max(other.companion.as_ref().map(|companion| companion.is_finer));
         }
-        given.companion = has_companion.then(|| island.state(&self.companion));
+        given.companion = is_finer.map(|is_finer| Companion { state: island.state(&self.companion), is_finer });
         Begins::GoingOn(Box::new(given))
     }
 }

@@ -43,6 +43,8 @@ pub(crate) struct Beside {
     pub(crate) events: Vec<Event>,
     /// Number of its steps.
     steps: usize,
+    /// Where it has been, at an instant to which the run may go back.
+    past: Option<State>,
 }
 
 impl Beside {
@@ -66,7 +68,7 @@ impl Beside {
         // Impacts of both that end at the same height would hide what that leaves.
         let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         run.coarsen_over_events(OVER_EVENTS);
-        Some(Beside { is_finer: false, run, state: state.clone(), events: Vec::new(), steps: 0 })
+        Some(Beside { is_finer: false, run, state: state.clone(), events: Vec::new(), steps: 0, past: None })
     }
 
     /// A finer run, whose accumulating impacts and steps over events leave less.
@@ -81,7 +83,7 @@ impl Beside {
         let run = terms.run(mechanism, finer, stages).ok()?;
         let mut run = run.leaving(stop / (RATIO * terms.first_stop(mechanism)), 1.0 / RATIO);
         run.coarsen_over_events(1.0 / OVER_EVENTS);
-        Some(Beside { is_finer: true, run, state: state.clone(), events: Vec::new(), steps: 0 })
+        Some(Beside { is_finer: true, run, state: state.clone(), events: Vec::new(), steps: 0, past: None })
     }
 
     /// Whether it is finer than the run beside it.
@@ -109,7 +111,7 @@ impl Beside {
     ///     e = C Σ h²,    |e′ − e| = C |Σ h′² − Σ h²|      over events: the error of each step is in proportion to h² (m)
     ///     e = C Σ h                                       over jams, which leave an error of the velocity in proportion to h
     /// ```
-    fn share_of_first_order(&self, run: &RunIntegrator) -> f64 {
+    pub(crate) fn share_of_first_order(&self, run: &RunIntegrator) -> f64 {
         let [own, beside] = [run, &self.run].map(RunIntegrator::smeared);
         let shares = own.into_iter().zip(beside).filter(|(own, _)| *own > 0.0);
         let apart = |own: f64, beside: f64| {
@@ -133,6 +135,28 @@ impl Beside {
     pub(crate) fn hides_events(&self, finer: &RunIntegrator) -> bool {
         let over_slips = |run: &RunIntegrator| run.description().over_slips_steps > 0;
         self.run.smeared()[0] > 0.0 && finer.smeared()[0] == 0.0 || over_slips(&self.run) || over_slips(finer)
+    }
+
+    /// Advances to a time (s) by way of an instant (s) to which the run may go back, unless it has passed that.
+    ///
+    /// # Errors
+    /// [`Behind`] if it does not reach that time.
+    pub(crate) fn advance_by_way_of(
+        &mut self,
+        mechanism: &Mechanism,
+        terms: &Terms,
+        [back, until]: [f64; 2],
+    ) -> Result<(), Behind> {
+        self.advance(mechanism, terms, back)?;
+        if self.state.time == back {
+            self.past = Some(self.state.clone());
+        }
+        self.advance(mechanism, terms, until)
+    }
+
+    /// Where it was at an instant (s), if it was there.
+    pub(crate) fn at(&self, time: f64) -> Option<&State> {
+        std::iter::once(&self.state).chain(&self.past).find(|state| state.time == time)
     }
 
     /// Advances to a time (s), at which a step ends. The steps of the finer run do not end there, so the steps of the two runs differ.

@@ -35,7 +35,7 @@ use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::beside::{Behind, Beside, OWN_ROUNDINGS};
 use crate::simulation::tolerance::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::tolerance::given_forces::GivenForces;
-use crate::simulation::tolerance::handed::Fineness;
+use crate::simulation::tolerance::handed::{Companion, Fineness};
 use crate::simulation::tolerance::horizon::Horizon;
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
@@ -90,10 +90,13 @@ pub struct ErrorEstimate<'a> {
     may_refine: bool,
     /// The stop and stages of the restart.
     next: Option<(f64, StageChoice)>,
-    /// The start of the run, and the size of the mechanism there (m).
+    /// Where motions beside the run begin, and the size of the mechanism there (m).
     origin: Option<State>,
     size: f64,
     steps: usize,
+    /// Where the steps towards one instant began, to which the run may go back, and that instant (s).
+    began: f64,
+    towards: f64,
     /// Number of steps at the last estimate, and the time of the next one (s).
     looked: usize,
     due: f64,
@@ -113,8 +116,11 @@ pub struct ErrorEstimate<'a> {
     driven: bool,
     /// The error of forces given in time.
     given: GivenForces,
-    /// The motion beside the run where it begins, if it is another one; and the error there that such a motion does not show (m).
-    companion: Option<State>,
+    /// The motion beside the run where it begins, if it is another one; its distance from there is at least this error (m), and the error of the run this
+    /// part of the distance; and the error there that such a motion does not show (m).
+    companion: Option<Companion>,
+    shown: f64,
+    least_share: f64,
     before: f64,
     /// The steps of the runs that it goes on from, and what the motions beside them have seen of crowds.
     earlier: usize,
@@ -156,6 +162,8 @@ impl<'a> ErrorEstimate<'a> {
             origin: None,
             size: 0.0,
             steps: 0,
+            began: f64::NEG_INFINITY,
+            towards: f64::NEG_INFINITY,
             looked: 0,
             due: 0.0,
             largest: 0.0,
@@ -168,6 +176,8 @@ impl<'a> ErrorEstimate<'a> {
             driven: false,
             given: GivenForces::default(),
             companion: None,
+            shown: 0.0,
+            least_share: 0.0,
             before: 0.0,
             earlier: 0,
             crowds: None,
@@ -208,24 +218,28 @@ impl<'a> ErrorEstimate<'a> {
         self.by = if carried { By::Carried } else { By::Nothing };
     }
 
-    /// A separate coarser run from a state on.
-    fn beside(&self, mechanism: &Mechanism, state: &State) -> By {
-        let beside = Beside::coarser(mechanism, &self.terms, self.stop, self.stages, state);
+    /// A separate run from a state on, a coarser or a finer one.
+    fn beside(&self, mechanism: &Mechanism, state: &State, is_finer: bool) -> By {
+        let ask = if is_finer { Beside::finer } else { Beside::coarser };
+        let beside = ask(mechanism, &self.terms, self.stop, self.stages, state);
         beside.map_or(By::Nothing, |beside| By::Beside(Box::new(beside)))
     }
 
     /// Prepares the estimate before the first step.
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
-        self.origin = Some(state.clone());
+        let companion = self.companion.take();
+        let is_finer = companion.as_ref().is_some_and(|companion| companion.is_finer);
+        let origin = companion.map_or_else(|| state.clone(), |companion| companion.state);
         self.size = size(mechanism, state);
         self.due = self.terms.start;
         if self.terms.estimate && !matches!(self.by, By::Carried) && !self.parted && !self.driven {
-            let companion = self.companion.take();
-            self.by = self.beside(mechanism, companion.as_ref().unwrap_or(state));
+            self.by = self.beside(mechanism, &origin, is_finer);
+            self.asked = is_finer;
             if let By::Beside(beside) = &mut self.by {
                 beside.run.go_on_from(self.crowds);
             }
         }
+        self.origin = Some(origin);
     }
 
     fn looks(&self) -> f64 {
@@ -244,18 +258,18 @@ impl<'a> ErrorEstimate<'a> {
             _ => None,
         };
         if matches!(self.by, By::Carried) && carried.is_none() {
-            self.by = self.origin.as_ref().map_or(By::Nothing, |origin| self.beside(mechanism, origin));
+            self.by = self.origin.as_ref().map_or(By::Nothing, |origin| self.beside(mechanism, origin, false));
         }
         let (there, share) = match &mut self.by {
             By::Nothing => return Some(f64::INFINITY),
             By::Carried => (carried.unwrap_or_default(), if self.stop < ROUNDED { OWN_ROUNDINGS } else { 1.0 }),
             By::Beside(beside) => {
-                match beside.advance(mechanism, &self.terms, state.time) {
+                match beside.advance_by_way_of(mechanism, &self.terms, [self.began, state.time]) {
                     Ok(()) => {}
                     Err(Behind::Failed) => return Some(f64::INFINITY),
                     Err(Behind::Interrupted) => return None,
                 }
-                let share = beside.share(run, self.stop, self.stages, self.steps);
+                let share = beside.share(run, self.stop, self.stages, self.steps).max(self.least_share);
                 (probes(mechanism, &beside.state), share)
             }
         };
@@ -398,6 +412,9 @@ impl<'a> ErrorEstimate<'a> {
             self.drive(run);
         }
         let from = state.time;
+        if until != self.towards {
+            (self.began, self.towards) = (from, until);
+        }
         let outcome = match run.step(mechanism, inputs, state, until) {
             // Steps that fail with a coarse stop may succeed with a finer one.
             Err(_) if self.may_begin_again && self.begun == 1 => {

@@ -72,9 +72,9 @@ impl<'a> EstimatedRun<'a> {
     }
 
     /// The same for a run that goes back to an instant (s).
-    pub(crate) fn hand_back(&mut self, time: f64) -> Option<Handed> {
+    pub(crate) fn hand_back(&mut self, mechanism: &Mechanism, time: f64) -> Option<Handed> {
         let EstimatedRun { run, estimate } = self;
-        estimate.as_mut()?.hand_back(time, run)
+        estimate.as_mut()?.hand_back(mechanism, time, run)
     }
 
     /// How fine its next beginning is; `None` without an estimate.

@@ -3,8 +3,10 @@
 //! ```text
 //!     groups a, b, … ──▶ group c of some of their bodies:   companion of c = the companions of a, b, … there      its distance goes on to grow
 //!                                                           error of c ≥ max of the errors of a, b, …
+//!     opinions of c:  begin where its companion begins, so that they show no less than it had to show
 //! ```
 //!
+//! The part of the distance that steps over events make the error goes on with it, and so does a finer companion: one finer among coarser ones makes all finer.
 //! Errors that a companion does not show, of flights and rebounds that were left out, add up.
 
 use crate::events::crowded::CrowdsSoFar;
@@ -58,6 +60,13 @@ impl Fineness {
     }
 }
 
+/// The motion beside a run at an instant, and whether it is the finer one of both.
+#[derive(Clone)]
+pub(crate) struct Companion {
+    pub state: State,
+    pub is_finer: bool,
+}
+
 /// What the run of a group hands on at an instant.
 #[derive(Clone)]
 pub(crate) struct Handed {
@@ -65,8 +74,9 @@ pub(crate) struct Handed {
     pub time: f64,
     pub steps: usize,
     pub fineness: Fineness,
-    /// The motion beside it there, if it was carried on to that instant.
-    pub companion: Option<State>,
+    /// The motion beside it there, if it was carried on to that instant, and the part of the distance that is the error by steps of first order.
+    pub companion: Option<Companion>,
+    pub share: f64,
     /// The accuracy up to there.
     pub so_far: Option<AccuracySoFar>,
     /// The largest error that the motion beside it has shown, and the errors that it does not show (m).
@@ -89,6 +99,7 @@ impl Handed {
         self.steps = self.steps.max(other.steps);
         self.largest = self.largest.max(other.largest);
         self.unseen = self.unseen.max(other.unseen);
+        self.share = self.share.max(other.share);
         for (own, other) in self.crowds.iter_mut().zip(other.crowds) {
             *own = [*own, other].into_iter().flatten().reduce(CrowdsSoFar::with);
         }

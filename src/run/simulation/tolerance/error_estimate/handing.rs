@@ -3,10 +3,14 @@
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
-use crate::simulation::tolerance::error_estimate::{By, ErrorEstimate};
-use crate::simulation::tolerance::handed::{Fineness, Handed};
+use crate::simulation::tolerance::error_estimate::{BOTH, By, ErrorEstimate};
+use crate::simulation::tolerance::handed::{Companion, Fineness, Handed};
 use crate::simulation::tolerance::terms::Terms;
 use crate::stepping::integrator::MethodError;
+
+/// The least part of the distance that is the error of a group. Its steps end with those of others and where groups change, as steps of its companion do, so
+/// that the iterations of both leave errors that differ by less than their stops do.
+const OF_GROUPS: f64 = 1.0 / 3.0;
 
 impl<'a> ErrorEstimate<'a> {
     /// Hands on the run where it is, at the end of a step; `None` if it begins again.
@@ -18,20 +22,31 @@ impl<'a> ErrorEstimate<'a> {
         if self.next.is_some() {
             return None;
         }
-        let companion = match &self.by {
-            By::Beside(beside) if !beside.is_finer() && beside.state.time == state.time => Some(beside.state.clone()),
+        Some(Handed { companion: self.companion_at(state.time), ..self.handed(state.time, run) })
+    }
+
+    /// The motion beside the run at an instant (s), if it was there.
+    fn companion_at(&mut self, time: f64) -> Option<Companion> {
+        match &self.by {
+            By::Beside(beside) => {
+                let is_finer = beside.is_finer();
+                beside.at(time).map(|state| Companion { state: state.clone(), is_finer })
+            }
             _ => self.companion.take(),
-        };
-        Some(Handed { companion, ..self.handed(state.time, run) })
+        }
     }
 
     /// Hands it on to a run that goes back to an instant (s); `None` if it begins again.
-    pub(crate) fn hand_back(&mut self, time: f64, run: &RunIntegrator) -> Option<Handed> {
+    pub(crate) fn hand_back(&mut self, mechanism: &Mechanism, time: f64, run: &RunIntegrator) -> Option<Handed> {
         if self.next.is_some() {
             return None;
         }
+        if let By::Beside(beside) = &mut self.by {
+            // One that fails is not handed on.
+            let _ = beside.advance(mechanism, &self.terms, time);
+        }
         // Errors that were told later are no smaller.
-        let mut handed = self.handed(time, run);
+        let mut handed = Handed { companion: self.companion_at(time), ..self.handed(time, run) };
         if let Some(so_far) = &mut handed.so_far {
             so_far.holds_until = if so_far.holds() { time } else { so_far.holds_until.min(time) };
             so_far.time = time;
@@ -42,16 +57,17 @@ impl<'a> ErrorEstimate<'a> {
     fn handed(&self, time: f64, run: &RunIntegrator) -> Handed {
         let unseen = self.before + run.error_of_impacts(time) + self.doubt(time, run);
         let beside = match &self.by {
-            By::Beside(beside) => Some(&beside.run),
+            By::Beside(beside) => Some(&**beside),
             _ => None,
         };
         let own = run.crowds_so_far();
         Handed {
-            crowds: [own, beside.map_or(own, RunIntegrator::crowds_so_far)],
+            crowds: [own, beside.map_or(own, |beside| beside.run.crowds_so_far())],
             time,
             steps: self.earlier + self.steps,
             fineness: self.fineness(),
             companion: None,
+            share: beside.map_or(0.0, |beside| beside.share_of_first_order(run)).max(self.least_share).min(BOTH),
             so_far: self.so_far,
             largest: self.largest,
             unseen: unseen + self.given.error(time),
@@ -91,8 +107,8 @@ impl<'a> ErrorEstimate<'a> {
         terms: Terms<'a>,
         handed: Handed,
     ) -> Result<(Self, RunIntegrator), MethodError> {
-        let Handed { time, steps, mut fineness, companion, so_far, largest, unseen, crowds, parted, differ, driven } =
-            handed;
+        let Handed { time, steps, mut fineness, companion, share, so_far, largest, .. } = handed;
+        let Handed { unseen, crowds, parted, differ, driven, .. } = handed;
         fineness.stop = fineness.stop.min(terms.first_stop(mechanism));
         let (mut estimate, mut run) = Self::as_fine_as(mechanism, terms, fineness)?;
         if companion.is_some() || parted || driven {
@@ -103,8 +119,11 @@ impl<'a> ErrorEstimate<'a> {
         estimate.crowds = crowds[1];
         estimate.earlier = steps;
         estimate.forecast.go_on_from(time);
-        estimate.before = unseen + if companion.is_some() { 0.0 } else { largest };
-        (estimate.companion, estimate.so_far, estimate.largest) = (companion, so_far, largest);
+        // An error counts once: a companion goes on to show it.
+        (estimate.shown, estimate.before) =
+            if companion.is_some() { (largest, unseen) } else { (0.0, unseen + largest) };
+        estimate.least_share = if companion.is_some() { share.max(OF_GROUPS) } else { OF_GROUPS };
+        (estimate.companion, estimate.so_far, estimate.largest) = (companion, so_far, estimate.shown);
         (estimate.parted, estimate.differ, estimate.driven) = (parted, differ, driven);
         Ok((estimate, run))
     }

@@ -61,7 +61,8 @@ impl ErrorEstimate<'_> {
         let Some(other) = ask(mechanism, &self.terms, self.stop, self.stages, origin) else { return error };
         let off = error + self.doubt(state.time, run);
         let before = std::mem::replace(&mut self.by, By::Beside(Box::new(other)));
-        match self.error(mechanism, state, run) {
+        // No motion from the origin shows less than the error there.
+        match self.error(mechanism, state, run).map(|told| told.max(self.shown)) {
             Some(told) if told < off => {
                 self.asked = !carried;
                 if carried {
