@@ -15,6 +15,9 @@
 //! ```text
 //!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N of what slides, and n of what does not
 //! ```
+//!
+//! What an impact elsewhere has kicked open is not stopped where that would take far more than the energy `Σ γ²/(2 D_ii)` of the rebounds, each alone. A ball
+//! that rolls from one face of a mesh to the next leaves the first at a millimetre per second, and cannot be held by both: that would stop it.
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
@@ -33,6 +36,9 @@ const CALMING: usize = 8;
 /// Singular values below this part of the largest mobility are zero: points of a face imply each other.
 const SINGULAR: f64 = 1e-11;
 
+/// A stop takes more than the energies of the rebounds by this factor at most; points of one body that land together take a few times as much.
+const MORE: f64 = 100.0;
+
 /// Meetings that leave too slowly to matter.
 #[derive(Default)]
 pub(crate) struct Low {
@@ -42,6 +48,18 @@ pub(crate) struct Low {
     pub until: Vec<f64>,
     /// The sum of their heights (m or rad).
     pub left: f64,
+}
+
+impl Low {
+    /// Leaves those that were struck themselves; `false` if that leaves all or none.
+    fn keep_struck(&mut self, impulses: &Impulses) -> bool {
+        let count = self.stopped.len();
+        let struck: Vec<bool> = self.stopped.iter().map(|&index| impulses.normal[index] > 0.0).collect();
+        let (mut of_stopped, mut of_until) = (struck.iter(), struck.iter());
+        self.stopped.retain(|_| of_stopped.next() == Some(&true));
+        self.until.retain(|_| of_until.next() == Some(&true));
+        !self.stopped.is_empty() && self.stopped.len() < count
+    }
 }
 
 /// The gap at which the shapes of a pair count as closed (m), if it has no restitution and its last flight, which ends at this time (s), was too low to be
@@ -116,14 +134,23 @@ pub(crate) fn bring_low_to_rest(
     let mut all = Low::default();
     for _ in 0..CALMING {
         let known = efforts(state);
-        let Low { stopped: low, until, left } = too_low(scene, state, meetings, before, &known, &height);
-        if low.is_empty() {
+        let mut low = too_low(scene, state, meetings, before, &known, &height);
+        if low.stopped.is_empty() {
             break;
         }
-        all.left += left;
-        all.until.extend(until);
-        all.stopped.extend(&low);
-        stop(scene, state, meetings, &low, impulses);
+        let (was, had) = (state.velocity.clone(), impulses.clone());
+        stop(scene, state, meetings, &low.stopped, impulses);
+        if impulses.lost - had.lost > MORE * energy_alone(scene, state, meetings, &was, &low.stopped) {
+            state.velocity = was;
+            *impulses = had;
+            if !low.keep_struck(impulses) {
+                break;
+            }
+            stop(scene, state, meetings, &low.stopped, impulses);
+        }
+        all.left += low.left;
+        all.until.extend(low.until);
+        all.stopped.extend(low.stopped);
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
         let Ok(more) = collide(scene, state, &plastic) else { break };
@@ -134,6 +161,15 @@ pub(crate) fn bring_low_to_rest(
         }
     }
     all
+}
+
+/// Σ γ²/(2 D_ii) of these meetings at velocities (J).
+fn energy_alone(scene: &mut Scene, state: &State, meetings: &[Meeting], velocity: &[f64], of: &[usize]) -> f64 {
+    let first: Vec<Row> = of.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
+    let rows = Rows::new(scene.response, state, first);
+    let rates = rows.rates(velocity);
+    let mobilities = rows.square.diagonal();
+    rates.iter().zip(mobilities.iter()).map(|(rate, mobility)| 0.5 * rate * rate / mobility).sum()
 }
 
 /// Stops these along their first rows, and keeps those that rest; adds the energies that this takes.
