@@ -16,8 +16,8 @@
 //!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N of what slides, and n of what does not
 //! ```
 //!
-//! What an impact elsewhere has kicked open is not stopped where that would take far more than the energy `Σ γ²/(2 D_ii)` of the rebounds, each alone. A ball
-//! that rolls from one face of a mesh to the next leaves the first at a millimetre per second, and cannot be held by both: that would stop it.
+//! What an impact with restitution has kicked open elsewhere is not stopped where that would take far more than the energy `Σ γ²/(2 D_ii)` of the rebounds, each
+//! alone. A ball that rolls from one face of a mesh to the next leaves the first at a millimetre per second, and cannot be held by both: that would stop it.
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
@@ -140,7 +140,8 @@ pub(crate) fn bring_low_to_rest(
         }
         let (was, had) = (state.velocity.clone(), impulses.clone());
         stop(scene, state, meetings, &low.stopped, impulses);
-        if impulses.lost - had.lost > MORE * energy_alone(scene, state, meetings, &was, &low.stopped) {
+        let rebounds = low.stopped.iter().any(|&index| meetings[index].restitution > 0.0);
+        if rebounds && impulses.lost - had.lost > MORE * energy_alone(scene, state, meetings, &was, &low.stopped) {
             state.velocity = was;
             *impulses = had;
             if !low.keep_struck(impulses) {
