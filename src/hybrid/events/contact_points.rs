@@ -33,14 +33,8 @@ impl Eventful {
         } = self;
         let mut efforts = vec![0.0; whole.velocity_count];
         mode.efforts_at(elements, inputs, state.time, state, &mut efforts);
-        let present = Present {
-            whole,
-            elements,
-            touching,
-            mode,
-            moving: &pieces[*current].moving,
-            rest: slip_at_rest(memory.fastest),
-        };
+        let (moving, rest) = (&pieces[*current].moving, slip_at_rest(memory.fastest));
+        let present = Present { whole, elements, touching, mode, moving, rest };
         let mut reporting = reporting.borrow_mut();
         let forces = reporting.forces(&present, state, &efforts, holding.is_unique());
         let largest = forces.iter().flatten().fold(0.0_f64, |most, force| most.max(force.abs()));
@@ -92,14 +86,8 @@ impl Eventful {
             ..
         } = self;
         let efforts = self.efforts_in(mode, state);
-        let present = Present {
-            whole,
-            elements,
-            touching,
-            mode,
-            moving: &pieces[*current].moving,
-            rest: slip_at_rest(memory.fastest),
-        };
+        let (moving, rest) = (&pieces[*current].moving, slip_at_rest(memory.fastest));
+        let present = Present { whole, elements, touching, mode, moving, rest };
         let mut reporting = reporting.borrow_mut();
         let unique = holding.is_unique() && !inside;
         let known = if unique { holding.recall(state, &efforts) } else { None };

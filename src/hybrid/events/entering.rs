@@ -100,14 +100,8 @@ impl Eventful {
                 memory,
                 ..
             } = self;
-            let present = Present {
-                whole,
-                elements,
-                touching,
-                mode,
-                moving: &pieces[*current].moving,
-                rest: slip_at_rest(memory.fastest),
-            };
+            let (moving, rest) = (&pieces[*current].moving, slip_at_rest(memory.fastest));
+            let present = Present { whole, elements, touching, mode, moving, rest };
             Holding::new(&present, response, state, room)
         };
         let unique = self.trial.holding.is_unique();

@@ -97,14 +97,8 @@ impl Eventful {
         } = self;
         if !evaluated.efforts && which.iter().any(|&index| watched[index].needs_efforts()) {
             mode.efforts_at(elements, inputs, since, sample, efforts);
-            let present = Present {
-                whole,
-                elements,
-                touching,
-                mode,
-                moving: &pieces[*current].moving,
-                rest: slip_at_rest(memory.fastest),
-            };
+            let (moving, rest) = (&pieces[*current].moving, slip_at_rest(memory.fastest));
+            let present = Present { whole, elements, touching, mode, moving, rest };
             // The forces of the step are those before the instant that ends it.
             let end = sample.time;
             if changes_at(whole, since, time) {
