@@ -34,14 +34,24 @@ const ROUNDING: f64 = 1e-12;
 
 /// The nearest points of two cores, or the points of the least depth; `None` only if a pose is not finite.
 pub fn nearest(both: &Both) -> Option<Candidate> {
-    if !both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
+    if !is_finite(both) {
         return None;
     }
     if let Some(found) = in_front_of_a_face(both) {
         return Some(found);
     }
+    nearest_along(both, both.hint(&Vector3::zeros()))
+}
+
+/// Whether the pose is finite.
+fn is_finite(both: &Both) -> bool {
+    both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150)
+}
+
+/// The same of two cores with a finite pose, neither of which is a point in front of a face, with the normal of GJK.
+fn nearest_along(both: &Both, hint: Option<Vector3<f64>>) -> Option<Candidate> {
     let mut best = Best::new(both);
-    if let Some(normal) = both.hint(&Vector3::zeros()) {
+    if let Some(normal) = hint {
         search(&mut best, both, &normal, &DEPTHS);
     }
     if best.is_global() {
@@ -76,7 +86,7 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
 /// Of shapes that overlap an exact depth δ among the normals that were tried is the least one up to δ, which is small here. Those that do not are at a
 /// distance that is exact.
 pub fn nearest_soon(both: &Both, hint: Option<Vector3<f64>>) -> Option<Candidate> {
-    if both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
+    if is_finite(both) {
         let mut best = Best::new(both);
         if let Some(normal) = hint {
             search(&mut best, both, &normal, &THIN);
@@ -96,8 +106,14 @@ pub fn nearest_soon(both: &Both, hint: Option<Vector3<f64>>) -> Option<Candidate
 /// below that. Whether their depth is the least one is decided by thousands of normals, and a root is elsewhere. `None` only if a pose is not finite.
 pub fn distance_unless_deep(both: &Both) -> Option<f64> {
     let edges = |core: &Core| if let Core::Polytope(polytope) = core { polytope.edges.len() } else { 0 };
-    let many = edges(&both.a.core) * edges(&both.b.core) > FEW_PAIRS;
-    if many && both.hint(&Vector3::zeros()).is_none() {
+    if edges(&both.a.core) * edges(&both.b.core) <= FEW_PAIRS {
+        return nearest(both).map(|found| found.distance());
+    }
+    if !is_finite(both) {
+        return None;
+    }
+    let hint = both.hint(&Vector3::zeros());
+    if hint.is_none() {
         let mut best = Best::new(both);
         best.try_normal(&both.centres());
         search_apart(&mut best, both, &THIN);
@@ -106,7 +122,7 @@ pub fn distance_unless_deep(both: &Both) -> Option<f64> {
             return Some(separation);
         }
     }
-    nearest(both).map(|found| found.distance())
+    nearest_along(both, hint).map(|found| found.distance())
 }
 
 /// The nearest points of a point, or of the centre of a ball, and a polytope with few faces, if a face is nearest: the one that the point is farthest in
