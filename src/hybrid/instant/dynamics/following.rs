@@ -133,6 +133,14 @@ mod tests {
     use crate::mechanism::description::target::Target;
     use crate::mechanism::motion::state::State;
 
+    /// The answer to a unit effort along one of so many freedoms.
+    fn answer_to(response: &mut ResponseOnTree, unit: usize, count: usize) -> Vec<f64> {
+        let (mut efforts, mut answer) = (vec![0.0; count], vec![0.0; count]);
+        efforts[unit] = 1.0;
+        response.answer(&efforts, &mut answer);
+        answer
+    }
+
     #[test]
     fn answers_are_those_of_the_freedoms_that_followers_leave() {
         let mut mechanism = tree(&[
@@ -171,11 +179,8 @@ mod tests {
         let expected = &allowed * inner.try_inverse().expect("masses") * allowed.transpose();
         let mut response = ResponseOnTree::new(&mechanism);
         response.place(&state);
-        let mut answer = vec![0.0; count];
         for unit in 0..count {
-            let mut efforts = vec![0.0; count];
-            efforts[unit] = 1.0;
-            response.answer(&efforts, &mut answer);
+            let answer = answer_to(&mut response, unit, count);
             for row in 0..count {
                 let (found, right) = (answer[row], expected[(row, unit)]);
                 assert!((found - right).abs() < 1e-13 * expected.amax(), "{row}, {unit}: {found}, not {right}");
@@ -183,6 +188,7 @@ mod tests {
             assert!(ratios.iter().all(|&(f, l, m)| (answer[freedom(f)] - m * answer[freedom(l)]).abs() < 1e-15));
         }
     }
+
     #[test]
     fn a_joint_that_is_moved_has_its_motion_and_others_answer_as_if_it_were_fixed() {
         let mut mechanism = tree(&[
@@ -201,11 +207,8 @@ mod tests {
         let inverse = mass.select_rows(&others).select_columns(&others).try_inverse().expect("masses");
         let mut response = ResponseOnTree::new(&mechanism);
         response.place(&state);
-        let mut answer = vec![0.0; count];
         for unit in 0..count {
-            let mut efforts = vec![0.0; count];
-            efforts[unit] = 1.0;
-            response.answer(&efforts, &mut answer);
+            let answer = answer_to(&mut response, unit, count);
             for (row, &of) in others.iter().enumerate() {
                 let right = others.iter().position(|&other| other == unit).map_or(0.0, |column| inverse[(row, column)]);
                 assert!(
@@ -219,6 +222,7 @@ mod tests {
         let speed = 1.2 * (4.0 * state.time).cos() + state.time;
         let gains = 1.0 - 4.8 * (4.0 * state.time).sin();
         // At rest without gravity and forces, all accelerations are those that the moved joint asks for.
+        let mut answer = vec![0.0; count];
         response.accelerations(&state, &vec![0.0; count], &mut answer);
         let pushed = &mass * DVector::from_column_slice(&answer);
         assert!((answer[freedom] - gains).abs() < 1e-13);
