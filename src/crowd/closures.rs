@@ -96,6 +96,11 @@ impl Closures {
             let joined: Vec<usize> = columns.iter().map(|&column| own.parts[column]).collect();
             own.parts.iter_mut().filter(|part| joined.contains(part)).for_each(|part| *part = first);
         }
+        if !own.change() {
+            // The rows of mimic relations are the same everywhere.
+            let still = |_: usize| (Vector3::zeros(), Vector3::zeros());
+            own.choose(&[], &Motions { root: Vector3::zeros(), of_column: &still });
+        }
         own
     }
 

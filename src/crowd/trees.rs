@@ -17,6 +17,7 @@ use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::kinematics::place_bodies;
 use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::islands::first_of_connected;
 use nalgebra::{Matrix3, Vector3};
 
 /// Loops are closed up to this [m or rad] in so many rounds at most.
@@ -59,10 +60,10 @@ impl Trees {
             motions: vec![(Vector3::zeros(), Vector3::zeros()); count],
             composite: vec![Composite::default(); mechanism.bodies.len()],
         };
-        let groups = connected(mechanism);
+        let firsts = first_of_connected(mechanism);
         let mut numbers = vec![usize::MAX; mechanism.bodies.len()];
         for (index, body) in mechanism.bodies.iter().enumerate() {
-            let number = &mut numbers[groups[index]];
+            let number = &mut numbers[firsts[index]];
             if *number == usize::MAX {
                 *number = own.trees.len();
                 own.trees.push(Tree::default());
@@ -92,7 +93,8 @@ impl Trees {
                 tree.closures = Some(Box::new(closures));
                 tree.unclosed = vec![0.0; tree.all.len().pow(2)];
             }
-            tree.lay_out((0..tree.all.len()).collect());
+            let independent = tree.closures.as_ref().map(|closures| closures.independent());
+            tree.lay_out(independent.unwrap_or_else(|| (0..tree.all.len()).collect()));
         }
         own
     }
@@ -101,9 +103,12 @@ impl Trees {
     pub fn choose(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
         self.place_motions(mechanism, bodies);
         for tree in 0..self.trees.len() {
-            self.with_closures(tree, |closures, motions| closures.choose(bodies, motions));
-            if let Some(closures) = &self.trees[tree].closures {
-                let independent = closures.independent();
+            let mut independent = None;
+            self.with_loops(tree, |closures, motions| {
+                closures.choose(bodies, motions);
+                independent = Some(closures.independent());
+            });
+            if let Some(independent) = independent {
                 self.trees[tree].lay_out(independent);
             }
         }
@@ -112,15 +117,16 @@ impl Trees {
 
     /// Takes the poses of all bodies: the motions of the freedoms, and M in the rates that were chosen last.
     pub fn place(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
+        self.place_closures(mechanism, bodies);
+        self.weigh(mechanism);
+    }
+
+    /// The same without M.
+    fn place_closures(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
         self.place_motions(mechanism, bodies);
         for tree in 0..self.trees.len() {
-            self.with_closures(tree, |closures, motions| {
-                if closures.change() {
-                    closures.place(bodies, motions);
-                }
-            });
+            self.with_loops(tree, |closures, motions| closures.place(bodies, motions));
         }
-        self.weigh(mechanism);
     }
 
     /// Whether some loops change with the positions.
@@ -131,16 +137,17 @@ impl Trees {
     /// Closes the loops of a state that places the bodies, with its dependent coordinates; trees are placed there, without their M. Returns whether all
     /// are closed.
     pub fn close(&mut self, mechanism: &Mechanism, state: &mut State, bodies: &mut [BodyState]) -> bool {
+        if !self.have_loops() {
+            return true;
+        }
         let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
             self.place_motions(mechanism, bodies);
             let (mut moved, mut largest) = (vec![0.0; state.velocity.len()], 0.0_f64);
             for tree in 0..self.trees.len() {
                 let mut changes = Vec::new();
-                self.with_closures(tree, |closures, motions| {
-                    if closures.change() {
-                        changes.extend(closures.gaps(mechanism, state, bodies, motions));
-                    }
+                self.with_loops(tree, |closures, motions| {
+                    changes.extend(closures.gaps(mechanism, state, bodies, motions));
                 });
                 for (column, change) in changes {
                     moved[self.trees[tree].all[column]] = change;
@@ -160,16 +167,36 @@ impl Trees {
         false
     }
 
+    /// Closes the loops of a state that places the bodies, and makes its rates follow the independent ones; these trees stay where they are. Returns whether
+    /// all loops are closed.
+    pub fn close_beside(&self, mechanism: &Mechanism, state: &mut State, bodies: &mut [BodyState]) -> bool {
+        if !self.have_loops() {
+            return true;
+        }
+        let mut there = self.clone();
+        let closed = there.close(mechanism, state, bodies);
+        there.place_closures(mechanism, bodies);
+        there.complete(&mut state.velocity);
+        closed
+    }
+
     /// Writes the rates of dependent freedoms, which follow from the independent ones.
     pub fn complete(&self, rates: &mut [f64]) {
         self.trees.iter().for_each(|tree| tree.complete(rates));
     }
 
-    /// Shows the closures of a tree the motions of its freedoms, if it has any.
-    fn with_closures(&mut self, tree: usize, mut see: impl FnMut(&mut Closures, &Motions)) {
+    /// Writes the independent rates of some trees, one after the other, among the rates of all freedoms, and those of the freedoms that follow them.
+    pub fn spread(&self, members: &[usize], own: &[f64], rates: &mut [f64]) {
+        let freedoms = members.iter().flat_map(|&tree| &self.trees[tree].freedoms);
+        freedoms.zip(own).for_each(|(&freedom, rate)| rates[freedom] = *rate);
+        members.iter().for_each(|&tree| self.trees[tree].complete(rates));
+    }
+
+    /// Shows the closures of a tree the motions of its freedoms, if some of them are loops.
+    fn with_loops(&mut self, tree: usize, mut see: impl FnMut(&mut Closures, &Motions)) {
         let Trees { trees, motions, .. } = self;
         let Tree { closures, all, root, .. } = &mut trees[tree];
-        if let Some(closures) = closures {
+        if let Some(closures) = closures.as_mut().filter(|closures| closures.change()) {
             see(closures, &Motions { root: *root, of_column: &|column| motions[all[column]] });
         }
     }
@@ -265,22 +292,4 @@ impl Trees {
             linear.dot(&along) + turn.dot(&torque)
         })
     }
-}
-
-/// The first of the bodies to which each body is connected, by joints or closures.
-fn connected(mechanism: &Mechanism) -> Vec<usize> {
-    let mut first: Vec<usize> = Vec::with_capacity(mechanism.bodies.len());
-    for (index, body) in mechanism.bodies.iter().enumerate() {
-        first.push(body.parent.map_or(index, |parent| first[parent]));
-    }
-    let ends = mechanism.loops.iter().map(|joint| [joint.a.body, joint.b.body]);
-    let ends = ends.map(|ends| ends.into_iter().flatten().collect::<Vec<_>>());
-    let follows = mechanism.mimics.iter().map(|mimic| mimic.terms().map(|(own, _)| own.body).collect());
-    for bodies in ends.chain(follows) {
-        let joined: Vec<usize> = bodies.iter().map(|&body| first[body]).collect();
-        if let Some(&least) = joined.iter().min() {
-            first.iter_mut().filter(|own| joined.contains(own)).for_each(|own| *own = least);
-        }
-    }
-    first
 }

@@ -103,18 +103,27 @@ pub fn first_of_parts(mechanism: &Mechanism) -> Vec<usize> {
     firsts_of(mechanism, mechanism.nonsmooth.reevings.iter().flat_map(|rope| joined_by_rope(&rope.points)))
 }
 
-/// The same, where other pairs of bodies are tied as well.
+/// For every body the first body to which its joints, closures and mimic relations connect it: bodies that share equations of motion.
+pub fn first_of_connected(mechanism: &Mechanism) -> Vec<usize> {
+    firsts_beside(mechanism, std::iter::empty())
+}
+
+/// The same with springs and ropes that are taut, where other pairs of bodies are tied as well.
 fn firsts_of(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    let springs = mechanism.forces.point_springs.iter().filter_map(|spring| spring.a.body.zip(spring.b.body));
+    let ropes = mechanism.touches.iter().flat_map(|joint| joined_by_rope(&joint.reeved));
+    firsts_beside(mechanism, springs.chain(ropes).chain(others))
+}
+
+/// The first bodies to which joints, closures, mimic relations and other pairs of bodies connect each body.
+fn firsts_beside(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     // Every body points to an earlier one of its island; one that points to itself is the first.
     let mut earlier: Vec<usize> =
         mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
-    let ends = |a: &Attachment, b: &Attachment| a.body.zip(b.body);
-    let loops = mechanism.closing_ends().filter_map(|[a, b]| ends(a, b));
+    let loops = mechanism.closing_ends().filter_map(|[a, b]| a.body.zip(b.body));
     let mimics = mechanism.mimics.iter();
     let mimics = mimics.flat_map(|mimic| mimic.terms().skip(1).map(|(own, _)| (mimic.follower.body, own.body)));
-    let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
-    let ropes = mechanism.touches.iter().flat_map(|joint| joined_by_rope(&joint.reeved));
-    for (one, other) in loops.chain(mimics).chain(springs).chain(ropes).chain(others) {
+    for (one, other) in loops.chain(mimics).chain(others) {
         let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
         earlier[one.max(other)] = one.min(other);
     }

@@ -26,10 +26,8 @@ impl Crowd {
         }
         inside.time = time;
         if self.trees.have_loops() {
-            let (mut there, mut bodies) = (self.trees.clone(), body_states(mechanism, &inside));
-            there.close(mechanism, &mut inside, &mut bodies);
-            there.place(mechanism, &bodies);
-            there.complete(&mut inside.velocity);
+            let mut bodies = body_states(mechanism, &inside);
+            self.trees.close_beside(mechanism, &mut inside, &mut bodies);
         }
         Some(inside)
     }
@@ -75,12 +73,8 @@ impl Crowd {
         middle.time = start.time + 0.5 * step;
         middle.velocity.copy_from_slice(displacement);
         place_bodies(whole, middle, bodies);
-        let mut closed = true;
+        let closed = trees.close_beside(whole, middle, bodies);
         if trees.have_loops() {
-            let mut there = trees.clone();
-            closed = there.close(whole, middle, bodies);
-            there.place(whole, bodies);
-            there.complete(&mut middle.velocity);
             place_bodies(whole, middle, bodies);
         }
         speeds.go_on(bodies);

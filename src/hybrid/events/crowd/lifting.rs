@@ -58,15 +58,13 @@ impl Crowd {
                 let mut impulses = vec![Vector3::zeros(); island.candidates.len()];
                 let mut v = Vec::new();
                 solve(&mut problem, &mut impulses, &mut v, (SOLVED, true), room);
-                let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
-                freedoms.zip(&v).for_each(|(&freedom, change)| moved[freedom] = *change);
-                island.trees.iter().for_each(|&tree| trees.trees[tree].complete(&mut moved));
+                trees.spread(&island.trees, &v, &mut moved);
             }
             let before = state.clone();
             state.displace(scene.whole, &moved);
             self.resting.keep(scene.whole, &before, state);
             place_bodies(scene.whole, state, &mut self.bodies);
-            if self.trees.have_loops() && !self.trees.close(scene.whole, state, &mut self.bodies) {
+            if !self.trees.close(scene.whole, state, &mut self.bodies) {
                 return None;
             }
             self.find_next(scene, state, step);

@@ -124,7 +124,7 @@ pub(super) fn move_on(
             (own, island)
         })
         .collect();
-    let mut ahead = OnceCell::new();
+    let mut ahead = None;
     if problems.is_empty() {
         let open = !place_end(moving, displacement, end, bodies, (trees, &mut ahead));
         return Solved { open, ..Solved::default() };
@@ -138,12 +138,12 @@ pub(super) fn move_on(
             let tolerance = if round == 0 { COARSE } else { TOLERANCE };
             own.residual = solve(&mut own.problem, &mut own.impulses, &mut own.v, (tolerance, !own.stuck), room);
             own.stuck |= own.residual > tolerance;
-            spread(trees, island, &own.v, displacement);
+            trees.spread(&island.trees, &own.v, displacement);
         }
         closed = place_end(moving, displacement, end, bodies, (trees, &mut ahead));
         let mut back = false;
         if round < ROUNDS {
-            let ahead = of_end(trees, &mut ahead);
+            let ahead = ahead.get_or_insert_with(|| trees.clone());
             ahead.place(scene.whole, bodies);
             let rows = at_end[round].get_or_init(|| contacts.rows_at(scene, ahead, bodies));
             let open = problems.iter_mut().filter(|(own, _)| own.open);
@@ -178,7 +178,7 @@ pub(super) fn move_on(
                 (own.impulses, own.v, own.residual) = std::mem::take(&mut own.best);
                 own.curves.fill(0.0);
                 (own.open, back) = (false, true);
-                spread(trees, island, &own.v, displacement);
+                trees.spread(&island.trees, &own.v, displacement);
             }
             if own.open {
                 for (place, &number) in island.candidates.iter().enumerate() {
@@ -212,26 +212,13 @@ pub(super) fn move_on(
     solved
 }
 
-/// Writes the rates of an island among those of all freedoms.
-fn spread(trees: &Trees, island: &Island, own: &[f64], rates: &mut [f64]) {
-    let freedoms = island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms);
-    freedoms.zip(own).for_each(|(&freedom, rate)| rates[freedom] = *rate);
-    island.trees.iter().for_each(|&tree| trees.trees[tree].complete(rates));
-}
-
-/// The trees at the end of a step.
-fn of_end<'t>(trees: &Trees, ahead: &'t mut OnceCell<Trees>) -> &'t mut Trees {
-    ahead.get_or_init(|| trees.clone());
-    ahead.get_mut().expect("just made")
-}
-
 /// The state after a displacement from the start of a step (s), with closed loops, and the bodies in it; returns whether all loops close.
 fn place_end(
     moving: &Moving,
     displacement: &[f64],
     end: &mut State,
     bodies: &mut [BodyState],
-    (trees, ahead): (&Trees, &mut OnceCell<Trees>),
+    (trees, ahead): (&Trees, &mut Option<Trees>),
 ) -> bool {
     let &Moving { scene, start, step, resting, .. } = moving;
     end.copy_from(start);
@@ -239,7 +226,7 @@ fn place_end(
     end.displace(scene.whole, &moved);
     resting.keep(scene.whole, start, end);
     place_bodies(scene.whole, end, bodies);
-    !trees.have_loops() || of_end(trees, ahead).close(scene.whole, end, bodies)
+    !trees.have_loops() || ahead.get_or_insert_with(|| trees.clone()).close(scene.whole, end, bodies)
 }
 
 /// Bias and compliance of a motor that acts for a time b (s) from a state: `p = b (kp (r − q − b w) + kd (ṙ − w))`.

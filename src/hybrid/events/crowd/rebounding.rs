@@ -136,9 +136,7 @@ impl Rebounding<'_> {
                 *rate = slower + (*rate - slower) * share;
             }
         }
-        let freedoms = group.trees.iter().flat_map(|&tree| &self.trees.trees[tree].freedoms);
-        freedoms.zip(&after).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
-        group.trees.iter().for_each(|&tree| self.trees.trees[tree].complete(velocity));
+        self.trees.spread(&group.trees, &after, velocity);
         group.candidates.iter().zip(rebounds).for_each(|(&number, impulse)| impulses[number] += impulse);
         residual
     }

@@ -120,8 +120,7 @@ pub(super) fn settle(
         let residual = solve(&mut problem, &mut impulses, &mut v, (TOLERANCE, true), room);
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
-        freedoms.iter().zip(&v).for_each(|(&freedom, rate)| velocity[freedom] = *rate);
-        island.trees.iter().for_each(|&tree| trees.trees[tree].complete(velocity));
+        trees.spread(&island.trees, &v, velocity);
         let moved: Vec<f64> = freedoms.iter().map(|&freedom| displacement[freedom]).collect();
         for (place, (&number, impulse)) in island.candidates.iter().zip(&impulses).enumerate() {
             let (candidate, impulse) = (&contacts.list[number], impulse + rebounds[number]);
