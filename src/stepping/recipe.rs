@@ -14,6 +14,8 @@ pub struct Recipe {
     pub kept: Vec<Rule>,
     /// Whether a program asks for every step: all of them end at instants that it gives.
     pub asked_for: bool,
+    /// The stop of steps that given instants end early, over the stop of others.
+    pub bounded: f64,
 }
 
 /// How steps are chosen.
@@ -38,6 +40,11 @@ pub enum Steps {
 }
 
 impl Recipe {
+    /// A recipe for steps that a run makes for itself.
+    pub fn new(steps: Steps, kept: Vec<Rule>) -> Self {
+        Recipe { steps, kept, asked_for: false, bounded: 1.0 }
+    }
+
     /// The integrator for a mechanism.
     ///
     /// # Errors
@@ -46,7 +53,7 @@ impl Recipe {
         let lobatto = match self.steps {
             Steps::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step)?,
             Steps::Chosen { tolerance, stop, stages } => {
-                Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages)
+                Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages).ending_at_instants_with(self.bounded)
             }
         };
         Ok(lobatto.keeping(mechanism, &self.kept))

@@ -262,9 +262,10 @@ impl StepMaker for Eventful {
         self.workspaces.figures()
     }
 
-    /// Up to the first event, without closed loops.
+    /// Up to the first event, without closed loops, and without motors that are sampled: their efforts would be those of the run in both motions.
     fn accompany(&mut self, mechanism: &Mechanism) -> bool {
-        self.workspaces.accompanied = !mechanism.has_closures();
+        let samples = mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0);
+        self.workspaces.accompanied = !mechanism.has_closures() && !samples;
         self.workspaces.accompanied
     }
 

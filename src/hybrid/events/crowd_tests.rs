@@ -125,8 +125,8 @@ fn thrown(number: usize, step: Option<f64>) -> Vector3<f64> {
         Some(step) => run(&mechanism, &mut state, step, 0.6, |_, _, _| {}),
         None => {
             let steps = Steps::Chosen { tolerance: 1e-7, stop: 1e-11, stages: StageChoice::Many };
-            let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: vec![Rule::Crowds], asked_for: false })
-                .expect("possible steps");
+            let mut eventful =
+                Eventful::new(&mechanism, Recipe::new(steps, vec![Rule::Crowds])).expect("possible steps");
             while state.time < 0.6 {
                 eventful.step(&mechanism, Inputs::constant(&[0.0; 6]), &mut state, 0.6).expect("a step");
             }

@@ -95,7 +95,7 @@ impl Eventful {
     /// [`MethodError::Step`].
     pub fn over_events(mechanism: &Mechanism, step: f64, kept: &[Rule]) -> Result<Self, MethodError> {
         let steps = Steps::Fixed { stages: BESIDE, step };
-        let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };
+        let recipe = Recipe::new(steps, kept.to_vec());
         let mut eventful = Eventful::new(mechanism, recipe)?;
         if eventful.workspaces.crowd.is_none() || eventful.needs_events() {
             return Err(MethodError::NeedsEvents);

@@ -16,6 +16,7 @@ use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::Inside;
 use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
+use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -68,6 +69,12 @@ impl Eventful {
         which.extend(others.filter(|&index| looked_at(&self.trial.watched[index])));
     }
 
+    /// Whether a joint begins the last step on this side of its room, up to a gap (rad or m).
+    fn begins_at(&self, joint: usize, side: Side, gap: f64) -> bool {
+        let of = &self.model.elements.joints[joint];
+        of.gap(side, of.position(&self.trial.origin)) <= gap
+    }
+
     /// The first bracket in which a function changes its sign in the last step; `known` is one that does at its end.
     pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, known: Option<Bracket>) -> Option<Bracket> {
         let known = known.map(|known| (known, self.trial.watched[known.watched]));
@@ -111,9 +118,8 @@ impl Eventful {
         noise.clear();
         noise.extend(which.iter().zip(&*zero).map(|(&index, &zero)| {
             let fresh = match self.trial.watched[index] {
-                Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
-                    self.trial.fresh_joints[joint]
-                }
+                Watched::Gap(joint, side) => self.trial.fresh_joints[joint] && self.begins_at(joint, side, zero),
+                Watched::Slide(joint) | Watched::Bears(joint, _) => self.trial.fresh_joints[joint],
                 Watched::Margin => self.trial.fresh_joints.contains(&true) || self.trial.fresh_pairs.any(),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.trial.fresh_motors[motor],
                 Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.trial.fresh_pairs.holds(pair),
@@ -129,7 +135,9 @@ impl Eventful {
         }));
         let end = self.workspaces.active().small.time;
         let motors = &self.model.elements.motors;
-        let first = if self.is_short_span() {
+        // Forces change little in a short span, but a joint may cross the room between its limits there.
+        let may_meet = which.iter().any(|&index| matches!(self.trial.watched[index], Watched::Gap(..)));
+        let first = if self.is_short_span() && !may_meet {
             First::Ends
         } else if self.model.whole.changes() || motors.iter().any(|motor| motor.target.as_formula().is_some()) {
             First::All

@@ -113,7 +113,7 @@ impl Moving {
     pub fn at(mechanism: &Mechanism, state: &State, efforts: &[f64]) -> Result<Self, MovingError> {
         let mut whole = mechanism.clone();
         whole.nonsmooth.motors.iter_mut().for_each(|motor| motor.period = 0.0);
-        let recipe = Recipe { steps: Steps::Fixed { stages: 2, step: 1e-3 }, kept: Vec::new(), asked_for: false };
+        let recipe = Recipe::new(Steps::Fixed { stages: 2, step: 1e-3 }, Vec::new());
         let mut eventful = Eventful::new(&whole, recipe)?;
         let mut state = state.clone();
         eventful.begin(&whole, Inputs::constant(efforts), &mut state)?;

@@ -181,8 +181,7 @@ mod tests {
     /// A run of it with chosen steps that makes no steps over events.
     fn without_crowds(mechanism: &Mechanism) -> Eventful {
         let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
-        let mut eventful =
-            Eventful::new(mechanism, Recipe { steps, kept: Vec::new(), asked_for: false }).expect("possible steps");
+        let mut eventful = Eventful::new(mechanism, Recipe::new(steps, Vec::new())).expect("possible steps");
         eventful.workspaces.crowd = None;
         eventful
     }

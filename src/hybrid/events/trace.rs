@@ -47,7 +47,7 @@ impl TracedRun {
     /// # Errors
     /// [`MethodError`] for stages that cannot be.
     pub fn new(mechanism: &Mechanism, stages: usize, longest: f64) -> Result<Self, MethodError> {
-        let recipe = Recipe { steps: Steps::Fixed { stages, step: longest }, kept: Vec::new(), asked_for: false };
+        let recipe = Recipe::new(Steps::Fixed { stages, step: longest }, Vec::new());
         let mut eventful = Eventful::new(mechanism, recipe)?;
         let nodes = &Tableau::of(stages)?.nodes;
         eventful.trace = Some(Trace { entries: Vec::new(), nodes: &nodes[1..stages - 1] });

@@ -150,6 +150,15 @@ impl Lobatto {
         lobatto
     }
 
+    /// The same with another stop in steps that given instants end early: this factor times the stop of others.
+    #[must_use]
+    pub(crate) fn ending_at_instants_with(mut self, factor: f64) -> Self {
+        if let Mode::Chosen(control) = &mut self.mode {
+            control.bounded = factor;
+        }
+        self
+    }
+
     /// Makes room, before the first step, for the workspace of coarse stops.
     pub(super) fn prepare(&mut self, mechanism: &Mechanism) {
         if let Mode::Chosen(control) = &self.mode {

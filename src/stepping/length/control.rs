@@ -97,6 +97,8 @@ pub struct Control {
     pub stages: usize,
     /// ε: where the iteration stops.
     pub(crate) stop: f64,
+    /// The stop of steps that given instants end early, over ε.
+    pub(crate) bounded: f64,
     /// The wanted E.
     pub wanted: f64,
     /// The largest E of a step that is kept.
@@ -183,6 +185,7 @@ impl Control {
             tolerance,
             stages: stage_count,
             stop,
+            bounded: 1.0,
             wanted,
             limit: kept * wanted,
             telling: mechanism.is_unforced(),
@@ -253,9 +256,15 @@ impl Control {
         }
     }
 
+    /// The same for a step that a given instant ends early.
+    pub(crate) fn bounded_rule(&self) -> StopRule {
+        let increment = (self.bounded * self.stop).max(1e-16);
+        StopRule { increment, rounding: increment.max(1e-11), ..self.rule() }
+    }
+
     /// The same for a step of some length: where the motion is settling, velocities have to be as accurate as in long steps.
     fn rule_for(&mut self, length: f64) -> StopRule {
-        let rule = self.rule();
+        let rule = if length < self.memory.step { self.bounded_rule() } else { self.rule() };
         let Some(long) = self.memory.settling else { return rule };
         if length >= long {
             self.memory.settling = None;

@@ -45,7 +45,7 @@ impl Control {
         }
         self.memory.step = length;
         let guess = stepper.first_guess();
-        let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule(), guess);
+        let attempt = stepper.attempt(mechanism, inputs, state, length, &self.bounded_rule(), guess);
         let Attempt::Converged { exact, legendre, .. } = attempt else {
             self.forget();
             let mut cost = Cost::of(attempt.iterations());

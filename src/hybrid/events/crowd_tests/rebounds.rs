@@ -27,7 +27,7 @@ fn a_blow_passes_through_boxes_in_touch_as_event_by_event() {
         let mut stepped = start.clone();
         run(&mechanism, &mut stepped, 1e-3, 0.1, |_, _, _| {});
         let steps = Steps::Chosen { tolerance: 1e-7, stop: 1e-11, stages: StageChoice::Many };
-        let recipe = Recipe { steps, kept: vec![Rule::Crowds], asked_for: false };
+        let recipe = Recipe::new(steps, vec![Rule::Crowds]);
         let mut eventful = Eventful::new(&mechanism, recipe).expect("possible steps");
         while start.time < 0.1 {
             eventful.step(&mechanism, Inputs::constant(&[0.0; 24]), &mut start, 0.1).expect("a step");

@@ -20,10 +20,12 @@ use crate::events::modes::tolerances::{BRIEF_SLIP, SLIPS_TOGETHER, SLOWEST_SLIP,
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::elements::{ElementJoint, inward};
 use crate::instant::holding::moments::Turning;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::{Feature, Moments};
+use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -302,20 +304,29 @@ impl Contacts {
         lost
     }
 
-    /// Moves overlapping contacts apart, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that
+    /// Moves overlapping contacts apart, by the least motion in the metric of the mass matrix that keeps joints within limits; returns the energy that this takes (J). An event that
     /// was found late leaves such overlaps. The energy of the gained height is taken from the velocities.
     pub fn move_apart(&self, scene: &mut Scene, state: &mut State) -> f64 {
         let bodies = body_states(scene.whole, state);
         let gap = |contact: &Contact| touch_motion(&contact.joint, &bodies).gap;
-        let gaps: Vec<f64> = self.all.iter().map(gap).collect();
+        let mut gaps: Vec<f64> = self.all.iter().map(gap).collect();
         let deep = |(gap, contact): (&f64, &Contact)| *gap < -scene.touching.pairs[contact.pair].within(OVERLAP);
         if !gaps.iter().zip(&self.all).any(deep) {
             return 0.0;
         }
         let normal = |contact: &Contact| rows_of_contact(scene.whole, &bodies, &contact.joint, false);
-        let rows: Vec<Row> = self.all.iter().flat_map(normal).collect();
+        let mut rows: Vec<Row> = self.all.iter().flat_map(normal).collect();
+        let on = scene.elements.joints.iter().filter_map(|joint| Some((joint, joint.side(joint.position(state))?)));
+        let of_limit = |(joint, side): (&ElementJoint, Side)| {
+            let least = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
+            (row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(side)), least)
+        };
+        let (limits, least): (Vec<Row>, Vec<f64>) = on.map(of_limit).unzip();
+        rows.extend(limits);
         let rows = Rows::new(scene.response, state, rows);
-        let apart = vec![(0.0, f64::INFINITY); gaps.len()];
+        let apart: Vec<(f64, f64)> =
+            gaps.iter().map(|_| 0.0).chain(least).map(|least| (least, f64::INFINITY)).collect();
+        gaps.resize(apart.len(), 0.0);
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&minimise(&rows.square, &gaps, &apart).efforts, &mut change);
         let before = energy(scene.whole, state).total();

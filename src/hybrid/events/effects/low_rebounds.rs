@@ -81,7 +81,8 @@ pub(crate) fn unseen_flight(
 /// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest
 /// push. An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
 /// without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
-/// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge.
+/// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge. A joint on its bound that parts by such a rate is
+/// stopped if its flight is lower than a rounding of its position: no step would see it return, and the next one would carry it beyond the bound.
 fn too_low(
     scene: &mut Scene,
     state: &State,
@@ -94,8 +95,13 @@ fn too_low(
         let meeting = &meetings[index];
         before[index] <= meeting.rest || (meeting.rate(&state.velocity) - before[index]).abs() > meeting.rest
     };
-    let leaves =
-        |(index, meeting): (usize, &Meeting)| is_rebound(index) && meeting.rate(&state.velocity) > meeting.rest;
+    let rounding = |index: usize| match meetings[index].block.of {
+        Of::Joint(joint) => f64::EPSILON * scene.elements.joints[joint].position(state).abs(),
+        Of::Contact(_) | Of::Moment { .. } => 0.0,
+    };
+    let leaves = |(index, meeting): (usize, &Meeting)| {
+        (is_rebound(index) || rounding(index) > 0.0) && meeting.rate(&state.velocity) > meeting.rest
+    };
     if !meetings.iter().enumerate().any(leaves) {
         return Low::default();
     }
@@ -111,7 +117,13 @@ fn too_low(
     let mut low = Low::default();
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        if is_rebound(index) && rate > 0.0 && rate * rate <= 2.0 * pull * height(meeting.block.of) {
+        let returns = meeting.rate(&free) < 0.0;
+        let most = match (is_rebound(index), returns) {
+            (true, _) => height(meeting.block.of),
+            (false, true) => rounding(index),
+            (false, false) => continue,
+        };
+        if rate > 0.0 && rate * rate <= 2.0 * pull * most {
             low.stopped.push(index);
             low.until.push(state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution)));
             low.left += rate * rate / (2.0 * pull);

@@ -62,13 +62,14 @@ impl Eventful {
     }
 
     /// Blocks that may close or hold in a step of this length from a state, for velocities without it, and their gaps (m or rad). Pairs as far from
-    /// each other as `wider` (m) are among them. Returns also what was seen of each pair.
+    /// each other as `wider` (m) are among them, and so are the limits `reached`. Returns also what was seen of each pair.
     fn closing_within(
         &mut self,
         step: f64,
         start: &State,
         velocity: &[f64],
         wider: &PerPair<f64>,
+        reached: &[(usize, Side)],
     ) -> (Closing, Vec<Looked>) {
         let Closing { mut blocks, mut gaps, mut contacts, mut sides } = Closing::default();
         for (index, joint) in self.model.elements.joints.iter().enumerate() {
@@ -86,7 +87,8 @@ impl Eventful {
                 let gap = joint.gap(side, joint.position(start));
                 // One that bears may be pushed by contacts alone.
                 let bears = gap <= joint.at_limit(side);
-                if bears || gap + step * inward(side) * velocity[freedom] < 0.0 {
+                let reaches = reached.contains(&(index, side));
+                if bears || reaches || gap + step * inward(side) * velocity[freedom] < 0.0 {
                     add([0.0, f64::INFINITY], Some(side), gap);
                 }
             }
@@ -128,15 +130,17 @@ impl Eventful {
     }
 
     /// Adds the free accelerations, and the impulses of all blocks that may close in a step, to velocities at its start. A pair that was far may come
-    /// near because others push it: it is then looked at as well.
+    /// near because others push it: it is then looked at as well, and so is a limit beyond which others push a joint.
     pub(super) fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
         let mut wider: PerPair<f64> = PerPair::default();
+        let mut reached: Vec<(usize, Side)> = Vec::new();
         let mut round = 0;
         loop {
             for ((rate, before), acceleration) in velocity.iter_mut().zip(&start.velocity).zip(free) {
                 *rate = before + step * acceleration;
             }
-            let (Closing { blocks, gaps, contacts, sides }, seen) = self.closing_within(step, start, velocity, &wider);
+            let (Closing { blocks, gaps, contacts, sides }, seen) =
+                self.closing_within(step, start, velocity, &wider, &reached);
             let (mut pressed, mut limits, mut rebounds, mut driven) = (Vec::new(), Vec::new(), (0, 0.0), 0.0);
             if !blocks.is_empty() {
                 let rows = Rows::of(&mut self.workspaces.response, start, &blocks);
@@ -155,7 +159,16 @@ impl Eventful {
                 limits = limits_in(&blocks, &gaps, &sides, &impulses);
             }
             let moving = body_states(&self.model.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
-            let (mut part, mut widened) = (1.0_f64, false);
+            let (mut part, before) = (1.0_f64, reached.len());
+            for (index, joint) in self.model.elements.joints.iter().enumerate() {
+                let moves = step * velocity[joint.coordinate.freedom];
+                let is_beyond =
+                    |side: Side| joint.gap(side, joint.position(start)) + inward(side) * moves < -joint.at_limit(side);
+                let beyond = joint.sides().filter(|&side| is_beyond(side)).map(|side| (index, side));
+                let beyond: Vec<_> = beyond.filter(|limit| !reached.contains(limit)).collect();
+                reached.extend(beyond);
+            }
+            let mut widened = reached.len() > before;
             for &Looked { pair, distance, near } in &seen {
                 let of = &self.model.touching.pairs[pair];
                 let moves = MOVES * step * speed_of(of, &moving);

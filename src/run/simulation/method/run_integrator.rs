@@ -52,15 +52,22 @@ impl RunIntegrator {
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
     pub fn new(mechanism: &Mechanism, steps: Steps, kept: &[Rule]) -> Result<Self, MethodError> {
-        let locked = if kept.contains(&Rule::Locked) { None } else { Locked::of(mechanism) };
+        Self::of(mechanism, Recipe::new(steps, kept.to_vec()))
+    }
+
+    /// The integrator for a mechanism, made by a recipe.
+    ///
+    /// # Errors
+    /// As of [`RunIntegrator::new`].
+    pub(crate) fn of(mechanism: &Mechanism, recipe: Recipe) -> Result<Self, MethodError> {
+        let locked = if recipe.kept.contains(&Rule::Locked) { None } else { Locked::of(mechanism) };
         if let Some(locked) = locked {
-            let inside = RunIntegrator::new(locked.mechanism(), steps, kept)?.0;
+            let inside = RunIntegrator::of(locked.mechanism(), recipe)?.0;
             return Ok(RunIntegrator(Box::new(WithoutLocked::new(mechanism, locked, inside))));
         }
-        if let Steps::Fixed { stages: Eventful::STAGES_OVER_EVENTS, step } = steps {
-            return Ok(RunIntegrator(Box::new(Eventful::over_events(mechanism, step, kept)?)));
+        if let Steps::Fixed { stages: Eventful::STAGES_OVER_EVENTS, step } = recipe.steps {
+            return Ok(RunIntegrator(Box::new(Eventful::over_events(mechanism, step, &recipe.kept)?)));
         }
-        let recipe = Recipe { steps, kept: kept.to_vec(), asked_for: false };
         if !mechanism.nonsmooth.is_empty() {
             return Ok(RunIntegrator(Box::new(Eventful::new(mechanism, recipe)?)));
         }

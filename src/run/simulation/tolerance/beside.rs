@@ -12,6 +12,9 @@ use crate::stepping::length::stage_choice::StageChoice;
 
 /// Stop of this run over the stop of the run beside it.
 pub(crate) const RATIO: f64 = 30.0;
+/// The stop of steps of a coarser run that given instants end early, over its stop. Both runs make the same such steps, often with the same number of
+/// iterations; so it is finer in them, and their distance has the error of the run.
+const BOUNDED: f64 = 1.0 / (RATIO * RATIO);
 /// The least energy change that may be made, over the stop. If it had the bound of the run, a coarse companion would take more steps than the run.
 const ENERGY: f64 = 300.0;
 /// Length of its steps over events over the length of such steps of the run beside it.
@@ -25,6 +28,12 @@ const NEAR_TRUTH: f64 = 1.25;
 const LUCK: f64 = 3.0;
 /// Factor for the rounding errors of two motions that round independently.
 pub(crate) const OWN_ROUNDINGS: f64 = 2.0;
+
+/// Whether a step between two times (s) ends at a tick of a motor.
+fn is_at_tick(mechanism: &Mechanism, from: f64, to: f64) -> bool {
+    let motors = &mechanism.nonsmooth.motors;
+    motors.iter().any(|motor| motor.period > 0.0 && motor.next_instant(from) == to)
+}
 
 /// Why a separate run has not reached the time that was asked for.
 pub(crate) enum Behind {
@@ -41,8 +50,9 @@ pub(crate) struct Beside {
     pub(crate) run: RunIntegrator,
     pub(crate) state: State,
     pub(crate) events: Vec<Event>,
-    /// Number of its steps.
+    /// Number of its steps, and of those that end at a tick of a motor.
     steps: usize,
+    ticks: usize,
     /// Where it has been, at an instant to which the run may go back.
     past: Option<State>,
 }
@@ -64,11 +74,11 @@ impl Beside {
             interrupt: terms.interrupt.clone(),
             ..*terms
         };
-        let run = coarser.run(mechanism, stop, stages).ok()?;
+        let run = coarser.run_bounded(mechanism, stop, stages, BOUNDED).ok()?;
         // Impacts of both that end at the same height would hide what that leaves.
         let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         run.coarsen_over_events(OVER_EVENTS);
-        Some(Beside { is_finer: false, run, state: state.clone(), events: Vec::new(), steps: 0, past: None })
+        Some(Beside { is_finer: false, run, state: state.clone(), events: Vec::new(), steps: 0, ticks: 0, past: None })
     }
 
     /// A finer run, whose accumulating impacts and steps over events leave less.
@@ -83,7 +93,7 @@ impl Beside {
         let run = terms.run(mechanism, finer, stages).ok()?;
         let mut run = run.leaving(stop / (RATIO * terms.first_stop(mechanism)), 1.0 / RATIO);
         run.coarsen_over_events(1.0 / OVER_EVENTS);
-        Some(Beside { is_finer: true, run, state: state.clone(), events: Vec::new(), steps: 0, past: None })
+        Some(Beside { is_finer: true, run, state: state.clone(), events: Vec::new(), steps: 0, ticks: 0, past: None })
     }
 
     /// Whether it is finer than the run beside it.
@@ -102,7 +112,8 @@ impl Beside {
             StageChoice::Many => 0.0,
             few => (LUCK * self.share_of_truncation(steps, few.count())).min(1.0),
         };
-        share.max(self.share_of_first_order(run)).max(truncated)
+        let at_ticks = self.ticks as f64 / self.steps.max(1) as f64;
+        share.max(self.share_of_first_order(run)).max(truncated).max(at_ticks)
     }
 
     /// The part of the distance of both runs that is the error of the run beside it, as far as steps of first order have made it.
@@ -168,8 +179,10 @@ impl Beside {
             if terms.is_interrupted() {
                 return Err(Behind::Interrupted);
             }
+            let from = self.state.time;
             self.run.advance(mechanism, &mut self.state, until).map_err(|_| Behind::Failed)?;
             self.steps += 1;
+            self.ticks += usize::from(is_at_tick(mechanism, from, self.state.time));
             self.run.take_events(&mut self.events);
         }
         Ok(())

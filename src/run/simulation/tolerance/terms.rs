@@ -9,7 +9,7 @@ use crate::simulation::tolerance::forecast::FINEST;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::length::control::COARSEST_STOP;
 use crate::stepping::length::stage_choice::StageChoice;
-use crate::stepping::recipe::Steps;
+use crate::stepping::recipe::{Recipe, Steps};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -65,8 +65,23 @@ impl Terms<'_> {
         stop: f64,
         stages: StageChoice,
     ) -> Result<RunIntegrator, MethodError> {
+        self.run_bounded(mechanism, stop, stages, 1.0)
+    }
+
+    /// The same with another stop in steps that given instants end early: `bounded` times the stop of others.
+    ///
+    /// # Errors
+    /// [`MethodError`] for steps that cannot be.
+    pub(crate) fn run_bounded(
+        &self,
+        mechanism: &Mechanism,
+        stop: f64,
+        stages: StageChoice,
+        bounded: f64,
+    ) -> Result<RunIntegrator, MethodError> {
         let steps = Steps::Chosen { tolerance: self.tolerance * self.over_events, stop, stages };
-        let mut run = RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone());
+        let recipe = Recipe { bounded, ..Recipe::new(steps, self.kept.clone()) };
+        let mut run = RunIntegrator::of(mechanism, recipe)?.counted(self.counted.clone());
         if self.estimate {
             run.keep_estimate();
         }
