@@ -57,6 +57,7 @@ mod exact;
 mod false_alarms;
 mod free_bodies;
 mod groups;
+mod hinged_loops;
 mod impacts_with_limits;
 mod in_loops;
 mod landing_flat;

@@ -6,14 +6,14 @@
 //! ```text
 //!     J_ix = ± (f · v + t · ω)        + on the branch of the second end, − on that of the first           [1], [m], [1/m]
 //!     A_ix = J_ix L_x / L_i           with the lengths of [`catena_mechanism::structure::ranks`]
-//!     empty:   |f · v + t · ω| <= 1e-10 (Σ |f_k v_k| + Σ |t_k ω_k|)   for every freedom
+//!     empty:   |f · v + t · ω| <= 1e-10 (|f| |v| + |t| |ω|)   for every freedom: components that should be zero are rounded, too
 //! ```
 
 use crate::coupled::system::{Coupled, Geometry, One};
 use crate::numbers::lanes::Lanes;
 use catena_mechanism::structure::ranks::rows::Row;
 
-/// An equation is empty where its gradient along every freedom is this part of the sum of magnitudes that it is rounded from.
+/// An equation is empty where its gradient along every freedom is this part of the magnitudes that it is rounded from.
 const EMPTY: f64 = 1e-10;
 
 /// Finds the equations of the loops whose gradients at the start of a step are rounding.
@@ -33,12 +33,17 @@ pub(crate) fn find_empty<G: Geometry<One>>(
         let bodies = &circuits[coupled.closure_of_row()[row]];
         let moves = |body: usize, freedom: usize| {
             let screw = geometry.screws(plan, start, &[], body, freedom).columns;
-            let (mut sum, mut magnitude) = (0.0_f64, 0.0);
-            for (direction, screw) in direction.iter().zip(screw).take(G::WIDTH) {
-                sum += direction * one(screw);
-                magnitude += (direction * one(screw)).abs();
-            }
-            sum.abs() > EMPTY * magnitude
+            // The force part is first.
+            let part = |range: std::ops::Range<usize>| {
+                let pairs = direction[range.clone()].iter().zip(&screw[range]);
+                pairs.fold([0.0; 3], |[along, first, second], (a, b)| {
+                    let b = one(*b);
+                    [along + a * b, first + a * a, second + b * b]
+                })
+            };
+            let forces = G::WIDTH.div_ceil(2);
+            let [[of_force, f, v], [of_torque, t, w]] = [part(0..forces), part(forces..G::WIDTH)];
+            (of_force + of_torque).abs() > EMPTY * ((f * v).sqrt() + (t * w).sqrt())
         };
         *empty = !bodies
             .iter()
