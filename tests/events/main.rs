@@ -9,6 +9,7 @@ mod tipping;
 #[path = "../shared/turning/mod.rs"]
 mod turning;
 
+mod ball_dampers;
 mod belts;
 mod blocked;
 mod carts;

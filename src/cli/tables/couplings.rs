@@ -3,6 +3,7 @@
 use crate::cli::tables::table::{Table, number, triple};
 use catena::instant::start::assembly::Redundancy;
 use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind, Mimic};
+use catena::mechanism::description::forces::JointDamper;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::ground::words::counted;
 use catena::model::Model;
@@ -71,9 +72,7 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
             "rest": spring.rest,
         })
     });
-    let joint_dampers = forces
-        .joint_dampers
-        .iter()
+    let joint_dampers = dampers_of_joints(mechanism)
         .map(|damper| json!({"joint": joint_of(mechanism, damper.freedom).0, "damping": damper.coefficient}));
     let joint_loads = forces
         .joint_loads
@@ -172,7 +171,7 @@ pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
         let how = format!("{} {effort}/{length}, free at {} {length}", number(spring.stiffness), number(spring.rest));
         acting.row(vec![joint.to_string(), "spring".to_string(), how]);
     }
-    for damper in &forces.joint_dampers {
+    for damper in dampers_of_joints(mechanism) {
         let (joint, length, effort) = joint_of(mechanism, damper.freedom);
         let how = format!("{} {effort} s/{length}", number(damper.coefficient));
         acting.row(vec![joint.to_string(), "damper".to_string(), how]);
@@ -241,6 +240,14 @@ fn body_name(mechanism: &Mechanism, body: Option<usize>) -> &str {
 
 fn joint_name(mechanism: &Mechanism, coordinate: Coordinate) -> &str {
     &mechanism.bodies[coordinate.body].joint.name
+}
+
+/// The dampers in joints, one for the three of a ball.
+fn dampers_of_joints(mechanism: &Mechanism) -> impl Iterator<Item = &JointDamper> {
+    mechanism.forces.joint_dampers.iter().filter(|damper| {
+        let joint = mechanism.body_of_freedom(damper.freedom).map(|body| &mechanism.bodies[body].joint);
+        joint.is_none_or(|joint| joint.velocity_index == damper.freedom)
+    })
 }
 
 /// The joint that a degree of freedom belongs to, and the units of its position and its effort.

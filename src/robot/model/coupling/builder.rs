@@ -11,6 +11,7 @@ use crate::scene::coupling::LinkReference;
 use crate::scene::robot::{Pose, UrdfJoint, UrdfJointKind};
 use crate::scene::world::WORLD_LINK;
 use crate::scene::{Element, Warning};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The common data of all couplings.
@@ -143,6 +144,14 @@ impl UrdfJointOf<'_> {
     /// Its one coordinate in the mechanism of `builder`; `None` if it is fixed, moves no mass, or has several freedoms.
     pub(crate) fn coordinate(&self, builder: &Builder) -> Option<Coordinate> {
         builder.scalar(self.record?).ok()
+    }
+
+    /// The freedoms that a damper of one coefficient acts along: of one coordinate, or of a ball; `None` of other joints.
+    pub(crate) fn damped_freedoms(&self, builder: &Builder) -> Option<Range<usize>> {
+        let joint = &builder.model.mechanism.bodies[self.record?.body?].joint;
+        let first = joint.velocity_index;
+        matches!(joint.kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Spherical)
+            .then(|| first..first + joint.kind.velocity_count())
     }
 
     /// Whether it moves anything.

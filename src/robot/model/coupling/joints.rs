@@ -8,7 +8,7 @@ use crate::model::description::model_error::ModelError;
 use crate::scene::{UrdfJoint, UrdfJointKind, Warning};
 
 impl Builder<'_> {
-    /// The dampers of `<dynamics damping>`, or what a `[[joint]]` says instead.
+    /// The dampers of `<dynamics damping>`, or what a `[[joint]]` says instead: three in a ball joint, along the components of its angular velocity.
     pub(crate) fn dampers(&self, warnings: &mut Vec<Warning>) -> Vec<JointDamper> {
         let mut dampers = Vec::new();
         for of in self.urdf_joints() {
@@ -17,14 +17,15 @@ impl Builder<'_> {
             if coefficient == 0.0 || !of.moves() {
                 continue;
             }
-            match of.coordinate(self) {
+            match of.damped_freedoms(self) {
                 Some(_) if coefficient < 0.0 => {
                     let message = "its damping is negative, which would add energy; ignored";
                     warnings.push(of.stand().warning(message));
                 }
-                Some(coordinate) => dampers.push(JointDamper { freedom: coordinate.freedom, coefficient }),
+                Some(freedoms) => dampers.extend(freedoms.map(|freedom| JointDamper { freedom, coefficient })),
                 None => {
-                    let message = "damping is only simulated in joints that turn about or slide along an axis";
+                    let message =
+                        "damping is only simulated in joints that turn about or slide along an axis, and in balls";
                     warnings.push(of.stand().warning(message));
                 }
             }
@@ -125,13 +126,13 @@ mod tests {
     }
 
     #[test]
-    fn damping_of_hinges_becomes_dampers_and_the_rest_is_warned_of() {
+    fn damping_of_hinges_and_balls_becomes_dampers_and_what_is_negative_is_warned_of() {
         let model = chain("<dynamics damping='0.5'/>", "<dynamics damping='-1'/>");
         let (dampers, warnings) = build(&model, |builder, warnings| builder.dampers(warnings));
-        assert_eq!(dampers, [JointDamper { freedom: 3, coefficient: 0.5 }]);
-        assert_eq!(warnings.len(), 2, "{warnings:?}");
-        assert!(warnings[0].contains("joint \"joint1\": damping is only simulated"), "{warnings:?}");
-        assert!(warnings[1].contains("joint \"joint3\": its damping is negative"), "{warnings:?}");
+        let of = |freedom, coefficient| JointDamper { freedom, coefficient };
+        assert_eq!(dampers, [of(0, 5.0), of(1, 5.0), of(2, 5.0), of(3, 0.5)]);
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        assert!(warnings[0].contains("joint \"joint3\": its damping is negative"), "{warnings:?}");
     }
 
     #[test]
