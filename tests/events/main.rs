@@ -56,6 +56,7 @@ mod ellipsoids;
 mod exact;
 mod false_alarms;
 mod free_bodies;
+mod grippers;
 mod groups;
 mod impacts_with_limits;
 mod in_loops;
