@@ -57,6 +57,7 @@ mod ellipsoids;
 mod exact;
 mod false_alarms;
 mod free_bodies;
+mod grippers;
 mod groups;
 mod hinged_loops;
 mod impacts_with_limits;

@@ -47,7 +47,7 @@ impl Eventful {
         let held = if self.progress.asleep {
             vec![true; whole.bodies.len()]
         } else {
-            held_bodies(whole, elements, mode, response, state)
+            held_bodies(whole, elements, touching, mode, response, state)
         };
         let closures = if mode.contacts.is_empty() {
             Closures::default()

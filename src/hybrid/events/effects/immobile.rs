@@ -10,11 +10,13 @@
 //! of the held gaps.
 
 use crate::events::effects::decision::{Candidate, Scene};
+use crate::events::effects::shared_loads::shared_with_braked;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::cone::apart::parts_joined;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, least_answer, row_of_freedom, row_of_torque, rows_of_contact};
 use crate::instant::holding::elements::Elements;
+use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -60,10 +62,12 @@ pub fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[C
     idle
 }
 
-/// For each body whether it is held: its joint is, or cannot move because others are.
+/// For each body whether it is held: its joint is, or cannot move because others are. Where friction brakes by the forces with which contacts hold a body, it
+/// is not: its motors and its weight give these forces.
 pub(crate) fn held_bodies(
     whole: &Mechanism,
     elements: &Elements,
+    touching: &Touching,
     mode: &Mode,
     response: &mut Response,
     state: &State,
@@ -72,8 +76,14 @@ pub(crate) fn held_bodies(
     // A body that a belt or a joint that is moved in time carries is not at rest.
     let carries =
         |joint: &TouchJoint| joint.is_belt() || [&joint.a, &joint.b].iter().any(|end| is_moved(whole, end.body));
-    let holds = |closed: &&Closed| closed.slides.is_none() && !carries(&closed.contact.joint);
-    let sticks = mode.contacts.iter().any(|closed| holds(&closed));
+    let sticks = |closed: &Closed| closed.slides.is_none() && !carries(&closed.contact.joint);
+    let mut holding: Vec<&Closed> = mode.contacts.iter().filter(|closed| sticks(closed)).collect();
+    if !holding.is_empty() {
+        let shared = shared_with_braked(whole, elements, touching, mode, response, state);
+        let alone = mode.contacts.iter().zip(&shared).filter(|(closed, shared)| sticks(closed) && !**shared);
+        holding = alone.map(|(closed, _)| closed).collect();
+    }
+    let sticks = !holding.is_empty();
     // Joints that follow a held joint are held with it; loops and contacts may hold more.
     if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
         return held;
@@ -83,7 +93,7 @@ pub(crate) fn held_bodies(
     let mut rows: Vec<Row> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
     if sticks {
         let bodies = body_states(whole, state);
-        for closed in mode.contacts.iter().filter(holds) {
+        for closed in holding {
             rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
             rows.extend(rows_of_held_turns(whole, &bodies, closed));
         }

@@ -20,6 +20,7 @@ mod rest_problem;
 pub(crate) mod resting;
 mod rim_points;
 mod seizing;
+mod shared_loads;
 pub(crate) mod shared_pressures;
 pub(crate) mod transition;
 mod turnings;
