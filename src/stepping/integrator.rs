@@ -65,7 +65,7 @@ pub struct Lobatto {
 #[derive(Clone)]
 enum Mode {
     Fixed(FixedSteps),
-    Chosen(Control),
+    Chosen(Box<Control>),
     Reversible(Reversible),
 }
 

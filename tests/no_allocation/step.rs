@@ -55,7 +55,7 @@ fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_l
 fn a_step_on_another_spanning_tree_than_the_files_allocates_nothing() {
     // Fast enough that joints turn further in a step than is followed at once.
     let (mechanism, start) = linkage::path(8, 15.0);
-    let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 0.01 }, kept: Vec::new(), asked_for: false };
+    let recipe = Recipe::new(Steps::Fixed { stages: 5, step: 0.01 }, Vec::new());
     let mut steps = OnOtherTree::new(&mechanism, &[], &recipe).unwrap().expect("another tree");
     let mut state = start.clone();
     steps.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
@@ -72,7 +72,7 @@ fn a_step_on_another_spanning_tree_than_the_files_allocates_nothing() {
 #[test]
 fn a_driven_step_on_another_spanning_tree_allocates_nothing() {
     let (mechanism, start) = linkage::path(8, 2.0);
-    let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 0.01 }, kept: Vec::new(), asked_for: false };
+    let recipe = Recipe::new(Steps::Fixed { stages: 5, step: 0.01 }, Vec::new());
     let mut steps = OnOtherTree::new(&mechanism, &[0], &recipe).unwrap().expect("another tree");
     let (mut state, mut efforts) = (start.clone(), vec![0.0; mechanism.velocity_count]);
     efforts[0] = 1.0;
@@ -136,7 +136,7 @@ fn a_step_between_events_allocates_nothing_though_limits_friction_motors_and_a_h
     let mut state = model.state.clone();
     state.velocity.fill(0.0);
     state.velocity[driven.freedom] = 0.3;
-    let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 1e-3 }, kept: Vec::new(), asked_for: false };
+    let recipe = Recipe::new(Steps::Fixed { stages: 5, step: 1e-3 }, Vec::new());
     let mut eventful = Eventful::new(&mechanism, recipe).unwrap();
     for _ in 0..3 {
         eventful.advance(&mechanism, &mut state, f64::INFINITY).unwrap();

@@ -130,7 +130,7 @@ impl Lobatto {
     pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
         let isa = Isa::detect();
         let control = Control::new(mechanism, tolerance, stop, stages);
-        Self::with_tableau(mechanism, stages.tableau(), Mode::Chosen(control), isa)
+        Self::with_tableau(mechanism, stages.tableau(), Mode::Chosen(Box::new(control)), isa)
     }
 
     fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {

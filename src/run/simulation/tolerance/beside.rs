@@ -12,7 +12,7 @@ use crate::stepping::length::stage_choice::StageChoice;
 
 /// Stop of this run over the stop of the run beside it.
 pub(crate) const RATIO: f64 = 30.0;
-/// The stop of steps of a coarser run that given instants end early, over its stop. Both runs make the same such steps, often with the same number of
+/// The stop of steps of a coarser run that ticks of motors end early, over its stop. Both runs make the same such steps, often with the same number of
 /// iterations; so it is finer in them, and their distance has the error of the run.
 const BOUNDED: f64 = 1.0 / (RATIO * RATIO);
 /// The least energy change that may be made, over the stop. If it had the bound of the run, a coarse companion would take more steps than the run.
@@ -74,7 +74,8 @@ impl Beside {
             interrupt: terms.interrupt.clone(),
             ..*terms
         };
-        let run = coarser.run_bounded(mechanism, stop, stages, BOUNDED).ok()?;
+        let sampled = mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0);
+        let run = coarser.run_bounded(mechanism, stop, stages, if sampled { BOUNDED } else { 1.0 }).ok()?;
         // Impacts of both that end at the same height would hide what that leaves.
         let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         run.coarsen_over_events(OVER_EVENTS);
