@@ -10,10 +10,11 @@
 //! one such flight the height is at least this gap.
 //!
 //! The impulses of all such flights and of the rest after them have the sum that an impact without restitution and the rest have, and so does their
-//! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, which takes back the friction of its rebound:
+//! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, or along `n − μ t` if it was only kicked open. That takes
+//! back the friction of its rebound, with restitution and without:
 //!
 //! ```text
-//!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N of what slides, and n of what does not
+//!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N or n − μ t of what slides, and n of what does not
 //! ```
 //!
 //! What an impact with restitution has kicked open elsewhere is not stopped where that would take far more than the energy `Σ γ²/(2 D_ii)` of the rebounds, each
