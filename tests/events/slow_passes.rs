@@ -93,3 +93,28 @@ fn steps_beside_a_known_pass_are_short_enough_at_once() {
     // 414 in all; 621 where each step of a pass was made to be halved.
     assert!(iterations <= 480, "{iterations}");
 }
+
+#[test]
+fn steps_follow_a_slip_that_turns_round_and_round_to_their_share_of_the_tolerance() {
+    // A step ends where its slip has turned by a right angle. There friction had the direction of the slip or the opposite one, by a rounding: 3e-4 m off.
+    let ball = "<link name='ball'><inertial><origin xyz='0 0 -0.004'/><mass value='0.02'/>\
+        <inertia ixx='2.4e-6' iyy='2.4e-6' izz='2.6e-6' ixy='0' ixz='0' iyz='0'/></inertial>\
+        <collision><geometry><sphere radius='0.02'/></geometry></collision></link>";
+    for (tilt, spin) in [(0.1, 500.0), (0.35, 400.0)] {
+        let scene = format!(
+            "[[robot]]\nname = \"r\"\nurdf = \"robot.urdf\"\nbase = \"floating\"\n\
+             pose = {{ position = [0, 0, 0.02], rpy = [{tilt}, 0, 0] }}\nvelocity = {{ angular = [0, 0, {spin}] }}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.3\n"
+        );
+        let file = crate::scene_files::scene_of("turns_round_and_round", ball, &scene);
+        let model = Model::load(&file).expect("a model");
+        let end = |tolerance: f64| {
+            let mut simulation = Simulation::new(&model).tolerance(tolerance).without_estimate().duration(0.2);
+            simulation.run().expect("a run");
+            simulation.finish().expect("a report")
+        };
+        let off = crate::scene_files::apart(&end(1e-6), &end(1e-10));
+        println!("tilted by {tilt} rad: {off:e} m");
+        assert!(off <= 1e-7, "tilted by {tilt} rad: {off:e} m");
+    }
+}

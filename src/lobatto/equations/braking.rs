@@ -8,8 +8,9 @@
 //!     dissipated            h Σ_k b_k Λ_k μ t_k · u_k                         [J]
 //! ```
 //!
-//! The sign of t is the sign of u_T along the direction of the slip at the start of the step. So the friction of a step that goes on beyond the stop
-//! of a slip stays smooth, and an event finds the stop as a zero of `u_T · t`. A step that starts without slip has the direction that
+//! The sign of t is the sign of u_T along the direction at the stage before. So the friction of a step that goes on beyond the stop of a slip stays
+//! smooth, and an event finds the stop as a zero of `u_T · t` with the direction at the start of the step. A slip that turns by a right angle and more
+//! keeps its friction: along the direction at the start, the sign would be a rounding where a step ends on that zero. A step that starts without slip has the direction that
 //! [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives. The slip of its first stage would not do: it differs from zero by
 //! the error of a stage, and its direction is arbitrary. The direction t follows such a slip from iterate to iterate by
 //! [`crate::equations::turning`]. A slip below a thousandth of the largest of the step counts as one that stops. It has the direction of the stage
@@ -130,7 +131,8 @@ impl<V: Lanes> Braking<V> {
                 let [normal, latest] = [&normal, &direction]
                     .map(|lanes| Vector3::from([0, 1, 2].map(|axis: usize| lanes[axis].as_ref()[lane])));
                 let turned = if self.slow { followed.turn(iterations, &latest, &normal, &slip) } else { None };
-                turned.unwrap_or_else(|| slip / if slip.dot(&self.reference) < 0.0 { -length } else { length })
+                let since = if starts { self.reference } else { before };
+                turned.unwrap_or_else(|| slip / if slip.dot(&since) < 0.0 { -length } else { length })
             };
             followed.speed = along.dot(&slip);
             before = along;
@@ -208,5 +210,39 @@ impl<V: Lanes> Braking<V> {
     #[inline(always)]
     pub fn dissipated(&self, rows: Slipping<V>, mixing: &StageMixing<V>, multiplier: V) -> f64 {
         (multiplier * mixing.weights * self.of_rows().dot(rows.slip)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vectors::portable::Portable;
+
+    type V = Portable<4>;
+
+    /// The directions at three stages after a start with the slip e_x, for slips in the plane [m/s].
+    fn directions(slips: [[f64; 2]; 3]) -> [[f64; 2]; 3] {
+        let mut braking = Braking::<V>::new(0.3, 9.81);
+        braking.begin(&Vector3::x(), 1.0, Vector3::zeros());
+        let component = |axis: usize| V::from_slice(&slips.map(|slip| slip[axis]));
+        let normal = Vector([V::zero(), V::zero(), V::splat(1.0)]);
+        let slip = Vector([component(0), component(1), V::zero()]);
+        braking.follow(0, Slipping { normal, slip }, 3);
+        let [x, y, _] = braking.directions()[0].0.map(|component| component.to_array());
+        [0, 1, 2].map(|lane| [x.as_ref()[lane], y.as_ref()[lane]])
+    }
+
+    #[test]
+    fn a_slip_that_turns_by_a_right_angle_or_more_keeps_the_direction_of_its_friction() {
+        for last in [[1e-17, 1.0], [-1e-17, 1.0], [-0.6, 0.8]] {
+            let turned = directions([[0.8, 0.6], [0.6, 0.8], last]);
+            assert_eq!(turned[2], last.map(|part| part / last[0].hypot(last[1])));
+        }
+    }
+
+    #[test]
+    fn friction_goes_on_as_before_beyond_the_stop_of_a_slip() {
+        let stopped = directions([[0.5, 0.0], [-0.1, 0.0], [-0.4, 0.0]]);
+        assert_eq!(stopped.map(|along| along[0]), [1.0; 3]);
     }
 }

@@ -10,10 +10,11 @@
 //! one such flight the height is at least this gap.
 //!
 //! The impulses of all such flights and of the rest after them have the sum that an impact without restitution and the rest have, and so does their
-//! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, which takes back the friction of its rebound:
+//! friction. So a contact that slides is stopped by a pull along the impulse that it had, `n + P_T/P_N`, or along `n − μ t` if it was only kicked open. That takes
+//! back the friction of its rebound, with restitution and without:
 //!
 //! ```text
-//!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N of what slides, and n of what does not
+//!     v⁺⁺ = v⁺ + Y W_Pᵀ x,     W_N Y W_Pᵀ x = −γ⁺            x ≤ 0 pulls (N s); rows of W_P are n + P_T/P_N or n − μ t of what slides, and n of what does not
 //! ```
 //!
 //! What an impact with restitution has kicked open elsewhere is not stopped where that would take far more than the energy `Σ γ²/(2 D_ii)` of the rebounds, each
@@ -26,6 +27,7 @@ use crate::events::effects::memory::Memory;
 use crate::events::effects::resting::{bring_rows_to_rest, energy};
 use crate::events::modes::tolerances::AT_EVENT;
 use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Of, Row, Rows};
 use crate::instant::holding::touching::Touching;
 use crate::mechanism::motion::state::State;
@@ -236,13 +238,19 @@ fn pull_back(
     true
 }
 
-/// The direction of the impulse of a contact that rebounds and slides after it, `n + P_T/P_N`; `None` of others.
+/// The direction of the impulse of a contact that slides after it, `n + P_T/P_N`; or `n − μ t` if it was kicked open, has none, and slides faster than it
+/// leaves, so that the friction of its flights cannot stop it. `None` of others.
 fn sliding(meetings: &[Meeting], index: usize, impulses: &Impulses, state: &State) -> Option<Row> {
-    let Meeting { block, rest, restitution } = &meetings[index];
+    let Meeting { block, rest, .. } = &meetings[index];
     let start: usize = meetings[..index].iter().map(|meeting| meeting.block.rows.len()).sum();
     let &[normal, first, second] = impulses.rows.get(start..start + block.rows.len())? else { return None };
-    let rate = |row: &Row| row.rate(&state.velocity);
-    let slips = rate(&block.rows[1]).hypot(rate(&block.rows[2])) > *rest;
-    (*restitution > 0.0 && normal > 0.0 && slips)
-        .then(|| Row::combined(&block.rows, &[1.0, first / normal, second / normal]))
+    let Law::Contact { friction } = block.law else { return None };
+    let slip = [1, 2].map(|row: usize| block.rows[row].rate(&state.velocity));
+    let speed = slip[0].hypot(slip[1]);
+    let along = match normal > 0.0 {
+        true => [first / normal, second / normal],
+        false => slip.map(|slip| -friction * slip / speed),
+    };
+    let least = if normal > 0.0 { *rest } else { block.rows[0].rate(&state.velocity).abs().max(*rest) };
+    (speed > least).then(|| Row::combined(&block.rows, &[1.0, along[0], along[1]]))
 }
