@@ -96,7 +96,7 @@ fn steps_beside_a_known_pass_are_short_enough_at_once() {
 
 #[test]
 fn steps_follow_a_slip_that_turns_round_and_round_to_their_share_of_the_tolerance() {
-    // A step ends where its slip has turned by a right angle. There friction had the direction of the slip or the opposite one, by a rounding: 3e-4 m off.
+    // A step ends where its slip has turned by a right angle. There friction had the direction of the slip or the opposite one, by a rounding: 5e-4 and 2e-5 m off.
     let ball = "<link name='ball'><inertial><origin xyz='0 0 -0.004'/><mass value='0.02'/>\
         <inertia ixx='2.4e-6' iyy='2.4e-6' izz='2.6e-6' ixy='0' ixz='0' iyz='0'/></inertial>\
         <collision><geometry><sphere radius='0.02'/></geometry></collision></link>";
