@@ -55,7 +55,7 @@ fn six_bar(number: usize, closed_by: &str) -> PathBuf {
     );
     let mut urdf = String::from("<robot name='r'><link name='base'/>");
     urdf += &(link("crank", 0.8, crank) + &link("coupler", 0.9, coupler) + &link("rocker", 0.7, rocker));
-    urdf += &hinge("a", "base", "crank", [0.0; 2], "", if number % 2 == 0 { 0.02 } else { 0.0 });
+    urdf += &hinge("a", "base", "crank", [0.0; 2], "", if number.is_multiple_of(2) { 0.02 } else { 0.0 });
     urdf += &hinge("b", "crank", "coupler", crank, "", 0.0);
     urdf += &hinge("c", "base", "rocker", ground, &limit, 0.0);
     urdf += &(link("rod", 0.4, rod) + &link("lever", 1.0, lever));
