@@ -264,8 +264,7 @@ impl StepMaker for Eventful {
 
     /// Up to the first event, without closed loops, and without motors that are sampled: their efforts would be those of the run in both motions.
     fn accompany(&mut self, mechanism: &Mechanism) -> bool {
-        let samples = mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0);
-        self.workspaces.accompanied = !mechanism.has_closures() && !samples;
+        self.workspaces.accompanied = !mechanism.has_closures() && !mechanism.nonsmooth.samples();
         self.workspaces.accompanied
     }
 

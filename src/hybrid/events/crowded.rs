@@ -380,7 +380,7 @@ impl Eventful {
         state.copy_from(end);
         for index in 0..self.model.elements.motors.len() {
             let motor = &self.model.elements.motors[index];
-            if motor.period > 0.0 && motor.next_instant(self.trial.origin.time) <= state.time {
+            if motor.ticks(self.trial.origin.time, state.time) {
                 self.mode.motors[index] = self.motor_mode(index, state);
             }
         }

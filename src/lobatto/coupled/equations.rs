@@ -12,6 +12,7 @@
 use crate::coupled::system::{Coupled, Geometry, One};
 use crate::numbers::lanes::Lanes;
 use catena_mechanism::structure::ranks::rows::Row;
+use std::ops::Range;
 
 /// An equation is empty where its gradient along every freedom is this part of the magnitudes that it is rounded from.
 const EMPTY: f64 = 1e-10;
@@ -29,21 +30,16 @@ pub(crate) fn find_empty<G: Geometry<One>>(
     empty.resize(loops, true);
     empty.fill(true);
     for (row, empty) in empty.iter_mut().enumerate() {
-        let direction = coupled.direction(row);
+        // The force part is first.
+        let (direction, forces) = (coupled.direction(row), G::WIDTH.div_ceil(2));
         let bodies = &circuits[coupled.closure_of_row()[row]];
         let moves = |body: usize, freedom: usize| {
             let screw = geometry.screws(plan, start, &[], body, freedom).columns;
-            // The force part is first.
-            let part = |range: std::ops::Range<usize>| {
-                let pairs = direction[range.clone()].iter().zip(&screw[range]);
-                pairs.fold([0.0; 3], |[along, first, second], (a, b)| {
-                    let b = one(*b);
-                    [along + a * b, first + a * a, second + b * b]
-                })
+            let along: f64 = direction.iter().zip(&screw).take(G::WIDTH).map(|(a, b)| a * one(*b)).sum();
+            let size = |part: Range<usize>| {
+                norm(direction[part.clone()].iter().copied()) * norm(screw[part].iter().copied().map(one))
             };
-            let forces = G::WIDTH.div_ceil(2);
-            let [[of_force, f, v], [of_torque, t, w]] = [part(0..forces), part(forces..G::WIDTH)];
-            (of_force + of_torque).abs() > EMPTY * ((f * v).sqrt() + (t * w).sqrt())
+            along.abs() > EMPTY * (size(0..forces) + size(forces..G::WIDTH))
         };
         *empty = !bodies
             .iter()
@@ -115,6 +111,11 @@ fn rope_entries<G: Geometry<One>>(
     }
     entries.sort_unstable_by_key(|(freedom, _)| *freedom);
     entries
+}
+
+/// The Euclidean norm.
+fn norm(entries: impl Iterator<Item = f64>) -> f64 {
+    entries.map(|entry| entry * entry).sum::<f64>().sqrt()
 }
 
 /// The number in the only lane.

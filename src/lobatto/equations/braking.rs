@@ -10,8 +10,8 @@
 //!
 //! The sign of t is the sign of u_T along the direction at the stage before. So the friction of a step that goes on beyond the stop of a slip stays
 //! smooth, and an event finds the stop as a zero of `u_T · t` with the direction at the start of the step. A slip that turns by a right angle and more
-//! keeps its friction: along the direction at the start, the sign would be a rounding where a step ends on that zero. A step that starts without slip has the direction that
-//! [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives. The slip of its first stage would not do: it differs from zero by
+//! keeps its friction: along the direction at the start, the sign would be a rounding where a step ends on that zero. A step that starts without slip has
+//! the direction that [`Grip::Slides`](catena_mechanism::description::contact::Grip::Slides) gives. The slip of its first stage would not do: it differs from zero by
 //! the error of a stage, and its direction is arbitrary. The direction t follows such a slip from iterate to iterate by
 //! [`crate::equations::turning`]. A slip below a thousandth of the largest of the step counts as one that stops. It has the direction of the stage
 //! before, and at the end of the step the direction of the polynomial through the stages.

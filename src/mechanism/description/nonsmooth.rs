@@ -121,6 +121,11 @@ impl Motor {
         effort.min(self.max_effort).max(-self.max_effort)
     }
 
+    /// Whether it is sampled in a step between two times (s) that ends at its next tick at the latest.
+    pub fn ticks(&self, from: f64, to: f64) -> bool {
+        self.period > 0.0 && self.next_instant(from) <= to
+    }
+
     /// The next instant after `time` at which its effort may change its law: a tick, or a given instant of its target (s).
     pub fn next_instant(&self, time: f64) -> f64 {
         let tick = if self.period > 0.0 {
@@ -174,6 +179,11 @@ impl Nonsmooth {
     /// Whether the motion is smooth: the mechanism has no limits, friction, motors and pairs.
     pub fn is_empty(&self) -> bool {
         self.limits.is_empty() && self.friction.is_empty() && self.motors.is_empty() && self.pairs.is_empty()
+    }
+
+    /// Whether a motor is sampled.
+    pub fn samples(&self) -> bool {
+        self.motors.iter().any(|motor| motor.period > 0.0)
     }
 
     /// Keeps the colliders of the world and of bodies that have a new number, and their pairs.

@@ -241,9 +241,15 @@ impl Control {
 
     /// The stopping rule of the iteration.
     pub fn rule(&self) -> StopRule {
+        self.rule_at(self.stop)
+    }
+
+    /// The same with another stop.
+    fn rule_at(&self, stop: f64) -> StopRule {
+        let increment = stop.max(1e-16);
         StopRule {
-            increment: self.stop,
-            rounding: self.stop.max(1e-11),
+            increment,
+            rounding: increment.max(1e-11),
             unproven: f64::INFINITY,
             iterations: 40,
             legendre: if self.memory.kink == Kink::Seen { KINK * self.limit } else { self.limit },
@@ -258,8 +264,7 @@ impl Control {
 
     /// The same for a step that a given instant ends early.
     pub(crate) fn bounded_rule(&self) -> StopRule {
-        let increment = (self.bounded * self.stop).max(1e-16);
-        StopRule { increment, rounding: increment.max(1e-11), ..self.rule() }
+        self.rule_at(self.bounded * self.stop)
     }
 
     /// The same for a step of some length: where the motion is settling, velocities have to be as accurate as in long steps.
@@ -270,8 +275,7 @@ impl Control {
             self.memory.settling = None;
             return rule;
         }
-        let increment = (self.stop * length / long).max(1e-16);
-        StopRule { increment, rounding: increment.max(1e-11), ..rule }
+        self.rule_at(self.stop * length / long)
     }
 
     /// Whether a first step has been chosen.

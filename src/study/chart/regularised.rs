@@ -37,8 +37,8 @@ pub(crate) enum Softness {
 /// The reduced system of a mechanism with limits, friction or motors, for a run from `start`; `None` for motors that are sampled, which it does not
 /// know.
 pub(crate) fn regularised_system(mechanism: &Mechanism, start: &State, softness: Softness) -> Option<ReducedOde> {
-    let sampled = mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0);
-    (!sampled).then(|| ReducedOde::with_regularised(mechanism, regularised(mechanism, start, softness)))
+    (!mechanism.nonsmooth.samples())
+        .then(|| ReducedOde::with_regularised(mechanism, regularised(mechanism, start, softness)))
 }
 
 /// The elements of a mechanism, as stiff as the setting allows.

@@ -16,7 +16,9 @@ use crate::events::effects::planar_rims::{land_opposite, point_that_begins, touc
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
-use crate::events::modes::tolerances::{BRIEF_SLIP, SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest};
+use crate::events::modes::tolerances::{
+    BEYOND_LIMIT, BRIEF_SLIP, SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest,
+};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Row, Rows, row_of_freedom, rows_of_contact};
@@ -304,8 +306,9 @@ impl Contacts {
         lost
     }
 
-    /// Moves overlapping contacts apart, by the least motion in the metric of the mass matrix that keeps joints within limits; returns the energy that this takes (J). An event that
-    /// was found late leaves such overlaps. The energy of the gained height is taken from the velocities.
+    /// Moves overlapping contacts apart, by the least motion in the metric of the mass matrix that keeps joints within limits; returns the energy that this
+    /// takes (J). An event that was found late leaves such overlaps. The energy of the gained height is taken from the velocities. A joint on a bound is
+    /// put back on it if roundings have moved it off, because one that is beside its bound would not meet it.
     pub fn move_apart(&self, scene: &mut Scene, state: &mut State) -> f64 {
         let bodies = body_states(scene.whole, state);
         let gap = |contact: &Contact| touch_motion(&contact.joint, &bodies).gap;
@@ -316,21 +319,25 @@ impl Contacts {
         }
         let normal = |contact: &Contact| rows_of_contact(scene.whole, &bodies, &contact.joint, false);
         let mut rows: Vec<Row> = self.all.iter().flat_map(normal).collect();
+        let mut apart = vec![(0.0, f64::INFINITY); gaps.len()];
         let on = scene.elements.joints.iter().filter_map(|joint| Some((joint, joint.side(joint.position(state))?)));
-        let of_limit = |(joint, side): (&ElementJoint, Side)| {
-            let least = if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 };
-            (row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(side)), least)
-        };
-        let (limits, least): (Vec<Row>, Vec<f64>) = on.map(of_limit).unzip();
-        rows.extend(limits);
+        let on: Vec<(&ElementJoint, Side)> = on.collect();
+        for (joint, side) in &on {
+            rows.push(row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(*side)));
+            gaps.push(0.0);
+            apart.push((if joint.is_locked() { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY));
+        }
         let rows = Rows::new(scene.response, state, rows);
-        let apart: Vec<(f64, f64)> =
-            gaps.iter().map(|_| 0.0).chain(least).map(|least| (least, f64::INFINITY)).collect();
-        gaps.resize(apart.len(), 0.0);
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&minimise(&rows.square, &gaps, &apart).efforts, &mut change);
         let before = energy(scene.whole, state).total();
         state.displace(scene.whole, &change);
+        for (joint, side) in on {
+            let gap = joint.gap(side, joint.position(state)).abs();
+            if gap > joint.at_limit(side) && gap <= BEYOND_LIMIT {
+                joint.put_on(side, state);
+            }
+        }
         keep_from_gaining(scene, state, before)
     }
 

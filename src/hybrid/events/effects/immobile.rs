@@ -77,11 +77,10 @@ pub(crate) fn held_bodies(
     let carries =
         |joint: &TouchJoint| joint.is_belt() || [&joint.a, &joint.b].iter().any(|end| is_moved(whole, end.body));
     let sticks = |closed: &Closed| closed.slides.is_none() && !carries(&closed.contact.joint);
-    let mut holding: Vec<&Closed> = mode.contacts.iter().filter(|closed| sticks(closed)).collect();
+    let mut holding: Vec<usize> = (0..mode.contacts.len()).filter(|&number| sticks(&mode.contacts[number])).collect();
     if !holding.is_empty() {
         let shared = shared_with_braked(whole, elements, touching, mode, response, state);
-        let alone = mode.contacts.iter().zip(&shared).filter(|(closed, shared)| sticks(closed) && !**shared);
-        holding = alone.map(|(closed, _)| closed).collect();
+        holding.retain(|&number| !shared[number]);
     }
     let sticks = !holding.is_empty();
     // Joints that follow a held joint are held with it; loops and contacts may hold more.
@@ -93,7 +92,7 @@ pub(crate) fn held_bodies(
     let mut rows: Vec<Row> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
     if sticks {
         let bodies = body_states(whole, state);
-        for closed in holding {
+        for closed in holding.into_iter().map(|number| &mode.contacts[number]) {
             rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
             rows.extend(rows_of_held_turns(whole, &bodies, closed));
         }

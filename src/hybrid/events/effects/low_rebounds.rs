@@ -118,12 +118,14 @@ fn too_low(
     }
     let mut low = Low::default();
     for (index, meeting) in meetings.iter().enumerate() {
-        let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
-        let returns = meeting.rate(&free) < 0.0;
-        let most = match (is_rebound(index), returns) {
-            (true, _) => height(meeting.block.of),
-            (false, true) => rounding(index),
-            (false, false) => continue,
+        let (rate, gains) = (meeting.rate(&state.velocity), meeting.rate(&free));
+        let pull = gains.abs();
+        let most = if is_rebound(index) {
+            height(meeting.block.of)
+        } else if gains < 0.0 {
+            rounding(index)
+        } else {
+            0.0
         };
         if rate > 0.0 && rate * rate <= 2.0 * pull * most {
             low.stopped.push(index);
@@ -247,10 +249,11 @@ fn sliding(meetings: &[Meeting], index: usize, impulses: &Impulses, state: &Stat
     let Law::Contact { friction } = block.law else { return None };
     let slip = [1, 2].map(|row: usize| block.rows[row].rate(&state.velocity));
     let speed = slip[0].hypot(slip[1]);
-    let along = match normal > 0.0 {
-        true => [first / normal, second / normal],
-        false => slip.map(|slip| -friction * slip / speed),
+    let (along, least) = if normal > 0.0 {
+        ([first / normal, second / normal], *rest)
+    } else {
+        let leaves = block.rows[0].rate(&state.velocity).abs();
+        (slip.map(|slip| -friction * slip / speed), leaves.max(*rest))
     };
-    let least = if normal > 0.0 { *rest } else { block.rows[0].rate(&state.velocity).abs().max(*rest) };
     (speed > least).then(|| Row::combined(&block.rows, &[1.0, along[0], along[1]]))
 }

@@ -8,7 +8,7 @@
 //! with which it presses, no contact would press, and the corners that slide would not be braked.
 
 use crate::events::modes::mode::{Closed, JointMode, Mode};
-use crate::instant::cone::apart::{parts_joined, sub_matrix};
+use crate::instant::cone::apart::{parts_joined, with_unit_diagonal};
 use crate::instant::cone::sharing::implied;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, least_answer, row_of_freedom, rows_of_contact};
@@ -64,11 +64,7 @@ pub(super) fn shared_with_braked(
 fn parts_that_share(square: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let least = least_answer(square);
     let answers: Vec<usize> = (0..square.nrows()).filter(|&row| square[(row, row)] > least).collect();
-    let scale: Vec<f64> = answers.iter().map(|&row| square[(row, row)].sqrt().recip()).collect();
-    let entries = sub_matrix(square, &answers);
-    let scaled = DMatrix::from_fn(answers.len(), answers.len(), |row, column| {
-        entries[(row, column)] * scale[row] * scale[column]
-    });
+    let (scaled, _) = with_unit_diagonal(square, &answers);
     let combinations = implied(scaled).unwrap_or_default();
     let joins = |one: usize, other: usize| {
         let together: f64 = combinations.iter().map(|combination| combination[one] * combination[other]).sum();

@@ -67,9 +67,7 @@ pub(crate) fn transit(
     let settled = stopped + if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
-    let on: Vec<Option<Side>> = elements.joints.iter().map(|joint| joint.side(joint.position(state))).collect();
     let lifted = contacts.move_apart(scene, state);
-    put_back(elements, state, &on);
     let velocity = state.velocity.clone();
     let Gathered { mut meetings, mut ends, mut left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
     let mut collided = collide(scene, state, &meetings);
@@ -183,17 +181,6 @@ fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
     let Watched::Gap(index, side) = *trigger else { return false };
     let joint = &elements.joints[index];
     joint.gap(side, joint.position(state)) < -BEYOND_LIMIT
-}
-
-/// Puts joints back on the bounds that they were on, if they are off them by roundings: one that is beside its bound would not meet it.
-fn put_back(elements: &Elements, state: &mut State, on: &[Option<Side>]) {
-    for (joint, side) in elements.joints.iter().zip(on) {
-        let Some(side) = *side else { continue };
-        let gap = joint.gap(side, joint.position(state)).abs();
-        if gap > joint.at_limit(side) && gap <= BEYOND_LIMIT {
-            joint.put_on(side, state);
-        }
-    }
 }
 
 /// Stops the joints whose slides end here by an impulse in each, if they are faster than rest; returns the energy that this takes (J). A slide whose

@@ -10,7 +10,7 @@ use crate::events::integrator::Eventful;
 use crate::events::stepwise::Pushed;
 use crate::instant::cone::problem::Law;
 use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact};
-use crate::instant::holding::elements::inward;
+use crate::instant::holding::elements::{ElementJoint, inward};
 use crate::instant::holding::moments::{Turning, blocks_of_turning};
 use crate::instant::holding::per_pair::PerPair;
 use crate::instant::holding::touching::Contact;
@@ -32,6 +32,11 @@ struct Looked {
     /// Its distance (m), and whether that is near enough.
     distance: f64,
     near: bool,
+}
+
+/// The gap of a joint on a side after a step with these rates (rad or m).
+fn gap_after(joint: &ElementJoint, side: Side, start: &State, step: f64, velocity: &[f64]) -> f64 {
+    joint.gap(side, joint.position(start)) + step * inward(side) * velocity[joint.coordinate.freedom]
 }
 
 impl Eventful {
@@ -87,8 +92,7 @@ impl Eventful {
                 let gap = joint.gap(side, joint.position(start));
                 // One that bears may be pushed by contacts alone.
                 let bears = gap <= joint.at_limit(side);
-                let reaches = reached.contains(&(index, side));
-                if bears || reaches || gap + step * inward(side) * velocity[freedom] < 0.0 {
+                if bears || reached.contains(&(index, side)) || gap_after(joint, side, start, step, velocity) < 0.0 {
                     add([0.0, f64::INFINITY], Some(side), gap);
                 }
             }
@@ -161,12 +165,12 @@ impl Eventful {
             let moving = body_states(&self.model.whole, &State { velocity: velocity.to_vec(), ..start.clone() });
             let (mut part, before) = (1.0_f64, reached.len());
             for (index, joint) in self.model.elements.joints.iter().enumerate() {
-                let moves = step * velocity[joint.coordinate.freedom];
-                let is_beyond =
-                    |side: Side| joint.gap(side, joint.position(start)) + inward(side) * moves < -joint.at_limit(side);
-                let beyond = joint.sides().filter(|&side| is_beyond(side)).map(|side| (index, side));
-                let beyond: Vec<_> = beyond.filter(|limit| !reached.contains(limit)).collect();
-                reached.extend(beyond);
+                for side in joint.sides() {
+                    let is_beyond = gap_after(joint, side, start, step, velocity) < -joint.at_limit(side);
+                    if is_beyond && !reached.contains(&(index, side)) {
+                        reached.push((index, side));
+                    }
+                }
             }
             let mut widened = reached.len() > before;
             for &Looked { pair, distance, near } in &seen {

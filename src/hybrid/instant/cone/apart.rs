@@ -60,6 +60,13 @@ pub(crate) fn sub_matrix(matrix: &DMatrix<f64>, own: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(own.len(), own.len(), |row, column| matrix[(own[row], own[column])])
 }
 
+/// The same of a symmetric matrix, scaled to a unit diagonal, so that singularity does not depend on units; and the scales `1/√D_ii`.
+pub(crate) fn with_unit_diagonal(matrix: &DMatrix<f64>, own: &[usize]) -> (DMatrix<f64>, Vec<f64>) {
+    let scales: Vec<f64> = own.iter().map(|&index| matrix[(index, index)].sqrt().recip()).collect();
+    let entry = |row: usize, column: usize| matrix[(own[row], own[column])] * scales[row] * scales[column];
+    (DMatrix::from_fn(own.len(), own.len(), entry), scales)
+}
+
 /// The rows of a square matrix in parts without any entry between them.
 pub(crate) fn parts_of(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     parts_joined(matrix.nrows(), |row, column| matrix[(row, column)] != 0.0 || matrix[(column, row)] != 0.0)

@@ -23,7 +23,7 @@
 //! Source: M. Hintermüller, K. Ito, K. Kunisch, The primal–dual active set strategy as a semismooth Newton method, SIAM J. Optim. 13 (2002),
 //! section 2; J. Nocedal, S. J. Wright, Numerical Optimization, Springer 2006, section 16.5.
 
-use crate::instant::cone::apart::{parts_of, sub_matrix};
+use crate::instant::cone::apart::{parts_of, sub_matrix, with_unit_diagonal};
 use nalgebra::{DMatrix, DVector};
 
 /// Pivots of D below this part of the largest are rounding.
@@ -126,11 +126,7 @@ fn primal_dual(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> 
 
 /// The solution of `D_FF λ_F = −a_F`; `None` if `D_FF` is singular.
 fn definite_on_face(matrix: &DMatrix<f64>, rest: &[f64], free: &[usize]) -> Option<Vec<f64>> {
-    // Scaled to a unit diagonal, so that singularity does not depend on units.
-    let inverse: Vec<f64> = free.iter().map(|&index| matrix[(index, index)].sqrt().recip()).collect();
-    let face = DMatrix::from_fn(free.len(), free.len(), |row, column| {
-        matrix[(free[row], free[column])] * inverse[row] * inverse[column]
-    });
+    let (face, inverse) = with_unit_diagonal(matrix, free);
     let factor = face.clone().cholesky()?;
     let pivots = factor.l_dirty().diagonal();
     if !pivots.iter().all(|pivot| pivot * pivot > DEFINITE) {

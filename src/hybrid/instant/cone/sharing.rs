@@ -13,7 +13,7 @@
 //! the others alone follow. Such a contact presses again if the motion brings it down, or if the springs of the others would press there:
 //! `P' = Σ c_i P_i > 0` with its gradient `r = Σ c_i r_i`.
 
-use crate::instant::cone::apart::{parts_of, sub_matrix};
+use crate::instant::cone::apart::{parts_of, sub_matrix, with_unit_diagonal};
 use crate::instant::cone::cascade::{ACCEPTED, solve_to_part};
 use crate::instant::cone::least_norm::{least_norm, spread};
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
@@ -115,9 +115,8 @@ pub(crate) fn on_equal_springs(mobility: &DMatrix<f64>, normals: &[usize], gives
     if count < 2 {
         return None;
     }
-    let scales: Vec<f64> = normals.iter().map(|&row| 1.0 / mobility[(row, row)].sqrt()).collect();
-    let entry = |i: usize, j: usize| mobility[(normals[i], normals[j])] * scales[i] * scales[j];
-    let implied = implied(DMatrix::from_fn(count, count, entry)).filter(|columns| !columns.is_empty())?;
+    let (scaled, scales) = with_unit_diagonal(mobility, normals);
+    let implied = implied(scaled).filter(|columns| !columns.is_empty())?;
     let mean = normals.iter().map(|&row| mobility[(row, row)]).sum::<f64>() / count as f64;
     let basis = DMatrix::from_fn(count, implied.len(), |i, column| implied[column][i] * scales[i]).qr().q();
     let springs = &basis * basis.transpose() * (gives * mean);

@@ -117,7 +117,7 @@ impl<'a> Groups<'a> {
     pub(super) fn see_held(&mut self, parts: &[IslandRun], mechanism: &Mechanism) {
         let motors = &mechanism.nonsmooth.motors;
         self.held.clear();
-        if motors.iter().any(|motor| motor.period > 0.0) {
+        if mechanism.nonsmooth.samples() {
             self.held.resize(motors.len(), None);
             parts.iter().for_each(|part| part.put_held(motors, &mut self.held));
         }

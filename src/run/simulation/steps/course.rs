@@ -389,7 +389,7 @@ pub(crate) fn held_at(mechanism: &Mechanism, start: &State) -> Option<Vec<Option
         let effort = || motor.effort(start.time, start.position[at.position], start.velocity[at.freedom]);
         (motor.period > 0.0).then(effort)
     };
-    motors.iter().any(|motor| motor.period > 0.0).then(|| motors.iter().map(of).collect())
+    mechanism.nonsmooth.samples().then(|| motors.iter().map(of).collect())
 }
 
 #[cfg(test)]

@@ -29,12 +29,6 @@ const LUCK: f64 = 3.0;
 /// Factor for the rounding errors of two motions that round independently.
 pub(crate) const OWN_ROUNDINGS: f64 = 2.0;
 
-/// Whether a step between two times (s) ends at a tick of a motor.
-fn is_at_tick(mechanism: &Mechanism, from: f64, to: f64) -> bool {
-    let motors = &mechanism.nonsmooth.motors;
-    motors.iter().any(|motor| motor.period > 0.0 && motor.next_instant(from) == to)
-}
-
 /// Why a separate run has not reached the time that was asked for.
 pub(crate) enum Behind {
     /// It has failed: so coarse a run may fail although a finer one succeeds.
@@ -74,8 +68,8 @@ impl Beside {
             interrupt: terms.interrupt.clone(),
             ..*terms
         };
-        let sampled = mechanism.nonsmooth.motors.iter().any(|motor| motor.period > 0.0);
-        let run = coarser.run_bounded(mechanism, stop, stages, if sampled { BOUNDED } else { 1.0 }).ok()?;
+        let bounded = if mechanism.nonsmooth.samples() { BOUNDED } else { 1.0 };
+        let run = coarser.run_bounded(mechanism, stop, stages, bounded).ok()?;
         // Impacts of both that end at the same height would hide what that leaves.
         let mut run = run.leaving(stop / coarser.first_stop(mechanism), RATIO);
         run.coarsen_over_events(OVER_EVENTS);
@@ -183,7 +177,8 @@ impl Beside {
             let from = self.state.time;
             self.run.advance(mechanism, &mut self.state, until).map_err(|_| Behind::Failed)?;
             self.steps += 1;
-            self.ticks += usize::from(is_at_tick(mechanism, from, self.state.time));
+            let ticks = mechanism.nonsmooth.motors.iter().any(|motor| motor.ticks(from, self.state.time));
+            self.ticks += usize::from(ticks);
             self.run.take_events(&mut self.events);
         }
         Ok(())
