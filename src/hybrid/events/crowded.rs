@@ -214,17 +214,20 @@ impl Eventful {
         true
     }
 
-    /// Begins a crowd with a step from a state towards `until`; `None` if the crowd is brief and such steps do not keep to the tolerance, if crowds are
-    /// switched off, or if the step cannot be made.
+    /// Begins a crowd with a step from a state towards `until`; `None` if the crowd is brief, such steps do not keep to the tolerance and plastic ones are
+    /// stable, if crowds are switched off, or if the step cannot be made.
     pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
         let (length, keeps) = self.crowd_length();
-        if self.model.recipe.keeps(Rule::Crowds) || self.needs_events() || self.progress.crowding.is_brief(keeps) {
+        if self.model.recipe.keeps(Rule::Crowds) || self.needs_events() {
             return None;
         }
-        let before = self.progress.crowding;
+        let crowding = self.progress.crowding;
+        if crowding.is_brief(keeps) && !self.overshoots(state, crowding.length()) {
+            return None;
+        }
         self.progress.crowding.enter(state.time);
         let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, self.model.coarser * length) else {
-            self.progress.crowding = before;
+            self.progress.crowding = crowding;
             return None;
         };
         self.progress.in_crowd = true;

@@ -14,7 +14,7 @@ use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::jumps::{JUMP, Located};
 use crate::events::modes::instants::Inside;
-use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, slip_at_rest};
+use crate::events::modes::tolerances::{AT_EVENT, STEEP_SLIP, rate_at_rest, slip_at_rest};
 use crate::events::turning::{BEFORE_IT, Turned};
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
@@ -101,12 +101,31 @@ impl Eventful {
         self.trial.watched.iter().position(|watched| *watched == of).unwrap_or(before)
     }
 
-    /// The same, with room for it.
+    /// The same, with room for it. Joints that creep on have not stopped.
     fn look(&mut self, inputs: Inputs, since: f64, but: Option<usize>, looking: &mut Looking) -> Option<Bracket> {
-        let Looking { which, zero, noise, room } = looking;
+        looking.creeping.clear();
+        loop {
+            let found = self.look_at_others(inputs, since, but, looking)?;
+            if !self.creeps_on(inputs, since, found.root, found.watched) {
+                return Some(found);
+            }
+            looking.creeping.push(found.watched);
+        }
+    }
+
+    /// The same, but for joints that are known to creep on.
+    fn look_at_others(
+        &mut self,
+        inputs: Inputs,
+        since: f64,
+        but: Option<usize>,
+        looking: &mut Looking,
+    ) -> Option<Bracket> {
+        let Looking { which, zero, noise, room, creeping } = looking;
         self.candidates(since, which);
         self.see_forces();
-        which.retain(|index| Some(*index) != but && !self.is_foreseen(self.trial.watched[*index]));
+        let skipped = |index: &usize| Some(*index) == but || creeping.contains(index);
+        which.retain(|index| !skipped(index) && !self.is_foreseen(self.trial.watched[*index]));
         room.unclear = false;
         if which.is_empty() {
             return None;
@@ -202,6 +221,11 @@ impl Eventful {
                 // Those that get there at the same time; the top of a small bounce does not.
                 (Watched::Gap(joint, _), _) => {
                     self.model.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
+                }
+                // Joints that stop together have come from rates; one that creeps to its rest, against a hard damper, goes on.
+                (Watched::Slide(joint), _) => {
+                    let began = self.model.elements.joints[joint].rate(&self.trial.origin).abs();
+                    (AT_EVENT * began.min(1.0)).max(rate_at_rest(self.memory.joints[joint].fastest))
                 }
                 _ => watched.nearly(AT_EVENT, &self.model.elements, &self.model.touching, &self.mode),
             };

@@ -37,6 +37,7 @@ mod closing_pairs;
 mod commanded;
 mod contact_points;
 mod covered;
+mod creeping;
 mod crowd;
 #[cfg(test)]
 mod crowd_tests;

@@ -33,6 +33,9 @@ const GAIN: f64 = 1e-14;
 /// This many closed contacts add the cost of about one step.
 const CONTACTS_A_STEP: usize = 4;
 
+/// Dampers with time constants below half of this (s) make joints that creep stop and slip, and limits bear and release, without an end.
+const HARD: f64 = 1e-4;
+
 /// A step in which a body could pass through another is made shorter this often at most.
 const SHORTENED: usize = 4;
 
@@ -65,7 +68,9 @@ impl Eventful {
         let chosen = self.model.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         let bearable = self.bearable_labour();
-        let may = !self.model.touching.pairs.is_empty() && !self.model.recipe.keeps(Rule::Crowds);
+        let may = !self.model.recipe.keeps(Rule::Crowds)
+            && (!self.model.touching.pairs.is_empty()
+                || self.progress.crowding.is_eventful() && self.overshoots(state, HARD));
         may && self.progress.crowding.count(state.time, work, bearable, self.trial.loose.is_one())
     }
 
@@ -84,7 +89,7 @@ impl Eventful {
         let mut step = (longer * self.progress.crowding.length()).min(until - start.time);
         let mut rounds = 0;
         let Pushed { pressed, limits, near, rebounds, driven, .. } = loop {
-            let pushed = self.pushed(step, &start, &free, &mut state.velocity);
+            let pushed = self.pushed(step, &start, &free, &mut state.velocity, rounds == SHORTENED);
             // Short enough that no body passes through another.
             if pushed.part >= 1.0 || rounds == SHORTENED {
                 break pushed;
@@ -126,6 +131,19 @@ impl Eventful {
         self.tally.steps += 1;
         self.tally.stepped += step;
         StepOutcome::new(step, 1, Exchange { work, impacts, ..Exchange::default() })
+    }
+
+    /// Whether a step of first order under the dampers, springs and motors of its start reverses what they damp: `h (D + h K) Y > 2` along a freedom.
+    /// Steps over events have these forces at their ends.
+    pub(super) fn overshoots(&mut self, state: &State, step: f64) -> bool {
+        let dampers = self.model.whole.forces.joint_dampers.iter().map(|damper| (damper.freedom, damper.coefficient));
+        let motors = self.model.elements.motors.iter().filter(|motor| motor.period == 0.0).map(|motor| {
+            let (stiffness, damping) = motor.law.gains();
+            (motor.coordinate.freedom, damping + step * stiffness)
+        });
+        let (freedoms, slopes): (Vec<usize>, Vec<f64>) = dampers.chain(motors).unzip();
+        let answers = self.workspaces.response.diagonal(state, freedoms.into_iter());
+        answers.iter().zip(slopes).any(|(answer, slope)| step * slope * answer > 2.0)
     }
 
     /// The speed by which bodies may move otherwise within a step of first order [m/s]: its pushes are those of its end, and may be those of its start, so

@@ -148,6 +148,11 @@ impl Crowding {
         breaks + slips >= LABOUR_EVENTS && work + decided > bearable
     }
 
+    /// Whether the labour that is counted now is among many events.
+    pub fn is_eventful(&self) -> bool {
+        self.labour.events >= LABOUR_EVENTS
+    }
+
     /// Notes a step that begins at a time (s) with a slip that is not slow.
     pub fn note_lively(&mut self, time: f64) {
         self.labour.lively += usize::from(time - self.labour.since <= LABOUR_WITHIN);

@@ -134,8 +134,16 @@ impl Eventful {
     }
 
     /// Adds the free accelerations, and the impulses of all blocks that may close in a step, to velocities at its start. A pair that was far may come
-    /// near because others push it: it is then looked at as well, and so is a limit beyond which others push a joint.
-    pub(super) fn pushed(&mut self, step: f64, start: &State, free: &[f64], velocity: &mut [f64]) -> Pushed {
+    /// near because others push it: it is then looked at as well, and so is a limit beyond which others push a joint. A step that turns out to be too
+    /// long is not looked at further, unless it is made all the same: all that very fast bodies may meet would count.
+    pub(super) fn pushed(
+        &mut self,
+        step: f64,
+        start: &State,
+        free: &[f64],
+        velocity: &mut [f64],
+        made_anyway: bool,
+    ) -> Pushed {
         let mut wider: PerPair<f64> = PerPair::default();
         let mut reached: Vec<(usize, Side)> = Vec::new();
         let mut round = 0;
@@ -176,12 +184,17 @@ impl Eventful {
             for &Looked { pair, distance, near } in &seen {
                 let of = &self.model.touching.pairs[pair];
                 let moves = MOVES * step * speed_of(of, &moving);
-                if near {
-                    let through = of.breadth.max(THIN * of.size());
+                let through = of.breadth.max(THIN * of.size()) + if near { 0.0 } else { distance };
+                if near || !made_anyway {
                     part = part.min(if moves > through { 0.5 * through / moves } else { 1.0 });
-                } else if distance <= moves {
+                }
+                if !near && distance <= moves {
                     (*wider.of(pair), widened) = (moves, true);
                 }
+            }
+            if part < 1.0 && !made_anyway {
+                let near = Vec::new();
+                return Pushed { pressed, limits, near, rebounds, driven, part };
             }
             // Pairs that were left out may come near because others push them.
             let begins = body_states(&self.model.whole, start);

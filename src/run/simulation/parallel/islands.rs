@@ -331,7 +331,7 @@ impl<'a> Islands<'a> {
         let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
         whole.summary.solve_cpu_seconds = times.fold(whole.spent, |sum, time| sum + time);
         for part in self.parts.iter().filter_map(|part| part.course.as_ref()) {
-            whole.summary.see_contacts(&part.summary().contact, part.summary().deepest_at);
+            whole.summary.see_part(&part.summary());
         }
         if together {
             for IslandRun { island, state: own, .. } in &self.parts {

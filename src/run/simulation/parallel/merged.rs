@@ -59,6 +59,7 @@ impl MergedRun {
     pub(crate) fn new(mechanism: &Mechanism, state: &State, options: &RunOptions) -> Self {
         let bodies = body_states(mechanism, state);
         let initial = energy_with_forces(mechanism, &state.position, &bodies);
+        let (held, pulled) = held(mechanism, state);
         MergedRun {
             start: state.time,
             end: state.time + options.duration,
@@ -68,7 +69,8 @@ impl MergedRun {
                 initial_energy: initial,
                 final_energy: initial,
                 pushes: pushes(mechanism, state, initial.spring),
-                held: held(mechanism, state),
+                held,
+                pulled,
                 max_violation: violation(mechanism, state, &bodies),
                 ..Summary::default()
             },
@@ -99,7 +101,7 @@ impl MergedRun {
         if let Some(course) = &part.course {
             let summary = course.summary();
             self.spent += summary.solve_cpu_seconds;
-            self.summary.see_contacts(&summary.contact, summary.deepest_at);
+            self.summary.see_part(&summary);
         }
     }
 

@@ -43,6 +43,8 @@ pub struct Summary {
     pub pushes: f64,
     /// The most that the springs of motors, `½ kp (r − q)²` up to their bounds, had stored at the end of any step (J).
     pub held: f64,
+    /// The most that these springs pulled with at the end of any step, added up [N or N m].
+    pub pulled: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
     /// How many events there were of each kind.
@@ -77,6 +79,13 @@ impl Summary {
         self.contact.include(contact);
     }
 
+    /// Takes the worst contacts of a part of the run, and what its motors held, if that is the most of all parts.
+    pub(crate) fn see_part(&mut self, part: &Summary) {
+        self.see_contacts(&part.contact, part.deepest_at);
+        self.pushes = self.pushes.max(part.pushes);
+        (self.held, self.pulled) = (self.held.max(part.held), self.pulled.max(part.pulled));
+    }
+
     /// Steps and their cost so far.
     pub(crate) fn counts(&self) -> Counts {
         let Cost { iterations, rejected, .. } = self.cost;
@@ -100,12 +109,14 @@ impl Bookkeeper {
     pub fn new(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Self {
         let initial = energy_with_forces(mechanism, &state.position, bodies);
         let violation = violation(mechanism, state, bodies);
+        let (held, pulled) = held(mechanism, state);
         Bookkeeper {
             summary: Summary {
                 initial_energy: initial,
                 final_energy: initial,
                 pushes: pushes(mechanism, state, initial.spring),
-                held: held(mechanism, state),
+                held,
+                pulled,
                 max_violation: violation,
                 ..Summary::default()
             },
@@ -141,7 +152,8 @@ impl Bookkeeper {
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
-        summary.held = summary.held.max(held(mechanism, state));
+        let (held, pulled) = held(mechanism, state);
+        (summary.held, summary.pulled) = (summary.held.max(held), summary.pulled.max(pulled));
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_energy_error = self.largest_deviation;
@@ -158,14 +170,14 @@ pub(crate) fn moved_by_motors(exchange: &Exchange, energy: &Energy) -> f64 {
     exchanged.max(AT_REST * (energy.potential.abs() + energy.spring))
 }
 
-/// The energy that springs of motors store in a state, up to their bounds (J).
-pub(crate) fn held(mechanism: &Mechanism, state: &State) -> f64 {
+/// The energy that springs of motors store in a state, up to their bounds (J), and what they pull with, added up [N or N m].
+pub(crate) fn held(mechanism: &Mechanism, state: &State) -> (f64, f64) {
     let motors = mechanism.nonsmooth.motors.iter().filter(|motor| matches!(motor.law, MotorLaw::Position { .. }));
-    let stored = motors.map(|motor| {
+    motors.fold((0.0, 0.0), |(stored, pulled), motor| {
         let stretch = (motor.target.value(state.time) - state.position[motor.coordinate.position]).abs();
-        0.5 * stretch * (motor.law.gains().0 * stretch).min(motor.max_effort)
-    });
-    stored.sum()
+        let pull = (motor.law.gains().0 * stretch).min(motor.max_effort);
+        (stored + 0.5 * stretch * pull, pulled + pull)
+    })
 }
 
 /// Sum of the sizes of all forces of a mechanism in a state [N or N m]; `stored` is the energy of its springs (J).
